@@ -16,6 +16,7 @@ module amontons
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_constraints, only: new_support, support_t
    use amontons_contact_method, only: contact_method_t
+   use amontons_contact_operator, only: contact_operator_t, new_compliance_operator, new_stiffness_operator
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -75,9 +76,9 @@ module amontons
       mesh_t, name_mesh, new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, &
       new_support, new_tie, read_mesh_file, rectangle_t, solve_body, support_t, tie_t
    ! Contact problems and methods
-   public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
-      new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &
-      new_sparse_matrix, symmetric_matrix_t
+   public :: contact_method_t, contact_operator_t, contact_problem_t, contact_solution_t, method_names, &
+      method_options_t, new_compliance_operator, new_contact_method, new_contact_problem, new_contact_solution, &
+      new_dense_matrix, new_reduced_problem, new_sparse_matrix, new_stiffness_operator, symmetric_matrix_t
    public :: all_solutions_t, find_all_solutions, new_uniqueness, uniqueness_t
    public :: open_point, slip_minus, slip_plus, status_names, stick_point
    ! Certificates

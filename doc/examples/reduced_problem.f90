@@ -4,12 +4,14 @@
 !> slides backwards.
 program reduced_problem
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: contact_method_t, contact_problem_t, contact_solution_t, dp, error_t, method_options_t, &
-      new_contact_method, new_contact_solution, new_dense_matrix, new_reduced_problem, status_names, symmetric_matrix_t
+   use amontons, only: contact_method_t, contact_operator_t, contact_problem_t, contact_solution_t, dp, error_t, &
+      method_options_t, new_compliance_operator, new_contact_method, new_contact_solution, new_dense_matrix, &
+      new_reduced_problem, status_names, symmetric_matrix_t
    implicit none (type, external)
    real(dp), allocatable :: a(:, :)
    real(dp), parameter :: b(4) = [1.0_dp, 2.0_dp, -0.5_dp, -4.0_dp], friction(2) = [0.75_dp, 0.5_dp]
    type(symmetric_matrix_t) :: matrix
+   type(contact_operator_t), target :: compliance
    type(contact_problem_t) :: problem
    type(contact_solution_t) :: solution
    class(contact_method_t), allocatable :: method
@@ -21,7 +23,8 @@ program reduced_problem
                -0.5_dp, 0.0_dp, 3.0_dp, 0.25_dp, &
                 0.0_dp, 0.5_dp, 0.25_dp, 3.0_dp], [4, 4])
    call new_dense_matrix(matrix, a)
-   call new_reduced_problem(problem, matrix, b, friction)
+   call new_compliance_operator(compliance, matrix)
+   call new_reduced_problem(problem, compliance, b, friction)
    call new_contact_solution(solution, problem%n_points)
    call new_contact_method(method, method_options_t(method='auto'), error)
    if (.not. allocated(error)) call method%solve(problem, solution, error)

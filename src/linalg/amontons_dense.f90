@@ -2,13 +2,15 @@
 !>
 !> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
 module amontons_dense
-   use amontons_kinds, only: dp
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dgemv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_product, cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, cholesky_inverse, &
-      cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, symmetric_eigenvectors, &
+   public :: add_product, allocate_matrix, cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, &
+      cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, symmetric_eigenvectors, &
       symmetric_multiply, transposed_product, triangular_solve
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
@@ -17,6 +19,22 @@ module amontons_dense
    end interface cholesky_solve
 
 contains
+
+   !> Allocates a large matrix, its numbers undefined.
+   subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)
+      real(dp), allocatable, intent(inout) :: matrix(:, :) !! the matrix (n_rows, n_columns)
+      integer, intent(in) :: n_rows !! number of its rows
+      integer, intent(in) :: n_columns !! number of its columns
+      character(*), intent(in) :: owner !! what it is a matrix of, in the user's words
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer :: status
+
+      if (allocated(matrix)) deallocate (matrix)
+      allocate (matrix(n_rows, n_columns), stat=status)
+      if (status == 0) return
+      call new_error(error, system_failure, 'not enough memory: a dense matrix of '//owner//', '//to_text(n_rows)// &
+         ' by '//to_text(n_columns)//' numbers, needs '//to_text(nint(8.0e-6_dp*n_rows*n_columns, int64))//' MB')
+   end subroutine allocate_matrix
 
    !> Replaces the lower triangle of a symmetric matrix by its Cholesky factor L, A = L L^T.
    pure subroutine cholesky_factor(a, info)

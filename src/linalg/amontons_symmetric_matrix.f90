@@ -21,6 +21,7 @@ module amontons_symmetric_matrix
       procedure :: column_product => symmetric_matrix_column_product
       procedure :: diagonal => symmetric_matrix_diagonal
       procedure :: element => symmetric_matrix_element
+      procedure :: fill_block => symmetric_matrix_fill_block
       procedure :: is_sparse => symmetric_matrix_is_sparse
       procedure :: multiply => symmetric_matrix_multiply
       procedure :: part_multiply => symmetric_matrix_part_multiply
@@ -200,9 +201,19 @@ contains
       integer, intent(in) :: rows(:) !! numbers of the rows, each at most once
       integer, intent(in) :: columns(:) !! numbers of the columns
       real(dp), allocatable :: block(:, :)
-      integer :: place(self%n), i, j, k
 
       allocate (block(size(rows), size(columns)))
+      call self%fill_block(rows, columns, block)
+   end function symmetric_matrix_block
+
+   !> Fills an array with the block of given rows and columns.
+   pure subroutine symmetric_matrix_fill_block(self, rows, columns, block)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: rows(:) !! numbers of the rows, each at most once
+      integer, intent(in) :: columns(:) !! numbers of the columns
+      real(dp), intent(out) :: block(:, :) !! the block (rows, columns)
+      integer :: place(self%n), i, j, k
+
       if (allocated(self%values)) then
          do j = 1, size(columns)
             do i = 1, size(rows)
@@ -220,7 +231,7 @@ contains
             if (i > 0) block(i, j) = self%entry(k)
          end do
       end do
-   end function symmetric_matrix_block
+   end subroutine symmetric_matrix_fill_block
 
    !> Multiplies the matrix by a number.
    pure subroutine symmetric_matrix_scale(self, factor)

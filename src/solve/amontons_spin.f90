@@ -10,6 +10,7 @@ module amontons_spin
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
    use amontons_components, only: solve_components
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -195,23 +196,22 @@ contains
       ! Points slip before such springs bear much; matrices of more points are left alone: they take minutes.
       real(dp), parameter :: weak = 1.0e-3_dp
       integer, parameter :: most_points = 2000
+      type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: held
       type(contact_solution_t) :: found
       type(auto_t) :: method
       type(error_t), allocatable :: error
       real(dp) :: stiffness
-      integer :: i, j
+      integer :: i
 
       if (problem%n_points > most_points) return
+      call problem%matrix%copy_dense(matrix, error)
+      if (allocated(error)) return
       held = problem
-      call held%prepare_stiffness()
-      if (allocated(held%band)) deallocate (held%band)
-      if (allocated(held%compliance)) deallocate (held%compliance)
+      held%matrix => matrix
       do i = 1, size(spins, 2)
          stiffness = weak*maxval(problem%augmentation())/sum(spins(:, i)**2)
-         do j = 1, size(spins, 1)
-            held%stiffness(:, j) = held%stiffness(:, j) + stiffness*spins(j, i)*spins(:, i)
-         end do
+         call matrix%add_motion(stiffness, spins(:, i))
       end do
       call new_contact_solution(found, problem%n_points)
       call solve_components(method, held, found, error)

@@ -44,17 +44,17 @@ contains
       n = 2*m
       matrix = 0.0_dp
       pair = 0.0_dp
-      if (problem%is_reduced()) then
-         matrix(:n, n + 1:) = problem%compliance%block([(i, i=1, n)], [(i, i=1, n)])
+      if (.not. problem%matrix%has_stiffness()) then
+         matrix(:n, n + 1:) = problem%matrix%compliance%block([(i, i=1, n)], [(i, i=1, n)])
          pair(:n) = problem%free_displacement
       else
-         matrix(:n, n + 1:) = problem%stiffness
+         matrix(:n, n + 1:) = problem%matrix%stiffness%values
          pair(:n) = problem%load
       end if
       do i = 1, n
          matrix(i, i) = 1.0_dp
       end do
-      if (.not. problem%is_reduced()) matrix(:n, :) = cshift(matrix(:n, :), n, dim=2)
+      if (problem%matrix%has_stiffness()) matrix(:n, :) = cshift(matrix(:n, :), n, dim=2)
       do p = 1, m
          if (status(p) == open_point) then
             matrix(n + p, n + p) = 1.0_dp

@@ -1,13 +1,24 @@
 !> Contact problems written by hand or drawn at random, the same every time.
 module sample_problems
+   use amontons_contact_operator, only: contact_operator_t, new_compliance_operator, new_stiffness_operator
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_kinds, only: dp, int64
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, bar_problem, free_problem, inverse, one_point, &
-      reduced, semidefinite_problem, sparse_form, three_solutions, two_points, written_problem
+   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, bar_problem, compliance_problem, free_problem, &
+      inverse, keep_matrix, one_point, reduced, semidefinite_problem, sparse_form, stiffness_problem, three_solutions, &
+      two_points, written_problem
+
+   !> An operator, and the one that was made before it.
+   type :: kept_t
+      type(contact_operator_t) :: matrix !! the operator
+      type(kept_t), pointer :: before => null() !! the one before
+   end type kept_t
+
+   !> The last of the operators, which live as long as the tests.
+   type(kept_t), pointer, save :: last => null()
 
    !> Stiffness of the point in `one_point`.
    real(dp), parameter :: point_stiffness(2, 2) = reshape([4.0_dp, 1.0_dp, 1.0_dp, 2.0_dp], [2, 2])
@@ -15,6 +26,49 @@ module sample_problems
    real(dp), parameter :: coupled_compliance(2, 2) = reshape([1.0_dp, 0.8_dp, 0.8_dp, 1.0_dp], [2, 2])
 
 contains
+
+   !> Makes a contact problem of a stiffness that lives as long as the tests.
+   subroutine stiffness_problem(problem, stiffness, is_held)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m)
+      logical, intent(in) :: is_held !! whether S is positive definite
+      real(dp), allocatable :: values(:, :)
+
+      call keep_another()
+      allocate (values, source=stiffness)
+      call new_stiffness_operator(last%matrix, values, is_held)
+      call new_contact_problem(problem, last%matrix)
+   end subroutine stiffness_problem
+
+   !> Makes a reduced problem of a compliance that lives as long as the tests.
+   subroutine compliance_problem(problem, compliance, free_displacement, friction)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      type(symmetric_matrix_t), intent(in) :: compliance !! A (2m, 2m)
+      real(dp), intent(in) :: free_displacement(:) !! v_free (2m)
+      real(dp), intent(in) :: friction(:) !! phi (m)
+
+      call keep_another()
+      call new_compliance_operator(last%matrix, compliance)
+      call new_reduced_problem(problem, last%matrix, free_displacement, friction)
+   end subroutine compliance_problem
+
+   !> Gives a problem a copy of its operator, which lives as long as the tests and which no other problem has.
+   subroutine keep_matrix(problem)
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+
+      call keep_another()
+      last%matrix = problem%matrix
+      problem%matrix => last%matrix
+   end subroutine keep_matrix
+
+   !> Makes room for another operator.
+   subroutine keep_another()
+      type(kept_t), pointer :: next
+
+      allocate (next)
+      next%before => last
+      last => next
+   end subroutine keep_another
 
    !> A held problem from its numbers.
    subroutine written_problem(problem, stiffness, load, gap, friction)
@@ -24,7 +78,7 @@ contains
       real(dp), intent(in) :: gap(:) !! d (m)
       real(dp), intent(in) :: friction(:) !! phi (m)
 
-      call new_contact_problem(problem, stiffness, is_held=.true.)
+      call stiffness_problem(problem, stiffness, is_held=.true.)
       problem%load = load
       problem%gap = gap
       problem%friction = friction
@@ -74,7 +128,7 @@ contains
          if (i < first + n_points) stiffness(i, i + 1) = -1.0_dp
       end do
       stiffness(first + 1, first + 1) = 1.0_dp + ground
-      call new_contact_problem(problem, stiffness, is_held=ground > 0.0_dp)
+      call stiffness_problem(problem, stiffness, is_held=ground > 0.0_dp)
    end subroutine bar_problem
 
    !> Two points that nothing holds in the normal direction: a spring of stiffness 1 between u_N1 + u_T1 / 2 and u_N2,
@@ -88,7 +142,7 @@ contains
       stiffness = spread(spring, 1, 4)*spread(spring, 2, 4)
       stiffness(3, 3) = 3.0_dp
       stiffness(4, 4) = 3.0_dp
-      call new_contact_problem(problem, stiffness, is_held=.false.)
+      call stiffness_problem(problem, stiffness, is_held=.false.)
       problem%load = load
       problem%friction = 0.5_dp
    end subroutine free_problem
@@ -113,11 +167,11 @@ contains
       type(symmetric_matrix_t) :: compliance
       real(dp), allocatable :: values(:, :), displacement(:)
 
-      values = inverse(held%stiffness)
+      values = inverse(held%matrix%stiffness%values)
       displacement = matmul(values, held%load)
       displacement(:held%n_points) = displacement(:held%n_points) - held%gap
       call new_dense_matrix(compliance, values)
-      call new_reduced_problem(problem, compliance, displacement, held%friction)
+      call compliance_problem(problem, compliance, displacement, held%friction)
       problem%anchor = held%anchor
       problem%slip_bound = held%slip_bound
    end subroutine reduced
@@ -131,8 +185,8 @@ contains
 
       n = 2*dense%n_points
       call new_sparse_matrix(compliance, n, [((i, i=1, n), j=1, n)], [((j, i=1, n), j=1, n)], &
-         reshape(dense%compliance%values, [n*n]))
-      call new_reduced_problem(problem, compliance, dense%free_displacement, dense%friction)
+         reshape(dense%matrix%compliance%values, [n*n]))
+      call compliance_problem(problem, compliance, dense%free_displacement, dense%friction)
       problem%gap = dense%gap
       problem%anchor = dense%anchor
       problem%slip_bound = dense%slip_bound
@@ -154,7 +208,7 @@ contains
       numbers = arbitrary_numbers(3*n_points, seed + 500)
       values = matmul(root, transpose(root))
       call new_dense_matrix(compliance, values)
-      call new_reduced_problem(problem, compliance, matmul(root, matmul([1.0_dp + numbers(:n_points), &
+      call compliance_problem(problem, compliance, matmul(root, matmul([1.0_dp + numbers(:n_points), &
          0.5_dp*numbers(n_points + 1:2*n_points)], root)) &
          - [abs(numbers(2*n_points + 1:)), spread(0.0_dp, 1, n_points)], spread(friction, 1, n_points))
    end subroutine semidefinite_problem
@@ -178,7 +232,7 @@ contains
             columns = columns - spread(sum(columns, dim=2)/n_points, 2, n_points)
          end associate
       end if
-      call new_contact_problem(problem, stiffness, is_held)
+      call stiffness_problem(problem, stiffness, is_held)
       problem%load = numbers(:2*n_points)
       if (.not. is_held) then
          associate (pressure => problem%load(:n_points))

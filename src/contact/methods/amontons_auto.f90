@@ -60,7 +60,7 @@ contains
    !> length and of other methods.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       type(stages_t) :: stages
@@ -77,7 +77,7 @@ contains
       call new_contact_solution(solution, problem%n_points)
       call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, patience=huge(1)), problem, &
          solution, error)
-      if (allocated(problem%band)) call follow_fronts(stages, problem, solution, error)
+      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem, solution, error)
       solution = stages%best
       if (suits_splitting(problem)) then
          call stages%run(splitting_t(tolerance=max(coarse, self%tolerance), max_iterations=n_splitting_steps), &
@@ -94,7 +94,7 @@ contains
    !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on.
    subroutine follow_fronts(stages, problem, solution, error)
       type(stages_t), intent(inout) :: stages !! the stages so far
-      type(contact_problem_t), intent(inout) :: problem !! the problem, with a band matrix
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a band matrix
       type(contact_solution_t), intent(inout) :: solution !! the last pair
       type(error_t), allocatable, intent(out) :: error !! never allocated
       type(contact_solution_t) :: front
@@ -114,7 +114,7 @@ contains
    !> is too long for the sweeps, one round with each regularization.
    subroutine take_rounds(stages, problem, solution, error)
       type(stages_t), intent(inout) :: stages !! the stages so far
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! the last pair
       type(error_t), allocatable, intent(out) :: error !! never allocated
       integer :: n_sweeps, round
@@ -137,7 +137,7 @@ contains
             cycle
          end if
          call stages%run(psor_t(tolerance=stages%tolerance, max_iterations=n_sweeps, &
-            space=merge('dual  ', 'primal', problem%is_reduced())), problem, solution, error)
+            space=merge('dual  ', 'primal', .not. problem%matrix%has_stiffness())), problem, solution, error)
          n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
    end subroutine take_rounds
@@ -153,7 +153,7 @@ contains
    subroutine stages_run(self, method, problem, solution, error)
       class(stages_t), intent(inout) :: self !! the stages so far
       class(contact_method_t), intent(in) :: method !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated
       class(contact_method_t), allocatable :: limited
@@ -171,7 +171,7 @@ contains
    pure logical function is_long(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      is_long = allocated(problem%band) .and. problem%n_points > most_dense_points
+      is_long = allocated(problem%matrix%band) .and. problem%n_points > most_dense_points
    end function is_long
 
    !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
@@ -180,7 +180,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
 
       suits_splitting = .not. is_long(problem)
-      if (problem%is_reduced()) suits_splitting = .not. problem%compliance%is_sparse()
+      if (.not. problem%matrix%has_stiffness()) suits_splitting = .not. problem%matrix%compliance%is_sparse()
    end function suits_splitting
 
 end module amontons_auto

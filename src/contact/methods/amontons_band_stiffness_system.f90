@@ -54,7 +54,7 @@ contains
 
       m = problem%n_points
       imbalance = 0.0_dp
-      associate (band => problem%band, place => problem%band%place)
+      associate (band => problem%matrix%band, place => problem%matrix%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
          equations%is_known(place) = active_set%gives_force()
          equations%known(place) = merge(problem%reference(), 0.0_dp, equations%is_known(place))
@@ -89,7 +89,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      associate (place => problem%band%place)
+      associate (place => problem%matrix%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
          equations%stiffening(place) = merge(springs, 0.0_dp, active_set%gives_force())
          equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
@@ -97,7 +97,7 @@ contains
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
          call self%solve_equations(problem, equations, x, info)
          displacement = x(place)
-         call problem%band%whole%multiply(x, equations%load)
+         call problem%matrix%band%whole%multiply(x, equations%load)
          force = problem%load - equations%load(place)
       end associate
    end subroutine band_stiffness_system_solve_softened
@@ -108,11 +108,11 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: direction(:) !! sign of the slip of each point, 0 if it sticks (m)
 
-      associate (n => problem%band%whole%n, m => problem%n_points)
+      associate (n => problem%matrix%band%whole%n, m => problem%n_points)
          allocate (equations%is_known(n), source=.false.)
          allocate (equations%known(n), equations%stiffening(n), equations%load(n), source=0.0_dp)
          allocate (equations%slope(m), equations%coupling(m), source=0.0_dp)
-         equations%load(problem%band%place) = problem%load - [spread(0.0_dp, 1, m), direction*problem%slip_bound]
+         equations%load(problem%matrix%band%place) = problem%load - [spread(0.0_dp, 1, m), direction*problem%slip_bound]
       end associate
    end subroutine new_equations
 
@@ -146,9 +146,9 @@ contains
       type(equations_t), intent(in) :: equations !! the equations
       integer :: i, j
 
-      associate (whole => problem%band%whole, is_known => equations%is_known)
+      associate (whole => problem%matrix%band%whole, is_known => equations%is_known)
          ! A tangential row reaches as far as its normal one.
-         call new_band_matrix(matrix, whole%n, whole%width + problem%band%reach)
+         call new_band_matrix(matrix, whole%n, whole%width + problem%matrix%band%reach)
          do j = 1, whole%n
             if (is_known(j)) then
                call matrix%add(j, j, 1.0_dp)
@@ -172,8 +172,9 @@ contains
       type(equations_t), intent(in) :: equations !! the equations
       integer :: j, p
 
-      associate (whole => problem%band%whole, is_known => equations%is_known, slope => equations%slope, &
-         normal => problem%band%place(:problem%n_points), tangential => problem%band%place(problem%n_points + 1:))
+      associate (whole => problem%matrix%band%whole, is_known => equations%is_known, slope => equations%slope, &
+         normal => problem%matrix%band%place(:problem%n_points), &
+         tangential => problem%matrix%band%place(problem%n_points + 1:))
          do p = 1, problem%n_points
             if (abs(equations%coupling(p)) > 0.0_dp) call matrix%add(tangential(p), normal(p), equations%coupling(p))
             if (.not. abs(slope(p)) > 0.0_dp) cycle
@@ -193,8 +194,8 @@ contains
       integer :: m
 
       m = problem%n_points
-      associate (normal => problem%band%place(:m), tangential => problem%band%place(m + 1:))
-         call problem%band%whole%multiply(x, residual)
+      associate (normal => problem%matrix%band%place(:m), tangential => problem%matrix%band%place(m + 1:))
+         call problem%matrix%band%whole%multiply(x, residual)
          residual(tangential) = residual(tangential) - equations%slope*(residual(normal) - problem%load(:m))
          residual = equations%load - residual - equations%stiffening*x
          residual(tangential) = residual(tangential) - equations%coupling*x(normal)

@@ -58,7 +58,7 @@ contains
       integer :: i, j
 
       slopes = self%base%slip_direction*problem%friction
-      associate (a => problem%compliance%values, unknown => self%unknown, m => problem%n_points)
+      associate (a => problem%matrix%compliance%values, unknown => self%unknown, m => problem%n_points)
          do i = 1, n
             do j = 1, n
                factor(j, i) = a(unknown(j), unknown(i))

@@ -21,16 +21,28 @@ module amontons_extragradient
    !> The extragradient method.
    type, extends(contact_method_t) :: extragradient_t
    contains
+      procedure :: prepare => extragradient_prepare
       procedure :: solve => extragradient_solve
    end type extragradient_t
 
 contains
 
+   !> Makes the compliance.
+   subroutine extragradient_prepare(self, problem, error)
+      class(extragradient_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      associate (unused => self)
+      end associate
+      call problem%matrix%prepare_compliance(error)
+   end subroutine extragradient_prepare
+
    !> Iterates until the residual is small. The residual that the method knows without a product is computed
    !> independently where it is small enough, and at the end.
    subroutine extragradient_solve(self, problem, solution, error)
       class(extragradient_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), dimension(2*problem%n_points) :: force, displacement, center, b, rho
@@ -39,10 +51,10 @@ contains
       logical :: may_continue
 
       call solution%reset()
-      call solution%effort%factorize(.not. allocated(problem%compliance))
-      call problem%prepare_compliance(error)
+      call solution%effort%factorize(.not. allocated(problem%matrix%compliance))
+      call self%prepare(problem, error)
       if (allocated(error)) return
-      rho = problem%compliance%reciprocal_diagonal()
+      rho = problem%matrix%compliance%reciprocal_diagonal()
       scale = problem%force_scale()
       center = solution%displacement
       b = problem%dual_load(center)
@@ -54,7 +66,7 @@ contains
          call double_step(problem, b, rho, step, displacement, force, solution%effort)
          displacement = problem%displacement(b, force)
          call solution%effort%multiply(1.0_dp)
-         residual = max(0.0_dp, problem%proximal_parameter*maxval(abs(displacement - center)), &
+         residual = max(0.0_dp, problem%matrix%proximal_parameter*maxval(abs(displacement - center)), &
             problem%violation(displacement, force))/scale
          if (residual > self%tolerance .and. residual < huge(residual) .and. iteration < self%max_iterations) then
             call solution%record_residual(residual)
@@ -62,7 +74,7 @@ contains
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
          end if
-         if (problem%is_held) cycle
+         if (problem%matrix%is_held) cycle
          ! A body that only contact holds: a proximal step moves the center to the displacement just found.
          center = displacement
          b = problem%dual_load(center)

@@ -18,15 +18,27 @@ module amontons_fixed_point
    !> The fixed-point method.
    type, extends(contact_method_t) :: fixed_point_t
    contains
+      procedure :: prepare => fixed_point_prepare
       procedure :: solve => fixed_point_solve
    end type fixed_point_t
 
 contains
 
+   !> Makes the compliance.
+   subroutine fixed_point_prepare(self, problem, error)
+      class(fixed_point_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      associate (unused => self)
+      end associate
+      call problem%matrix%prepare_compliance(error)
+   end subroutine fixed_point_prepare
+
    !> Solves Tresca problems until the residual of the Coulomb problem is small.
    subroutine fixed_point_solve(self, problem, solution, error)
       class(fixed_point_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
@@ -37,8 +49,8 @@ contains
       logical :: may_continue
 
       call solution%reset()
-      call solution%effort%factorize(.not. allocated(problem%compliance))
-      call problem%prepare_compliance(error)
+      call solution%effort%factorize(.not. allocated(problem%matrix%compliance))
+      call self%prepare(problem, error)
       if (allocated(error)) return
       m = problem%n_points
       force = solution%force
@@ -49,12 +61,12 @@ contains
          bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
-         call solve_box_program(self%box, problem%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
+         call solve_box_program(self%box, problem%matrix%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
             solution%effort)
          call solution%effort%multiply(1.0_dp)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
-         if (problem%is_held) cycle
+         if (problem%matrix%is_held) cycle
          b = problem%dual_load(solution%displacement)
          call solution%effort%multiply(1.0_dp)
       end do

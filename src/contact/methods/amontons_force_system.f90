@@ -100,7 +100,7 @@ contains
       solution = [spread(0.0_dp, 1, problem%n_points), self%base%slip_direction*problem%slip_bound]
       known = 0.0_dp
       if (any(abs(solution) > 0.0_dp)) then
-         call problem%compliance%multiply(solution, known)
+         call problem%matrix%compliance%multiply(solution, known)
          call self%effort%multiply(1.0_dp)
       end if
       associate (unknown => self%unknown)
@@ -131,7 +131,7 @@ contains
       if (.not. allocated(self%diagonal)) then
          self%diagonal = 1.0_dp/problem%augmentation()
          allocate (self%changed(n), self%response(n, 0), self%row(n, 0))
-         if (problem%compliance%is_sparse()) then
+         if (problem%matrix%compliance%is_sparse()) then
             self%spread = 10.0_dp
             self%least_order = huge(1)
          end if
@@ -179,7 +179,7 @@ contains
       call reserve(self, 2*problem%n_points, n + size(new))
       self%changed(n + 1:n + size(new)) = new
       do i = 1, size(new)
-         self%row(:, n + i) = problem%compliance%values(:, new(i))
+         self%row(:, n + i) = problem%matrix%compliance%values(:, new(i))
       end do
       self%n_changed = n + size(new)
       call unit_responses(self, problem, n + 1)
@@ -225,7 +225,7 @@ contains
                self%response(r, k) = 1.0_dp
                column = -self%row(self%unknown, k)
                if (r <= m) column = column - self%base%slip_direction(r)*problem%friction(r) &
-                  *problem%compliance%values(self%unknown, m + r)
+                  *problem%matrix%compliance%values(self%unknown, m + r)
             end if
          end associate
       end do
@@ -301,7 +301,7 @@ contains
       place = 0
       place(self%unknown) = [(i, i=1, size(self%unknown))]
       ! The entries of a sliding point's tangential row go where its normal force stands.
-      associate (a => problem%compliance)
+      associate (a => problem%matrix%compliance)
          allocate (row(size(a%row) + size(self%unknown)), column(size(a%row) + size(self%unknown)), &
             value(size(a%row) + size(self%unknown)))
          n = 0

@@ -37,7 +37,7 @@ contains
    !> Solves a contact problem; where it starts has no effect.
    subroutine lemke_solve(self, problem, solution, error)
       class(lemke_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! the result
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points
       ! A path that rounding has led astray hardly goes astray from other covering vectors too.
@@ -63,12 +63,12 @@ contains
          ! Rest solves it; the path would begin with all points closed, whatever their gaps.
          force = 0.0_dp
          displacement = 0.0_dp
-         if (problem%is_reduced()) displacement = problem%free_displacement
+         if (allocated(problem%free_displacement)) displacement = problem%free_displacement
          call solution%record(problem, displacement, force, self%tolerance, may_continue)
          return
       end if
-      call problem%prepare_stiffness()
-      call new_contact_relation(relation, problem)
+      call new_contact_relation(relation, problem, error)
+      if (allocated(error)) return
       call solution%effort%multiply(1.0_dp)
       do trial = 1, min(n_covers, self%max_iterations)
          effort = effort_t()
@@ -125,7 +125,7 @@ contains
       real(dp), dimension(2*problem%n_points) :: imbalance, missing_force, missing_distance
       integer :: info
 
-      call problem%multiply_stiffness(displacement, imbalance)
+      call problem%matrix%multiply_stiffness(displacement, imbalance)
       call effort%multiply(1.0_dp)
       defect = relation
       defect%vector = (problem%load - imbalance - force)/relation%force_unit

@@ -54,7 +54,7 @@ contains
    !> first steps go on: a front may take long to arrive. Keeps the best pair where none is the solution.
    recursive subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       ! Of a step between springs; those that are solved take about three.
@@ -65,7 +65,7 @@ contains
       type(newton_t) :: alone
 
       alone = self
-      if (problem%is_reduced()) alone%patience = huge(1)
+      if (.not. problem%matrix%has_stiffness()) alone%patience = huge(1)
       start = solution
       first = solution
       call take_steps(alone, problem, first)
@@ -94,7 +94,7 @@ contains
    !> Takes steps, and keeps the best pair where none is the solution.
    subroutine take_steps(self, problem, solution)
       class(newton_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       class(newton_system_t), allocatable :: system
       type(active_set_t) :: active_set, last
@@ -136,7 +136,7 @@ contains
          call visited%note_residual(residual)
          call visited%avoid(active_set, last, is_repeated)
          ! Singular active sets have led the body far away.
-         if (is_repeated .and. .not. problem%is_reduced()) displacement = problem%reference()
+         if (is_repeated) displacement = problem%reference()
          call adapt(regularization, min_regularization, system%min_regularization, self%max_regularization, &
             residual/previous, active_set%equals(last))
          previous = residual
@@ -225,14 +225,14 @@ contains
       real(dp) :: low, high, middle
       integer :: i, m
 
-      if (problem%is_held .or. problem%is_reduced()) return
+      if (problem%matrix%is_held) return
       m = problem%n_points
       rho = problem%augmentation()
       step = displacement - before
       if (.not. any(rho*abs(step) > longest*m*scale)) return
-      call problem%multiply_stiffness(before, drive)
+      call problem%matrix%multiply_stiffness(before, drive)
       drive = problem%load - drive
-      call problem%multiply_stiffness(step, stiffening)
+      call problem%matrix%multiply_stiffness(step, stiffening)
       call effort%multiply(2.0_dp)
       force(:m) = max(0.0_dp, force(:m))
       force(m + 1:) = 0.0_dp
@@ -327,20 +327,20 @@ contains
       class(newton_system_t), allocatable, intent(out) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      if (problem%is_reduced()) then
-         if (problem%compliance%is_sparse()) then
+      if (.not. problem%matrix%has_stiffness()) then
+         if (problem%matrix%compliance%is_sparse()) then
             allocate (sparse_compliance_system_t :: system)
          else
             allocate (compliance_system_t :: system)
          end if
          system%min_regularization = 1.0e-5_dp
       else
-         if (allocated(problem%band)) then
+         if (allocated(problem%matrix%band)) then
             allocate (band_stiffness_system_t :: system)
          else
             allocate (stiffness_system_t :: system)
          end if
-         if (.not. problem%is_held) system%min_regularization = 1.0e-9_dp
+         if (.not. problem%matrix%is_held) system%min_regularization = 1.0e-9_dp
          system%first_regularization = system%min_regularization
       end if
    end subroutine new_system

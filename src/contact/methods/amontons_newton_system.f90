@@ -72,7 +72,7 @@ contains
       call take_known_load(problem, active_set, load, self%effort)
       allocate (matrix(n, n), right(n))
       do i = 1, n
-         matrix(:, i) = problem%stiffness(unknown, unknown(i))
+         matrix(:, i) = problem%matrix%stiffness%values(unknown, unknown(i))
          matrix(i, i) = matrix(i, i) + regularization*self%diagonal(unknown(i))
          right(i) = load(unknown(i)) + regularization*self%diagonal(unknown(i))*displacement(unknown(i))
       end do
@@ -80,7 +80,7 @@ contains
          point = unknown(i) - m
          if (point < 1) cycle
          if (.not. abs(slope(point)) > 0.0_dp) cycle
-         matrix(i, :) = matrix(i, :) - slope(point)*problem%stiffness(unknown, point)
+         matrix(i, :) = matrix(i, :) - slope(point)*problem%matrix%stiffness%values(unknown, point)
          right(i) = right(i) - slope(point)*load(point)
       end do
       call self%effort%factorize(n > 0)
@@ -89,7 +89,7 @@ contains
       if (info /= 0) return
       displacement = problem%reference()
       displacement(unknown) = right
-      call problem%multiply_stiffness(displacement, force)
+      call problem%matrix%multiply_stiffness(displacement, force)
       force = problem%load - force
       call active_set%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
@@ -108,7 +108,7 @@ contains
       known = merge(problem%reference(), 0.0_dp, active_set%gives_force())
       load = 0.0_dp
       if (any(abs(known) > 0.0_dp)) then
-         call problem%multiply_stiffness(known, load)
+         call problem%matrix%multiply_stiffness(known, load)
          call effort%multiply(1.0_dp)
       end if
       load = problem%load - load

@@ -47,7 +47,7 @@ contains
       self%step = step
       step = (1.0_dp + ahead)*step
       self%place = self%place + step
-      call problem%compliance%multiply(problem%proximal_parameter*step, product)
+      call problem%matrix%compliance%multiply(problem%matrix%proximal_parameter*step, product)
       displacement = displacement + product
       call effort%multiply(1.0_dp)
    end subroutine proximal_center_move
@@ -67,18 +67,18 @@ contains
 
       m = problem%n_points
       n = 2*m
-      image = [force, problem%proximal_parameter*place, displacement]
+      image = [force, problem%matrix%proximal_parameter*place, displacement]
       call acceleration%extrapolate(start, image, proposal, is_given)
       if (.not. is_given) return
       next(:m) = max(0.0_dp, proposal(:m))
       next(m + 1:) = bounded(proposal(m + 1:n), problem%bound(next(:m)))
-      call problem%compliance%multiply(next - proposal(:n), moved)
+      call problem%matrix%compliance%multiply(next - proposal(:n), moved)
       moved = proposal(2*n + 1:) - moved
       call solution%effort%multiply(2.0_dp)
       if (problem%residual(moved, next) < problem%residual(displacement, force)) then
          force = next
          displacement = moved
-         if (.not. problem%is_held) place = proposal(n + 1:2*n)/problem%proximal_parameter
+         if (.not. problem%matrix%is_held) place = proposal(n + 1:2*n)/problem%matrix%proximal_parameter
       else
          call acceleration%forget()
       end if

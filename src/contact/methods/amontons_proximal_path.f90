@@ -5,6 +5,7 @@
 !> where steps are solved, and stiffer where one is not. Where steps vanish, springs have no effect.
 module amontons_proximal_path
    use amontons_contact_method, only: contact_method_t
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
@@ -19,7 +20,7 @@ contains
    !> Takes proximal steps from where a solution is.
    recursive subroutine follow_proximal_path(method, problem, max_iterations, solution, error, last)
       class(contact_method_t), intent(in) :: method !! the method that solves each step, its iterations limited
-      type(contact_problem_t), intent(inout) :: problem !! the problem, with a stiffness
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
       integer, intent(in) :: max_iterations !! most iterations of all steps
       type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
       type(error_t), allocatable, intent(out) :: error !! what the method refuses
@@ -27,6 +28,7 @@ contains
          !! the method that takes the last steps, without springs, its iterations limited
       ! Stiff springs spoil a step more than its residual does.
       real(dp), parameter :: stiffest = 1.0e3_dp, coarse = 1.0e-6_dp, first_factor = 10.0_dp
+      type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: step
       type(contact_solution_t) :: found, best
       class(contact_method_t), allocatable :: limited
@@ -35,6 +37,8 @@ contains
       logical :: may_continue
 
       allocate (limited, source=method)
+      call problem%matrix%copy_stiffness(matrix, error)
+      if (allocated(error)) return
       rho = problem%augmentation()
       call solution%reset()
       best = solution
@@ -45,7 +49,9 @@ contains
       may_continue = .true.
       do while (may_continue .and. solution%n_iterations < max_iterations .and. share <= stiffest)
          step = problem
-         call step%add_springs(share*rho, center)
+         call step%count_from(center)
+         call matrix%set_springs(problem%matrix, share*rho)
+         step%matrix => matrix
          limited%tolerance = max(method%tolerance, min(coarse, share))
          limited%max_iterations = min(method%max_iterations, max_iterations - solution%n_iterations)
          found%displacement = 0.0_dp
@@ -90,7 +96,7 @@ contains
    !> Goes on from a solution that is close by a method that may find it, if there is one and room for its iterations;
    !> keeps the pair otherwise, with the record of both.
    recursive subroutine finish(problem, max_iterations, solution, error, method)
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: max_iterations !! most iterations of both
       type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
       type(error_t), allocatable, intent(out) :: error !! what the method refuses

@@ -23,15 +23,37 @@ module amontons_psor
    !> dual space only.
    type, extends(contact_method_t) :: psor_t
    contains
+      procedure :: prepare => psor_prepare
       procedure :: solve => psor_solve
    end type psor_t
 
 contains
 
+   !> Whether to sweep in the forces.
+   pure logical function is_dual_for(self, problem) result(is_dual)
+      class(psor_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      is_dual = self%space == 'dual' .or. .not. problem%matrix%has_stiffness()
+   end function is_dual_for
+
+   !> Makes the matrix that is swept over.
+   subroutine psor_prepare(self, problem, error)
+      class(psor_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps), or no memory
+
+      if (is_dual_for(self, problem)) then
+         call problem%matrix%prepare_compliance(error)
+      else
+         call problem%matrix%prepare_stiffness(error)
+      end if
+   end subroutine psor_prepare
+
    !> Sweeps until the residual is small.
    subroutine psor_solve(self, problem, solution, error)
       class(psor_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps)
       integer, parameter :: n_until_refresh = 100
@@ -41,14 +63,10 @@ contains
       logical :: is_dual, may_continue
 
       call solution%reset()
-      is_dual = self%space == 'dual' .or. problem%is_reduced()
-      if (is_dual) then
-         call solution%effort%factorize(.not. allocated(problem%compliance))
-         call problem%prepare_compliance(error)
-         if (allocated(error)) return
-      else
-         call problem%prepare_stiffness()
-      end if
+      is_dual = is_dual_for(self, problem)
+      call solution%effort%factorize(is_dual .and. .not. allocated(problem%matrix%compliance))
+      call self%prepare(problem, error)
+      if (allocated(error)) return
       call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
       call new_acceleration(acceleration, self%acceleration)
       do i = 1, self%max_iterations
@@ -57,7 +75,7 @@ contains
          call judge(self, problem, sweep, solution, may_continue)
          if (.not. may_continue) exit
          if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
-         if (is_dual .and. .not. problem%is_held) call sweep%move_center(problem)
+         if (is_dual .and. .not. problem%matrix%is_held) call sweep%move_center(problem)
          call accelerate(acceleration, problem, before, sweep)
       end do
       call solution%effort%add(sweep%effort)
@@ -100,12 +118,13 @@ contains
       if (acceleration%depth == 0) return
       n = size(sweep%unknown)
       ! The parameter turns the center into a force. Where it is 0, or displacements are swept, the center stays.
-      call acceleration%extrapolate([before%unknown, problem%proximal_parameter*before%center], &
-         [sweep%unknown, problem%proximal_parameter*sweep%center, sweep%residual], proposal, is_given)
+      call acceleration%extrapolate([before%unknown, problem%matrix%proximal_parameter*before%center], &
+         [sweep%unknown, problem%matrix%proximal_parameter*sweep%center, sweep%residual], proposal, is_given)
       if (.not. is_given) return
       proposed = sweep
       proposed%unknown = proposal(:n)
-      if (problem%proximal_parameter > 0.0_dp) proposed%center = proposal(n + 1:2*n)/problem%proximal_parameter
+      if (problem%matrix%proximal_parameter > 0.0_dp) proposed%center = &
+         proposal(n + 1:2*n)/problem%matrix%proximal_parameter
       proposed%residual = proposal(2*n + 1:)
       call proposed%admit(problem, sweep%unknown)
       if (proposed%scaled_residual(problem) < sweep%scaled_residual(problem)) then

@@ -12,7 +12,6 @@ module amontons_relaxation
    use amontons_effort, only: effort_t
    use amontons_friction_law, only: bounded, solve_point
    use amontons_kinds, only: dp
-   use amontons_lapack, only: daxpy
    implicit none (type, external)
    private
 
@@ -63,15 +62,15 @@ contains
       sweep%center = solution%displacement
       if (is_dual) then
          sweep%unknown = solution%force
-         sweep%diagonal = problem%compliance%diagonal()
-         sweep%rho = problem%compliance%reciprocal_diagonal()
-         sweep%coupling = [(problem%compliance%element(m + i, i), i=1, m)]
+         sweep%diagonal = problem%matrix%compliance%diagonal()
+         sweep%rho = problem%matrix%compliance%reciprocal_diagonal()
+         sweep%coupling = [(problem%matrix%compliance%element(m + i, i), i=1, m)]
       else
          sweep%unknown = solution%displacement
          sweep%unknown(:m) = min(sweep%unknown(:m), problem%gap)
-         sweep%diagonal = [(problem%stiffness(i, i), i=1, 2*m)]
+         sweep%diagonal = problem%matrix%stiffness%diagonal()
          sweep%rho = 1.0_dp/sweep%diagonal
-         sweep%coupling = [(problem%stiffness(m + i, i), i=1, m)]
+         sweep%coupling = [(problem%matrix%stiffness%element(m + i, i), i=1, m)]
       end if
       call sweep%refresh(problem)
    end subroutine new_relaxation
@@ -80,15 +79,15 @@ contains
    pure subroutine relaxation_refresh(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer :: m
+      real(dp) :: product(size(self%unknown))
 
-      m = problem%n_points
       if (self%is_dual) then
          self%residual = problem%displacement(problem%dual_load(self%center), self%unknown)
-         call self%effort%multiply(merge(1.0_dp, 2.0_dp, problem%is_reduced()))
+         call self%effort%multiply(merge(2.0_dp, 1.0_dp, problem%matrix%has_stiffness()))
          self%residual = self%residual - problem%reference()
       else
-         self%residual = problem%load - matmul(problem%stiffness, self%unknown)
+         call problem%matrix%stiffness%multiply(self%unknown, product)
+         self%residual = problem%load - product
          call self%effort%multiply(1.0_dp)
       end if
    end subroutine relaxation_refresh
@@ -121,9 +120,9 @@ contains
       if (.not. abs(change) > 0.0_dp) return
       call sweep%effort%multiply(1.0_dp/size(sweep%residual))
       if (sweep%is_dual) then
-         call problem%compliance%add_column(i, -change, sweep%residual)
+         call problem%matrix%compliance%add_column(i, -change, sweep%residual)
       else
-         call daxpy(size(sweep%residual), -change, problem%stiffness(:, i), 1, sweep%residual, 1)
+         call problem%matrix%stiffness%add_column(i, -change, sweep%residual)
       end if
    end subroutine set_unknown
 
@@ -244,7 +243,7 @@ contains
 
       call self%pair(problem, displacement, force)
       if (self%is_dual) then
-         imbalance = problem%proximal_parameter*(displacement - self%center)
+         imbalance = problem%matrix%proximal_parameter*(displacement - self%center)
       else
          imbalance = self%residual - force
       end if
@@ -260,7 +259,7 @@ contains
       real(dp), dimension(size(self%unknown)) :: displacement, force, change
 
       call self%pair(problem, displacement, force)
-      call problem%compliance%multiply(problem%proximal_parameter*(displacement - self%center), change)
+      call problem%matrix%compliance%multiply(problem%matrix%proximal_parameter*(displacement - self%center), change)
       call self%effort%multiply(1.0_dp)
       self%residual = self%residual + change
       self%center = displacement

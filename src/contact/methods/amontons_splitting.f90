@@ -49,6 +49,7 @@ module amontons_splitting
    type, extends(contact_method_t) :: splitting_t
       integer :: patience = 50 !! how many iterations without a better pair lead to proximal steps
    contains
+      procedure :: prepare => splitting_prepare
       procedure :: solve => splitting_solve
    end type splitting_t
 
@@ -60,11 +61,22 @@ module amontons_splitting
 
 contains
 
+   !> Makes the compliance.
+   subroutine splitting_prepare(self, problem, error)
+      class(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      associate (unused => self)
+      end associate
+      call problem%matrix%prepare_compliance(error)
+   end subroutine splitting_prepare
+
    !> Alternates the two half steps. Where these lead nowhere, the statuses may be right all the same, so that a linear
    !> system gives the forces; else takes proximal steps from the start, until they are.
    recursive subroutine splitting_solve(self, problem, solution, error)
       class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       ! Of a step between springs; and of Newton's, one more than exact statuses need.
@@ -74,7 +86,7 @@ contains
       type(contact_solution_t) :: first
 
       alone = self
-      if (problem%is_reduced() .or. self%variant /= 'exact') alone%patience = huge(1)
+      if (.not. problem%matrix%has_stiffness() .or. self%variant /= 'exact') alone%patience = huge(1)
       first = solution
       call alternate(alone, problem, first, error)
       if (allocated(error)) return
@@ -98,7 +110,7 @@ contains
    !> nothing is better for long; keeps the best pair where none is the solution.
    subroutine alternate(self, problem, solution, error)
       type(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), displacement(:), place(:)
@@ -115,8 +127,8 @@ contains
 
       call solution%reset()
       best = solution
-      call solution%effort%factorize(.not. allocated(problem%compliance))
-      call problem%prepare_compliance(error)
+      call solution%effort%factorize(.not. allocated(problem%matrix%compliance))
+      call self%prepare(problem, error)
       if (allocated(error)) return
       call new_acceleration(acceleration, 'anderson')
       force = solution%force
@@ -134,16 +146,16 @@ contains
          place = center%place
          call iterate(self, problem, center%place, is_refining, printed, force, displacement, solution%effort)
          ! A proximal step counts as the force that it takes.
-         change = maxval(abs([force - solution%force, problem%proximal_parameter*(displacement - center%place)])) &
-            /force_scale
-         associate (start => [solution%force, problem%proximal_parameter*place])
+         change = maxval(abs([force - solution%force, problem%matrix%proximal_parameter &
+            *(displacement - center%place)]))/force_scale
+         associate (start => [solution%force, problem%matrix%proximal_parameter*place])
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
             solution%is_at_rest = is_stopped(self, change, solution%residual)
             if (solution%is_at_rest) return
             call best%take_better(solution)
             if (solution%is_stagnant(self%patience, half)) exit
-            is_refining = is_refining .or. solution%residual > slow*previous .and. .not. problem%is_reduced()
+            is_refining = is_refining .or. solution%residual > slow*previous .and. problem%matrix%has_stiffness()
             previous = solution%residual
             call move_on(self, problem, start, center, force, displacement, acceleration, solution)
          end associate
@@ -164,7 +176,7 @@ contains
       integer, parameter :: recent = 10
       real(dp), parameter :: tenth = 0.1_dp
 
-      if (.not. problem%is_held) call center%move(problem, displacement, solution%effort)
+      if (.not. problem%matrix%is_held) call center%move(problem, displacement, solution%effort)
       if (self%variant /= 'exact' .or. .not. solution%is_stagnant(recent, tenth)) return
       call accelerate(acceleration, problem, start, force, center%place, displacement, solution)
    end subroutine move_on
@@ -187,9 +199,10 @@ contains
       before = force
       accuracy = half_step_part*self%tolerance*problem%force_scale(force)
       ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
-      if (is_refining) accuracy = accuracy*minval(problem%compliance%reciprocal_diagonal()/problem%augmentation())
+      if (is_refining) accuracy = accuracy &
+         *minval(problem%matrix%compliance%reciprocal_diagonal()/problem%augmentation())
       call half_steps(self, problem, center, displacement - problem%reference(), accuracy, printed, force, effort)
-      call problem%compliance%multiply(force - before, product)
+      call problem%matrix%compliance%multiply(force - before, product)
       displacement = displacement - product
       call effort%multiply(1.0_dp)
       if (is_refining) call refine(problem, center, force, displacement, effort)
@@ -231,7 +244,7 @@ contains
       if (self%variant /= 'exact') then
          call clipped_normal_step(problem, printed%a11_factor, b(:m), force(m + 1:), force(:m))
       else
-         call problem%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
+         call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
          call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
             spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort)
       end if
@@ -255,8 +268,8 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
 
       change = 0.0_dp
-      call solve_box_program(box, problem%compliance, rows, distance, lower - force, upper - force, accuracy, change, &
-         effort)
+      call solve_box_program(box, problem%matrix%compliance, rows, distance, lower - force, upper - force, accuracy, &
+         change, effort)
       force = min(max(force + change, lower), upper)
    end subroutine minimize
 
@@ -287,7 +300,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
+      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
       normal = b1 - normal
       call cholesky_solve(a11_factor, normal)
       normal = max(0.0_dp, normal)
@@ -329,7 +342,7 @@ contains
 
       m = problem%n_points
       factor = part(problem, [1, m], [1, m])
-      associate (rho => problem%compliance%reciprocal_diagonal())
+      associate (rho => problem%matrix%compliance%reciprocal_diagonal())
          call cholesky_factor_softly(factor, 1.0_dp/rho(:m), is_soft)
       end associate
    end function factor_of_a11
@@ -356,7 +369,7 @@ contains
       real(dp), allocatable :: part(:, :)
       integer :: i
 
-      part = problem%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
+      part = problem%matrix%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
    end function part
 
    !> Takes the rounding errors of A out of displacements, by one step of refinement with S.
@@ -368,9 +381,9 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the products
       real(dp), dimension(size(force)) :: defect, change
 
-      call problem%multiply_stiffness(displacement, defect)
-      defect = problem%load - defect - force + problem%proximal_parameter*(center - displacement)
-      call problem%compliance%multiply(defect, change)
+      call problem%matrix%multiply_stiffness(displacement, defect)
+      defect = problem%load - defect - force + problem%matrix%proximal_parameter*(center - displacement)
+      call problem%matrix%compliance%multiply(defect, change)
       call effort%multiply(2.0_dp)
       displacement = displacement + change
    end subroutine refine

@@ -9,7 +9,7 @@ module amontons_body
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: dof_map_t, new_constraints, new_dof_map, new_foundation, spring_side_t, &
       substitution_t, support_t
-   use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, new_contact_zone
@@ -162,13 +162,13 @@ contains
    !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, problem, options, timings, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`
-      type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
+      type(contact_problem_t), intent(out) :: problem
+         !! its contact problem, on an operator of the body; a load case sets load, gap and friction
       type(condensation_options_t), intent(in) :: options !! how to condense
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
       class(condenser_t), allocatable :: condenser
-      real(dp), allocatable :: condensed(:, :)
       logical :: is_held
 
       call timings%begin(phase_assemble)
@@ -193,13 +193,8 @@ contains
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
-      if (allocated(body%condensation%band)) then
-         call new_band_problem(problem, body%condensation%band, is_held)
-      else
-         call body%condensation%condense_stiffness(condensed, error)
-         if (allocated(error)) return
-         call new_contact_problem(problem, condensed, is_held)
-      end if
+      call body%condensation%condense_stiffness(error)
+      if (.not. allocated(error)) call new_contact_problem(problem, body%condensation%matrix)
    end subroutine condense_body
 
    !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,

@@ -15,7 +15,9 @@ module amontons_condensation
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t, dof_map_t
+   use amontons_contact_operator, only: contact_operator_t, new_band_operator, new_stiffness_operator
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: allocate_matrix
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_condenser
@@ -50,7 +52,7 @@ module amontons_condensation
    type :: condensation_t
       class(condenser_t), allocatable :: condenser !! of K + alpha E
       real(dp) :: regularization = 0.0_dp !! alpha: regularization of the factor [F/L]
-      type(band_stiffness_t), allocatable :: band !! S, where it is no dense matrix
+      type(contact_operator_t), pointer :: matrix => null() !! S, which the contact problems of the body point to
       integer, private :: n_unknowns = 0 !! number of contact unknowns
       integer, allocatable, private :: unknown(:, :)
          !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
@@ -63,6 +65,7 @@ module amontons_condensation
       procedure :: condense_load => condensation_condense_load
       procedure :: condense_stiffness => condensation_condense_stiffness
       procedure :: recover => condensation_recover
+      final :: condensation_free
    end type condensation_t
 
 contains
@@ -77,6 +80,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
       type(error_t), allocatable, intent(out) :: error !! K is not finite or positive definite, or memory ran out
+      type(band_stiffness_t), allocatable :: band
       type(error_t), allocatable :: band_error
       integer, allocatable :: order(:)
       real(dp) :: mean
@@ -86,9 +90,9 @@ contains
       if (allocated(error)) return
       call find_band_order(stiffness, options%form, zone, order)
       if (allocated(order)) then
-         allocate (condensation%band)
-         call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, &
-            band_error)
+         allocate (band)
+         call new_band_stiffness(band, stiffness, order, condensation%unknown, condensation%map, band_error)
+         if (.not. allocated(band_error)) call new_band_operator(condensation%matrix, band, is_held)
       end if
       if (.not. is_held) then
          condensation%regularization = mean
@@ -96,7 +100,7 @@ contains
             condensation%regularization)
       end if
       call new_condenser(condensation%condenser, trim(options%factorization), stiffness, &
-         merge(0, dof_map%n_schur, allocated(condensation%band)), error)
+         merge(0, dof_map%n_schur, allocated(order)), error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
       call condensation%condenser%check_memory(error)
@@ -139,6 +143,7 @@ contains
          return
       end if
       condensation%is_held = is_held
+      allocate (condensation%matrix)
       condensation%n_unknowns = dof_map%n_schur
       if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
@@ -234,22 +239,19 @@ contains
       end do
    end subroutine map_points
 
-   !> The condensed stiffness S on (u_N; u_T). The tangential row of a point whose slip a support prevents becomes that
-   !> of a spring of its own that nothing loads: its slip and shear are zero.
-   subroutine condensation_condense_stiffness(self, stiffness, error)
-      class(condensation_t), intent(inout) :: self !! the factorized body
-      real(dp), allocatable, intent(out) :: stiffness(:, :) !! S (2m, 2m) [F/L]
-      type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small
-      real(dp), allocatable :: schur(:, :)
+   !> Makes the condensed stiffness S on (u_N; u_T), unless it is a band. The tangential row of a point whose slip a
+   !> support prevents becomes that of a spring of its own that nothing loads: its slip and shear are zero.
+   subroutine condensation_condense_stiffness(self, error)
+      class(condensation_t), intent(inout) :: self !! the factorized body; gains S
+      type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small, or no memory
+      real(dp), allocatable :: schur(:, :), stiffness(:, :)
       real(dp) :: block(2, 2)
       integer :: p, r, m, i, j
 
-      if (allocated(self%band)) then
-         stiffness = self%band%dense()
-         return
-      end if
+      if (allocated(self%matrix%band)) return
       m = size(self%unknown, 2)
-      allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
+      call allocate_matrix(schur, self%n_unknowns, self%n_unknowns, 'the contact unknowns', error)
+      if (allocated(error)) return
       call self%condenser%schur_complement(schur)
       do i = 1, size(schur, 1)
          schur(i, i) = schur(i, i) - self%regularization
@@ -259,6 +261,8 @@ contains
          if (allocated(error)) return
          schur = self%to_rows%stiffness
       end if
+      call allocate_matrix(stiffness, 2*m, 2*m, 'the contact points', error)
+      if (allocated(error)) return
       do r = 1, m
          do p = 1, m
             block = 0.0_dp
@@ -272,7 +276,15 @@ contains
          end do
          if (self%unknown(2, r) == 0) stiffness(r + m, r + m) = stiffness(r, r)
       end do
+      call new_stiffness_operator(self%matrix, stiffness, self%is_held)
    end subroutine condensation_condense_stiffness
+
+   !> Frees the operator.
+   subroutine condensation_free(self)
+      type(condensation_t), intent(inout) :: self !! the condensation
+
+      if (associated(self%matrix)) deallocate (self%matrix)
+   end subroutine condensation_free
 
    !> Condenses a load to the contact points.
    subroutine condensation_condense_load(self, load, condensed)
@@ -283,7 +295,7 @@ contains
       integer :: p, m, n
 
       m = size(self%unknown, 2)
-      if (allocated(self%band)) then
+      if (allocated(self%matrix%band)) then
          condensed%partial = load
          condensed%contact_load = load(size(load) - self%n_unknowns + 1:)
       else
@@ -297,8 +309,8 @@ contains
          n = count(self%unknown(:, p) > 0)
          condensed%load([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
       end do
-      if (.not. allocated(self%band)) return
-      condensed%load = self%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
+      if (.not. allocated(self%matrix%band)) return
+      condensed%load = self%matrix%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
    end subroutine condensation_condense_load
 
    !> Adds a multiple of another load on the same body: everything about a condensed load is linear.
@@ -326,10 +338,10 @@ contains
       do k = 1, size(condensed)
          partial(:, k) = condensed(k)%partial
          v(:, k) = contact_unknowns(self, condensed(k), displacement(:, k))
-         if (allocated(self%band)) unknowns(:, k) = [self%band%interior_displacement( &
+         if (allocated(self%matrix%band)) unknowns(:, k) = [self%matrix%band%interior_displacement( &
             partial(:n - self%n_unknowns, k), displacement(:, k)), v(:, k)]
       end do
-      if (.not. allocated(self%band)) call self%condenser%expand_all(partial, v, unknowns)
+      if (.not. allocated(self%matrix%band)) call self%condenser%expand_all(partial, v, unknowns)
    end subroutine condensation_recover
 
    !> The contact unknowns of given displacements of the points (n_unknowns) [L].

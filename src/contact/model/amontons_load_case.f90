@@ -252,7 +252,7 @@ contains
       allocate (slip, source=prescribed_slip(body, load_case))
       if (any(abs(slip) > 0.0_dp)) then
          allocate (from_slip(2*size(slip)))
-         call problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         call problem%matrix%multiply_stiffness([0.0_dp*slip, slip], from_slip)
          problem%load = problem%load + from_slip
       end if
       problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_tangent_fixed)

@@ -15,7 +15,6 @@ module amontons_band_stiffness
 
    !> The stiffness of a body, its contact points in (u_N; u_T).
    type :: band_stiffness_t
-      integer :: n_points = 0 !! number m of contact points
       type(symmetric_band_t) :: whole !! stiffness of the whole body by position [F/L]
       integer, allocatable :: place(:) !! position of each component of v (2m)
       integer :: reach = 0 !! largest distance between the positions of a point whose slip is no spring of its own
@@ -23,11 +22,11 @@ module amontons_band_stiffness
       integer, allocatable, private :: interior(:) !! position of each unknown that is of no contact point
       type(symmetric_band_t), private :: factor !! Cholesky factor of `whole`, its contact rows those of the unit matrix
    contains
-      procedure :: add_diagonal => band_stiffness_add_diagonal
       procedure :: condensed => band_stiffness_condensed
-      procedure :: dense => band_stiffness_dense
+      procedure :: fill_dense => band_stiffness_fill_dense
       procedure :: interior_displacement => band_stiffness_interior_displacement
       procedure :: multiply => band_stiffness_multiply
+      procedure :: set_diagonal => band_stiffness_set_diagonal
       procedure, private :: solve_interior => band_stiffness_solve_interior
    end type band_stiffness_t
 
@@ -47,7 +46,6 @@ contains
       integer :: p, m
 
       m = size(unknown, 2)
-      stiffness%n_points = m
       call place_unknowns(stiffness, positions(order), unknown, map, at, weight)
       call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), largest_distance(matrix, at))
       call add_matrix(stiffness%whole, matrix, at, weight)
@@ -65,14 +63,15 @@ contains
       end do
    end subroutine new_band_stiffness
 
-   !> Adds to the diagonal of S, as springs that hold the points do.
-   pure subroutine band_stiffness_add_diagonal(self, springs)
-      class(band_stiffness_t), intent(inout) :: self !! the stiffness
+   !> Makes the diagonal of this copy that of the original and of springs that hold the points.
+   pure subroutine band_stiffness_set_diagonal(self, original, springs)
+      class(band_stiffness_t), intent(inout) :: self !! a copy, with any springs before
+      type(band_stiffness_t), intent(in) :: original !! the original
       real(dp), intent(in) :: springs(:) !! stiffness of the springs in (u_N; u_T) (2m) [F/L]
 
-      self%whole%entry(1, self%place) = self%whole%entry(1, self%place) + springs
-      self%diagonal = self%diagonal + springs
-   end subroutine band_stiffness_add_diagonal
+      self%whole%entry(1, self%place) = original%whole%entry(1, self%place) + springs
+      self%diagonal = original%diagonal + springs
+   end subroutine band_stiffness_set_diagonal
 
    !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; slips that
    !> supports prevent are behind all others.
@@ -280,20 +279,25 @@ contains
       interior = x(self%interior)
    end function band_stiffness_interior_displacement
 
-   !> S as a dense matrix, column by column, for those who need it whole.
-   pure function band_stiffness_dense(self) result(dense)
+   !> Fills an array with S, column by column, for methods that need it whole.
+   pure subroutine band_stiffness_fill_dense(self, dense)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
-      real(dp), allocatable :: dense(:, :)
-      real(dp) :: unit(size(self%place))
-      integer :: j
+      real(dp), contiguous, intent(out) :: dense(:, :) !! S (2m, 2m) [F/L]
+      real(dp) :: unit(size(self%place)), mean
+      integer :: i, j
 
-      allocate (dense(size(unit), size(unit)))
       do j = 1, size(unit)
          unit = 0.0_dp
          unit(j) = 1.0_dp
          call self%multiply(unit, dense(:, j))
       end do
-      dense = 0.5_dp*(dense + transpose(dense))
-   end function band_stiffness_dense
+      do j = 1, size(unit)
+         do i = j + 1, size(unit)
+            mean = 0.5_dp*(dense(i, j) + dense(j, i))
+            dense(i, j) = mean
+            dense(j, i) = mean
+         end do
+      end do
+   end subroutine band_stiffness_fill_dense
 
 end module amontons_band_stiffness

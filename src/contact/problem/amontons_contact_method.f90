@@ -26,6 +26,7 @@ module amontons_contact_method
    !> A method with its options. A new method is one new extension of this type.
    type, abstract, extends(method_options_t) :: contact_method_t
    contains
+      procedure :: prepare => contact_method_prepare
       procedure(solve_interface), deferred :: solve
    end type contact_method_t
 
@@ -36,10 +37,22 @@ module amontons_contact_method
          import :: contact_method_t, contact_problem_t, contact_solution_t, error_t
          implicit none (type, external)
          class(contact_method_t), intent(in) :: self !! the method
-         type(contact_problem_t), intent(inout) :: problem !! the problem; its dual matrix may be added to it
+         type(contact_problem_t), intent(in) :: problem !! the problem; its operator may gain dense matrices
          type(contact_solution_t), intent(inout) :: solution !! where to start, and the result
-         type(error_t), allocatable, intent(out) :: error !! the problem's data are unusable
+         type(error_t), allocatable, intent(out) :: error !! the problem's data are unusable, or memory ran out
       end subroutine solve_interface
    end interface
+
+contains
+
+   !> Makes the dense matrices that every solution by this method takes, for all problems on an operator: none here.
+   subroutine contact_method_prepare(self, problem, error)
+      class(contact_method_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      associate (unused => self, unused_problem => problem)
+      end associate
+   end subroutine contact_method_prepare
 
 end module amontons_contact_method

@@ -8,26 +8,20 @@
 !> list the m normal components first, the m tangential ones after them.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_band_stiffness, only: band_stiffness_t
-   use amontons_dense, only: cholesky_factor, cholesky_inverse, symmetric_multiply
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_friction_law, only: contact_status, law_violation
    use amontons_kinds, only: dp
-   use amontons_symmetric_matrix, only: new_dense_matrix, symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: contact_problem_t, new_band_problem, new_contact_problem, new_reduced_problem
+   public :: contact_problem_t, new_contact_problem, new_reduced_problem
 
-   !> Stiffness, load, gap, anchor and friction on the contact points. One stiffness serves many loads. A reduced
-   !> problem has `compliance` and `free_displacement` in the place of `stiffness` and `load`.
+   !> Load, gap, anchor and friction on the contact points, and the operator that they share with other problems of the
+   !> same body: a copy of a problem has the same operator, which must outlive both. A reduced problem has
+   !> `free_displacement` in the place of `load`.
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
-      logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
-      logical :: is_loose = .false. !! whether springs of `add_springs` are all that holds the body
-      real(dp), allocatable :: stiffness(:, :)
-         !! condensed stiffness S; where there is a band, not before `prepare_stiffness` (2m, 2m) [F/L]
-      type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
+      type(contact_operator_t), pointer :: matrix => null() !! S, or A of a reduced problem, of 2m rows
       real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
       real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (2m) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
@@ -35,23 +29,14 @@ module amontons_contact_problem
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
-      real(dp) :: proximal_parameter = 0.0_dp
-         !! alpha of the proximal iteration: 0 for a held body [F/L]
-      type(symmetric_matrix_t), allocatable :: compliance
-         !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
-         !! reduced problem (2m, 2m) [L/F]
    contains
-      procedure :: add_springs => contact_problem_add_springs
       procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
+      procedure :: count_from => contact_problem_count_from
       procedure :: displacement => contact_problem_displacement
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
-      procedure :: is_reduced => contact_problem_is_reduced
       procedure :: is_unloaded => contact_problem_is_unloaded
-      procedure :: multiply_stiffness => contact_problem_multiply_stiffness
-      procedure :: prepare_compliance => contact_problem_prepare_compliance
-      procedure :: prepare_stiffness => contact_problem_prepare_stiffness
       procedure :: reference => contact_problem_reference
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
@@ -65,101 +50,53 @@ module amontons_contact_problem
 contains
 
    !> Makes a contact problem without load, gap, anchor, friction or slip bound.
-   pure subroutine new_contact_problem(problem, stiffness, is_held)
+   subroutine new_contact_problem(problem, matrix)
       type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
-      real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m) [F/L]
-      logical, intent(in) :: is_held !! whether S is positive definite
+      type(contact_operator_t), target, intent(inout) :: matrix
+         !! the operator, with a stiffness; must outlive the problem
 
-      call begin_problem(problem, size(stiffness, 1)/2, is_held)
-      allocate (problem%stiffness, source=stiffness)
+      problem%matrix => matrix
+      problem%n_points = matrix%n/2
+      allocate (problem%load(matrix%n), problem%gap(problem%n_points), problem%anchor(problem%n_points), &
+         problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_contact_problem
 
-   !> Makes a contact problem whose stiffness stays the band matrix of a whole body.
-   pure subroutine new_band_problem(problem, band, is_held)
-      type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
-      type(band_stiffness_t), intent(in) :: band !! S
-      logical, intent(in) :: is_held !! whether S is positive definite
-
-      call begin_problem(problem, band%n_points, is_held)
-      problem%band = band
-   end subroutine new_band_problem
-
-   !> Begins a contact problem without load, gap, anchor, friction or slip bound.
-   pure subroutine begin_problem(problem, n_points, is_held)
-      type(contact_problem_t), intent(inout) :: problem !! the problem
-      integer, intent(in) :: n_points !! number of contact points
-      logical, intent(in) :: is_held !! whether the supports alone hold the body
-
-      problem%n_points = n_points
-      problem%is_held = is_held
-      allocate (problem%load(2*n_points), problem%gap(n_points), problem%anchor(n_points), &
-         problem%friction(n_points), problem%slip_bound(n_points), source=0.0_dp)
-   end subroutine begin_problem
-
    !> Makes a reduced problem: no gap beyond what the free displacements say, no anchor, no given slip bound.
-   pure subroutine new_reduced_problem(problem, compliance, free_displacement, friction)
+   subroutine new_reduced_problem(problem, matrix, free_displacement, friction)
       type(contact_problem_t), intent(out) :: problem !! the problem
-      type(symmetric_matrix_t), intent(in) :: compliance !! A, positive semidefinite (2m, 2m) [L/F]
+      type(contact_operator_t), target, intent(inout) :: matrix !! the operator, a compliance; must outlive the problem
       real(dp), intent(in) :: free_displacement(:)
          !! displacements without contact forces, the normal ones counted from the obstacle on (2m) [L]
       real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
 
+      problem%matrix => matrix
       problem%n_points = size(friction)
-      problem%compliance = compliance
       problem%free_displacement = free_displacement
       problem%friction = friction
       allocate (problem%gap(problem%n_points), problem%anchor(problem%n_points), &
          problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_reduced_problem
 
-   !> Whether this is a reduced problem: without a stiffness.
-   pure logical function contact_problem_is_reduced(self)
-      class(contact_problem_t), intent(in) :: self !! the problem
-
-      contact_problem_is_reduced = .not. (allocated(self%stiffness) .or. allocated(self%band))
-   end function contact_problem_is_reduced
-
-   !> The stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
-   !> problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others
-   !> (2m) [F/L].
+   !> The stiffness rho that turns displacements into forces in the contact law (2m) [F/L].
    pure function contact_problem_augmentation(self) result(rho)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: rho(:)
-      integer :: i
 
-      if (self%is_reduced()) then
-         allocate (rho, source=self%compliance%reciprocal_diagonal())
-      else if (allocated(self%band)) then
-         rho = self%band%diagonal
-      else
-         rho = [(self%stiffness(i, i), i=1, 2*self%n_points)]
-      end if
+      rho = self%matrix%augmentation()
    end function contact_problem_augmentation
 
-   !> Adds springs that hold the points to where they are, and counts displacements from there: a proximal step w from
-   !> c, (S + D) w = q - S c - lambda. Small steps keep their digits after a long way.
-   pure subroutine contact_problem_add_springs(self, springs, center)
+   !> Counts displacements from others, v = c + w: S w = q - S c - lambda. Small steps w keep their digits after a long
+   !> way c.
+   pure subroutine contact_problem_count_from(self, center)
       class(contact_problem_t), intent(inout) :: self !! the problem, with a stiffness
-      real(dp), intent(in) :: springs(:) !! diagonal of D, all of it above 0 (2m) [F/L]
-      real(dp), intent(in) :: center(:) !! c (2m) [L]
+      real(dp), contiguous, intent(in) :: center(:) !! c (2m) [L]
       real(dp) :: stiffening(2*self%n_points)
-      integer :: i
 
-      call self%multiply_stiffness(center, stiffening)
+      call self%matrix%multiply_stiffness(center, stiffening)
       self%load = self%load - stiffening
       self%gap = self%gap - center(:self%n_points)
       self%anchor = self%anchor - center(self%n_points + 1:)
-      if (allocated(self%band)) call self%band%add_diagonal(springs)
-      if (allocated(self%stiffness)) then
-         do i = 1, size(springs)
-            self%stiffness(i, i) = self%stiffness(i, i) + springs(i)
-         end do
-      end if
-      if (allocated(self%compliance)) deallocate (self%compliance)
-      self%proximal_parameter = 0.0_dp
-      self%is_loose = self%is_loose .or. .not. self%is_held
-      self%is_held = .true.
-   end subroutine contact_problem_add_springs
+   end subroutine contact_problem_count_from
 
    !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].
    pure function contact_problem_bound(self, normal_force) result(bound)
@@ -178,61 +115,6 @@ contains
       reference = [self%gap, self%anchor]
    end function contact_problem_reference
 
-   !> The product S v.
-   pure subroutine contact_problem_multiply_stiffness(self, v, product)
-      class(contact_problem_t), intent(in) :: self !! the problem, with a stiffness
-      real(dp), contiguous, intent(in) :: v(:) !! the vector (2m) [L]
-      real(dp), contiguous, intent(out) :: product(:) !! the product (2m) [F]
-
-      if (allocated(self%band)) then
-         call self%band%multiply(v, product)
-      else
-         call symmetric_multiply(self%stiffness, v, product)
-      end if
-   end subroutine contact_problem_multiply_stiffness
-
-   !> Makes the stiffness a dense matrix unless it is one, for whoever needs it whole.
-   pure subroutine contact_problem_prepare_stiffness(self)
-      class(contact_problem_t), intent(inout) :: self !! the problem
-
-      if (self%is_reduced() .or. allocated(self%stiffness)) return
-      self%stiffness = self%band%dense()
-   end subroutine contact_problem_prepare_stiffness
-
-   !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already: for a held body the paper's (2.3),
-   !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
-   !>
-   !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
-   !> points, and the methods iterate v_k (see `dual_load`) until it has no effect. So the rigid motion, which
-   !> all points resist together, is held about as firmly as one point on any mesh: measured on the long bar, less
-   !> slows the sweeps and more slows the proximal iteration.
-   subroutine contact_problem_prepare_compliance(self, error)
-      class(contact_problem_t), intent(inout) :: self !! the problem
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), parameter :: share = 1.0_dp/3.0_dp
-      real(dp), allocatable :: factor(:, :)
-      integer :: i, info
-
-      if (allocated(self%compliance)) return
-      call self%prepare_stiffness()
-      allocate (factor, source=self%stiffness)
-      if (.not. self%is_held) then
-         self%proximal_parameter = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
-         do i = 1, size(factor, 1)
-            factor(i, i) = factor(i, i) + self%proximal_parameter
-         end do
-      end if
-      call cholesky_factor(factor, info)
-      if (info /= 0) then
-         call new_error(error, numerical_failure, 'the condensed stiffness of the contact points is not positive '// &
-            'definite: the supports do not hold the body, or its stiffness is degenerate')
-         return
-      end if
-      call cholesky_inverse(factor)
-      allocate (self%compliance)
-      call new_dense_matrix(self%compliance, factor)
-   end subroutine contact_problem_prepare_compliance
-
    !> The dual load of the paper's (2.3), B = v_free - (d; a), where v_free = A (q + alpha v_k) with the proximal center
    !> v_k unless the problem is a reduced one and gives it (2m) [L].
    pure function contact_problem_dual_load(self, center) result(b)
@@ -240,11 +122,11 @@ contains
       real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (2m) [L]
       real(dp), allocatable :: b(:)
 
-      if (self%is_reduced()) then
+      if (.not. self%matrix%has_stiffness()) then
          b = self%free_displacement
       else
          allocate (b(2*self%n_points))
-         call self%compliance%multiply(self%load + self%proximal_parameter*center, b)
+         call self%matrix%compliance%multiply(self%load + self%matrix%proximal_parameter*center, b)
       end if
       b = b - self%reference()
    end function contact_problem_dual_load
@@ -257,7 +139,7 @@ contains
       real(dp), allocatable :: displacement(:)
 
       allocate (displacement(2*self%n_points))
-      call self%compliance%multiply(force, displacement)
+      call self%matrix%compliance%multiply(force, displacement)
       displacement = dual_load - displacement + self%reference()
    end function contact_problem_displacement
 
@@ -267,7 +149,7 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp) :: acting(2*self%n_points)
 
-      if (self%is_reduced()) then
+      if (.not. self%matrix%has_stiffness()) then
          acting = self%dual_load(self%free_displacement)
          acting(:self%n_points) = max(0.0_dp, acting(:self%n_points))
       else
@@ -287,7 +169,8 @@ contains
 
       rho = self%augmentation()
       scale = acting_force(self, contact_force)
-      if (present(displacement) .and. self%is_held .and. .not. (self%is_loose .or. self%is_reduced())) then
+      if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
+         .and. self%matrix%has_stiffness()) then
          scale = max(scale, rounding_share*maxval(rho*abs(displacement)))
       end if
       if (scale > 0.0_dp) return
@@ -308,21 +191,21 @@ contains
       real(dp), dimension(2*self%n_points) :: held, force, uncanceled
       real(dp) :: acting
 
-      if (self%is_reduced()) then
+      if (.not. self%matrix%has_stiffness()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
          uncanceled = 0.0_dp
       else
          held = [min(0.0_dp, self%gap), self%anchor]
          force = self%load
          if (any(abs(held) > 0.0_dp)) then
-            call self%multiply_stiffness(held, force)
+            call self%matrix%multiply_stiffness(held, force)
             force = self%load - force
          end if
          uncanceled = self%augmentation()*(self%prescribed + maxval(abs(held)))
       end if
       scale = maxval(abs(force))
       if (all(abs(force) <= rounding*uncanceled)) scale = rounding_share*maxval(uncanceled)
-      if (present(contact_force) .and. .not. self%is_reduced()) then
+      if (present(contact_force) .and. self%matrix%has_stiffness()) then
          acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*maxval(abs(self%load)), &
             maxval(abs(contact_force)))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncanceled)))
@@ -338,7 +221,7 @@ contains
       real(dp) :: rho(2*self%n_points), length
 
       allocate (weight(self%n_points), source=1.0_dp)
-      if (.not. self%is_reduced()) return
+      if (self%matrix%has_stiffness()) return
       length = maxval(abs(self%dual_load(self%free_displacement)))
       if (.not. length > 0.0_dp) return
       rho = self%augmentation()
@@ -354,12 +237,12 @@ contains
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp) :: imbalance(2*self%n_points)
 
-      if (self%is_reduced()) then
-         call self%compliance%multiply(force, imbalance)
+      if (.not. self%matrix%has_stiffness()) then
+         call self%matrix%compliance%multiply(force, imbalance)
          imbalance = [self%weight(), self%weight()]*self%augmentation()*(imbalance - self%free_displacement &
             + displacement)
       else
-         call self%multiply_stiffness(displacement, imbalance)
+         call self%matrix%multiply_stiffness(displacement, imbalance)
          imbalance = imbalance - self%load + force
       end if
       ! maxval passes over what is not a number.

@@ -6,8 +6,10 @@
 !> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
 module amontons_contact_relation
    use amontons_active_set, only: active_set_t
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: cholesky_factor, cholesky_inverse, lu_solve, symmetric_multiply
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, lu_solve
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -33,44 +35,50 @@ module amontons_contact_relation
 contains
 
    !> The relation of a contact problem: primal where it has a stiffness, dual where it is a reduced problem.
-   pure subroutine new_contact_relation(relation, problem)
+   subroutine new_contact_relation(relation, problem, error)
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      type(contact_operator_t) :: copy
       real(dp) :: force(2*problem%n_points)
-      integer :: all_rows(2*problem%n_points), i
+      integer :: i
 
-      relation%is_dual = problem%is_reduced()
+      relation%is_dual = .not. problem%matrix%has_stiffness()
       if (relation%is_dual) then
-         all_rows = [(i, i=1, 2*problem%n_points)]
-         call scale_relation(relation, problem%compliance%block(all_rows, all_rows), &
-            problem%dual_load(problem%free_displacement), problem%friction, problem%slip_bound)
+         associate (a => problem%matrix%compliance)
+            call allocate_matrix(relation%matrix, a%n, a%n, 'the contact points', error)
+            if (allocated(error)) return
+            call a%fill_block([(i, i=1, a%n)], [(i, i=1, a%n)], relation%matrix)
+         end associate
+         relation%vector = problem%dual_load(problem%free_displacement)
       else
-         call symmetric_multiply(problem%stiffness, problem%reference(), force)
-         call scale_relation(relation, problem%stiffness, problem%load - force, problem%friction, problem%slip_bound)
+         call problem%matrix%copy_dense(copy, error)
+         if (allocated(error)) return
+         call move_alloc(copy%stiffness%values, relation%matrix)
+         call problem%matrix%multiply_stiffness(problem%reference(), force)
+         relation%vector = problem%load - force
       end if
+      call scale_relation(relation, problem%friction, problem%slip_bound)
    end subroutine new_contact_relation
 
    !> Scales a relation `y = h - H x` to the diagonal 1.
-   pure subroutine scale_relation(relation, matrix, vector, friction, slip_bound)
-      type(contact_relation_t), intent(inout) :: relation !! the relation; whether it is dual is known
-      real(dp), intent(in) :: matrix(:, :) !! H, positive semidefinite (2m, 2m) [unit of y over that of x]
-      real(dp), intent(in) :: vector(:) !! h (2m) [unit of y]
+   pure subroutine scale_relation(relation, friction, slip_bound)
+      type(contact_relation_t), intent(inout) :: relation !! the relation, with units; without on return
       real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
-      real(dp) :: unit(size(vector)), amount
+      real(dp) :: unit(size(relation%vector)), amount
       integer :: j, m
 
-      unit = sqrt(diagonal_units(matrix))
-      amount = maxval(abs(vector/unit))
+      unit = sqrt(diagonal_units(relation%matrix))
+      amount = maxval(abs(relation%vector/unit))
       if (.not. amount > 0.0_dp) amount = 1.0_dp
       allocate (relation%distance_unit, source=merge(amount*unit, amount/unit, relation%is_dual))
       allocate (relation%force_unit, source=merge(amount/unit, amount*unit, relation%is_dual))
-      relation%vector = vector/(amount*unit)
+      relation%vector = relation%vector/(amount*unit)
       m = size(friction)
       relation%n_points = m
-      allocate (relation%matrix(2*m, 2*m))
       do j = 1, 2*m
-         relation%matrix(:, j) = matrix(:, j)/(unit*unit(j))
+         relation%matrix(:, j) = relation%matrix(:, j)/(unit*unit(j))
       end do
       relation%friction = friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
       relation%slip_bound = slip_bound/relation%force_unit(m + 1:)

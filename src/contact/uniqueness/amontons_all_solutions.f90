@@ -54,7 +54,7 @@ contains
    subroutine find_all_solutions(solutions, problem, error, skew_part)
       type(all_solutions_t), intent(out) :: solutions !! the solutions
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      type(error_t), allocatable, intent(out) :: error !! the problem has too many points, or memory ran out
       real(dp), intent(in), optional :: skew_part(:, :)
          !! what the compliance of a reduced problem has besides its symmetric part (2m, 2m) [L/F]
       type(search_t) :: search
@@ -67,7 +67,8 @@ contains
             ', this problem has '//to_text(problem%n_points))
          return
       end if
-      call new_contact_relation(search%relation, problem)
+      call new_contact_relation(search%relation, problem, error)
+      if (allocated(error)) return
       if (present(skew_part)) then
          associate (relation => search%relation)
             do j = 1, size(skew_part, 2)

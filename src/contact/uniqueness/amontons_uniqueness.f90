@@ -10,6 +10,7 @@ module amontons_uniqueness
    use amontons_contact_relation, only: contact_relation_t, new_contact_relation
    use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply, &
       transposed_product, triangular_solve
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -42,9 +43,9 @@ module amontons_uniqueness
 contains
 
    !> Computes the bound of a contact problem. It depends on the body and on the ratios of friction alone.
-   pure subroutine new_uniqueness(uniqueness, problem, known)
+   subroutine new_uniqueness(uniqueness, problem, known)
       type(uniqueness_t), intent(out) :: uniqueness !! the bound
-      type(contact_problem_t), intent(inout) :: problem !! the problem; gains a dense stiffness if it has few points
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(uniqueness_t), intent(in), optional :: known
          !! the bound of another load case of the same body, which may serve again, or none
       ! Cholesky factors of so many rows take about a second together.
@@ -61,7 +62,7 @@ contains
          call bound_friction(uniqueness, problem)
       end if
       ! Without Coulomb friction the problem is a convex program, and S determines the forces.
-      uniqueness%is_unique = .not. (problem%is_reduced() .or. any(problem%friction > 0.0_dp))
+      uniqueness%is_unique = problem%matrix%has_stiffness() .and. .not. any(problem%friction > 0.0_dp)
       if (uniqueness%has_bound) uniqueness%is_unique = uniqueness%is_unique .or. uniqueness%is_for_any &
          .or. maxval(problem%friction) < uniqueness%friction
    end subroutine new_uniqueness
@@ -79,17 +80,19 @@ contains
    end function serves
 
    !> Finds the exact bound where there are few points, else the estimate.
-   pure subroutine bound_friction(uniqueness, problem)
+   subroutine bound_friction(uniqueness, problem)
       type(uniqueness_t), intent(inout) :: uniqueness !! the ratios; gains the bound
-      type(contact_problem_t), intent(inout) :: problem !! the problem; gains a dense stiffness
+      type(contact_problem_t), intent(in) :: problem !! the problem
       ! Four states for each point and fifty halvings: a tenth of a second.
       integer, parameter :: most_points_exact = 7
       type(contact_relation_t) :: relation
+      type(error_t), allocatable :: error
       real(dp), allocatable :: inverse(:, :), friction(:)
       logical :: is_definite
 
-      call problem%prepare_stiffness()
-      call new_contact_relation(relation, problem)
+      ! Memory has room for the few points.
+      call new_contact_relation(relation, problem, error)
+      if (allocated(error)) return
       friction = uniqueness%ratio*relation%force_unit(:problem%n_points)/relation%force_unit(problem%n_points + 1:)
       call relation%invert(inverse, is_definite)
       uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact

@@ -88,7 +88,7 @@ contains
       real(dp), contiguous, intent(in) :: v(:) !! contact displacements (2m) [L]
       real(dp) :: force(size(v))
 
-      call problem%multiply_stiffness(v, force)
+      call problem%matrix%multiply_stiffness(v, force)
       energy = dot_product(v, 0.5_dp*force + matmul(self%strain_row, factor)) &
          + 0.5_dp*dot_product(factor, matmul(self%strain, factor))
    end function energy_form_strain_energy

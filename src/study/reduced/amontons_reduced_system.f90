@@ -5,7 +5,9 @@
 !> W_TT = A22, q_N = -B1, q_T = B2 (theory, section 2). W may differ from its transpose by rounding: the contact problem
 !> has the mean of both, and `set_free_displacement` puts what is left over on the other side.
 module amontons_reduced_system
+   use amontons_contact_operator, only: contact_operator_t, new_compliance_operator
    use amontons_contact_problem, only: contact_problem_t, new_reduced_problem
+   use amontons_dense, only: allocate_matrix
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
@@ -176,26 +178,26 @@ contains
    !> Makes the reduced problem of a contact problem, from its compliance and dual load.
    subroutine new_condensed_system(system, problem, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem; gains its compliance
+      type(contact_problem_t), intent(in) :: problem !! the contact problem; its operator gains its compliance
       type(error_t), allocatable, intent(out) :: error !! there is no such reduced problem
       real(dp), allocatable :: values(:, :), sign(:), dual_load(:)
       integer, allocatable :: order(:)
       integer :: m, i, j
 
       m = problem%n_points
-      if (.not. problem%is_held) then
+      if (.not. problem%matrix%is_held) then
          call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: only contact '// &
             'holds a rigid-body mode, so that W would be infinite; add a support')
       else if (any(problem%slip_bound > 0.0_dp)) then
          call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: it '// &
             'knows only the bound mu r of the friction, no given slip_bound')
       else
-         call problem%prepare_compliance(error)
+         call problem%matrix%prepare_compliance(error)
       end if
       if (allocated(error)) return
       order = [(i, m + i, i=1, m)]
       sign = [(1.0_dp, -1.0_dp, i=1, m)]
-      values = problem%compliance%block(order, order)
+      values = problem%matrix%compliance%block(order, order)
       allocate (system%first(2*m + 1), system%row(count(abs(values) > 0.0_dp)), &
          system%entry(count(abs(values) > 0.0_dp)))
       system%first(1) = 1
@@ -277,9 +279,11 @@ contains
    end function reduced_system_compliance_unit
 
    !> The contact problem in the units above.
-   pure subroutine reduced_system_contact_problem(self, problem)
+   subroutine reduced_system_contact_problem(self, matrix, problem, error)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
+      type(contact_operator_t), target, intent(inout) :: matrix !! its operator; must outlive the contact problem
       type(contact_problem_t), intent(out) :: problem !! the contact problem
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(symmetric_matrix_t) :: compliance
       integer, allocatable :: row(:), column(:)
       real(dp), allocatable :: half(:), values(:, :)
@@ -294,7 +298,9 @@ contains
       half = 0.5_dp*(self%entry/self%compliance_unit())*merge(1.0_dp, -1.0_dp, &
          row > self%n_contacts .eqv. column > self%n_contacts)
       if (self%is_dense()) then
-         allocate (values(n, n), source=0.0_dp)
+         call allocate_matrix(values, n, n, 'the reduced problem', error)
+         if (allocated(error)) return
+         values = 0.0_dp
          do k = 1, size(half)
             values(row(k), column(k)) = values(row(k), column(k)) + half(k)
             values(column(k), row(k)) = values(column(k), row(k)) + half(k)
@@ -303,7 +309,8 @@ contains
       else
          call new_sparse_matrix(compliance, n, [row, column], [column, row], [half, half])
       end if
-      call new_reduced_problem(problem, compliance, spread(0.0_dp, 1, n), self%friction)
+      call new_compliance_operator(matrix, compliance)
+      call new_reduced_problem(problem, matrix, spread(0.0_dp, 1, n), self%friction)
       call self%set_free_displacement(problem, spread(0.0_dp, 1, n))
    end subroutine reduced_system_contact_problem
 

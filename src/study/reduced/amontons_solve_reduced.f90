@@ -6,6 +6,7 @@ module amontons_solve_reduced
    use amontons_components, only: solve_components
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_effort, only: effort_t
@@ -104,6 +105,7 @@ contains
       type(reduced_result_t), intent(inout) :: result !! the problem; gains its solution
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
       class(contact_method_t), allocatable :: method
+      type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: problem
 
       call result%timings%begin(phase_solve)
@@ -115,7 +117,8 @@ contains
          result%solution%is_converged = .true.
          result%uniqueness%is_unique = .true.
       else
-         call result%system%contact_problem(problem)
+         call result%system%contact_problem(matrix, problem, error)
+         if (allocated(error)) return
          call iterate(method, result%system, problem, result%solution, error)
          if (allocated(error)) return
          call new_uniqueness(result%uniqueness, problem)
@@ -139,13 +142,15 @@ contains
       type(all_solutions_t), intent(out) :: solutions !! the solutions; their forces are r, all normal ones first
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(error_t), allocatable, intent(out) :: error !! it has too many contacts
+      type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: problem
       real(dp), allocatable :: skew_part(:, :)
       real(dp) :: force(2*system%n_contacts)
       integer :: j, m
 
       m = system%n_contacts
-      call system%contact_problem(problem)
+      call system%contact_problem(matrix, problem, error)
+      if (allocated(error)) return
       ! A problem of many contacts is refused before anything asks for its skew part.
       allocate (skew_part(2*m, merge(2*m, 0, system%asymmetry > 0.0_dp .and. m <= most_points)))
       do j = 1, size(skew_part, 2)

@@ -93,7 +93,6 @@ contains
          self%load(:, k) = self%parts(k)%condensed%load
          self%expansion(k) = free_expansion(self%parts(k), body%mesh)
       end do
-      call self%problem%prepare_compliance(error)
    end subroutine sweep_model_prepare
 
    !> Sums nodal forces and thermal strains of all loads that a quantity multiplies, or of those that none does.
@@ -247,9 +246,13 @@ contains
       integer :: j
 
       associate (problem => self%problem)
-         do j = 1, size(problem%stiffness, 2)
-            call checksum%add(problem%stiffness(:, j))
-         end do
+         if (allocated(problem%matrix%band)) then
+            call checksum%add(reshape(problem%matrix%band%whole%entry, [size(problem%matrix%band%whole%entry)]))
+         else
+            do j = 1, problem%matrix%n
+               call checksum%add(problem%matrix%stiffness%values(:, j))
+            end do
+         end if
          call checksum%add([problem%load, problem%gap, self%fixed%friction, problem%slip_bound])
       end associate
       do j = 1, size(self%load, 2)

@@ -19,10 +19,11 @@ contains
       type(sweep_task_t), intent(inout) :: task !! the sweep; its model gains the contact problem
       type(cache_t), intent(inout) :: cache !! the body, condensed
       type(config_t), intent(in) :: config !! not used
-      type(error_t), allocatable, intent(out) :: error !! S is not positive definite
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
 
       n_sharing = 1
       call task%model%prepare(cache%body, cache%problem, error)
+      if (.not. allocated(error)) call task%method%prepare(task%model%problem, error)
       associate (unused => config)
       end associate
    end subroutine prepare_on_ranks

@@ -61,6 +61,7 @@ contains
       if (is_shared) is_shared = on_all_ranks(.true.)
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
       call task%model%prepare(cache%body, cache%problem, error)
+      if (.not. allocated(error)) call task%method%prepare(task%model%problem, error)
       if (is_shared) is_shared = is_same(task%model, .not. allocated(error))
       n_sharing = merge(n_ranks, 1, is_shared)
    end subroutine prepare_on_ranks
@@ -79,6 +80,7 @@ contains
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
       if (.not. allocated(error)) call taken%task%model%prepare(taken%cache%body, taken%cache%problem, error)
+      if (.not. allocated(error)) call taken%task%method%prepare(taken%task%model%problem, error)
       if (is_same(taken%task%model, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine take_sweep
 
@@ -123,8 +125,8 @@ contains
       real(dp), parameter :: body_bytes = 300.0_dp
       real(dp) :: n_entries
 
-      if (allocated(cache%problem%band)) then
-         n_entries = 2.0_dp*size(cache%problem%band%whole%entry)
+      if (allocated(cache%problem%matrix%band)) then
+         n_entries = 2.0_dp*size(cache%problem%matrix%band%whole%entry)
       else
          n_entries = (2.0_dp*cache%problem%n_points)**2
       end if

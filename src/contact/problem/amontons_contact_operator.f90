@@ -1,0 +1,392 @@
+!> The matrix of a contact problem: the stiffness S of a body, dense or as the band matrix of the whole body, or the
+!> compliance A of a reduced problem, dense or sparse.
+!>
+!> One operator serves all loads of its body, on all threads at once: contact problems point to it. Methods that need a
+!> dense matrix ask for it by `prepare_stiffness` or `prepare_compliance`, which make it once.
+module amontons_contact_operator
+   use amontons_band_stiffness, only: band_stiffness_t
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_stiffness_operator
+
+   !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
+   type :: contact_operator_t
+      integer :: n = 0 !! number of its rows
+      logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
+      logical :: is_loose = .false. !! whether springs of `set_springs` are all that holds the body
+      type(symmetric_matrix_t), allocatable :: stiffness
+         !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
+      type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
+      type(symmetric_matrix_t), allocatable :: compliance
+         !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
+         !! reduced problem (n, n) [L/F]
+      real(dp) :: proximal_parameter = 0.0_dp !! alpha of the proximal iteration: 0 for a held body [F/L]
+   contains
+      procedure :: add_motion => contact_operator_add_motion
+      procedure :: augmentation => contact_operator_augmentation
+      procedure :: copy_dense => contact_operator_copy_dense
+      procedure :: copy_stiffness => contact_operator_copy_stiffness
+      procedure :: cut => contact_operator_cut
+      procedure :: dense_megabytes => contact_operator_dense_megabytes
+      procedure :: find_parts => contact_operator_find_parts
+      procedure :: has_stiffness => contact_operator_has_stiffness
+      procedure :: multiply_stiffness => contact_operator_multiply_stiffness
+      procedure :: prepare_compliance => contact_operator_prepare_compliance
+      procedure :: prepare_stiffness => contact_operator_prepare_stiffness
+      procedure :: set_springs => contact_operator_set_springs
+   end type contact_operator_t
+
+   !> A part with fewer rows has a dense compliance, which all methods take.
+   integer, parameter :: least_sparse_rows = 200
+
+contains
+
+   !> Takes over a dense stiffness.
+   pure subroutine new_stiffness_operator(matrix, stiffness, is_held)
+      type(contact_operator_t), intent(out) :: matrix !! the operator
+      real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); not allocated on return [F/L]
+      logical, intent(in) :: is_held !! whether S is positive definite
+
+      matrix%n = size(stiffness, 1)
+      matrix%is_held = is_held
+      allocate (matrix%stiffness)
+      call new_dense_matrix(matrix%stiffness, stiffness)
+   end subroutine new_stiffness_operator
+
+   !> Takes over a stiffness that stays the band matrix of a whole body.
+   pure subroutine new_band_operator(matrix, band, is_held)
+      type(contact_operator_t), intent(out) :: matrix !! the operator
+      type(band_stiffness_t), allocatable, intent(inout) :: band !! S; not allocated on return
+      logical, intent(in) :: is_held !! whether S is positive definite
+
+      matrix%n = size(band%place)
+      matrix%is_held = is_held
+      call move_alloc(band, matrix%band)
+   end subroutine new_band_operator
+
+   !> Makes the operator of a reduced problem.
+   pure subroutine new_compliance_operator(matrix, compliance)
+      type(contact_operator_t), intent(out) :: matrix !! the operator
+      type(symmetric_matrix_t), intent(in) :: compliance !! A, positive semidefinite (n, n) [L/F]
+
+      matrix%n = compliance%n
+      matrix%compliance = compliance
+   end subroutine new_compliance_operator
+
+   !> Whether the stiffness is known, so that forces follow from displacements; else displacements follow from forces.
+   pure logical function contact_operator_has_stiffness(self) result(has_stiffness)
+      class(contact_operator_t), intent(in) :: self !! the operator
+
+      has_stiffness = allocated(self%stiffness) .or. allocated(self%band)
+   end function contact_operator_has_stiffness
+
+   !> The memory that a dense matrix of all rows takes [MB].
+   pure real(dp) function contact_operator_dense_megabytes(self) result(megabytes)
+      class(contact_operator_t), intent(in) :: self !! the operator
+
+      megabytes = 8.0e-6_dp*real(self%n, dp)**2
+   end function contact_operator_dense_megabytes
+
+   !> The stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
+   !> problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others (n) [F/L].
+   pure function contact_operator_augmentation(self) result(rho)
+      class(contact_operator_t), intent(in) :: self !! the operator
+      real(dp), allocatable :: rho(:)
+
+      if (allocated(self%band)) then
+         rho = self%band%diagonal
+      else if (allocated(self%stiffness)) then
+         allocate (rho, source=self%stiffness%diagonal())
+      else
+         allocate (rho, source=self%compliance%reciprocal_diagonal())
+      end if
+   end function contact_operator_augmentation
+
+   !> The product S v.
+   pure subroutine contact_operator_multiply_stiffness(self, v, product)
+      class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
+      real(dp), contiguous, intent(in) :: v(:) !! the vector (n) [L]
+      real(dp), contiguous, intent(out) :: product(:) !! the product (n) [F]
+
+      if (allocated(self%band)) then
+         call self%band%multiply(v, product)
+      else
+         call self%stiffness%multiply(v, product)
+      end if
+   end subroutine contact_operator_multiply_stiffness
+
+   !> Makes the stiffness a dense matrix unless it is one.
+   subroutine contact_operator_prepare_stiffness(self, error)
+      class(contact_operator_t), intent(inout) :: self !! the operator, with a stiffness
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      real(dp), allocatable :: dense(:, :)
+
+      ! Threads share the operator.
+      !$omp critical (amontons_contact_operator)
+      if (.not. allocated(self%stiffness)) then
+         call new_dense_stiffness(self, dense, error)
+         if (.not. allocated(error)) then
+            allocate (self%stiffness)
+            call new_dense_matrix(self%stiffness, dense)
+         end if
+      end if
+      !$omp end critical (amontons_contact_operator)
+   end subroutine contact_operator_prepare_stiffness
+
+   !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already: for a held body the paper's (2.3),
+   !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
+   !>
+   !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
+   !> points, and the methods iterate v_k (see `dual_load`) until it has no effect. So the rigid motion, which
+   !> all points resist together, is held about as firmly as one point on any mesh: measured on the long bar, less
+   !> slows the sweeps and more slows the proximal iteration.
+   subroutine contact_operator_prepare_compliance(self, error)
+      class(contact_operator_t), intent(inout) :: self !! the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      ! Threads share the operator.
+      !$omp critical (amontons_contact_operator)
+      if (.not. allocated(self%compliance)) call invert_stiffness(self, error)
+      !$omp end critical (amontons_contact_operator)
+   end subroutine contact_operator_prepare_compliance
+
+   !> Makes the dual matrix from the stiffness.
+   subroutine invert_stiffness(matrix, error)
+      class(contact_operator_t), intent(inout) :: matrix !! the operator; gains A and alpha
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+      real(dp), parameter :: share = 1.0_dp/3.0_dp
+      real(dp), allocatable :: factor(:, :)
+      integer :: i, info
+
+      call new_dense_stiffness(matrix, factor, error)
+      if (allocated(error)) return
+      if (.not. matrix%is_held) then
+         matrix%proximal_parameter = share*sum([(factor(i, i), i=1, matrix%n)])/(matrix%n*(matrix%n/2))
+         do i = 1, matrix%n
+            factor(i, i) = factor(i, i) + matrix%proximal_parameter
+         end do
+      end if
+      call cholesky_factor(factor, info)
+      if (info /= 0) then
+         call new_error(error, numerical_failure, 'the condensed stiffness of the contact points is not positive '// &
+            'definite: the supports do not hold the body, or its stiffness is degenerate')
+         return
+      end if
+      call cholesky_inverse(factor)
+      allocate (matrix%compliance)
+      call new_dense_matrix(matrix%compliance, factor)
+   end subroutine invert_stiffness
+
+   !> Makes a dense copy of the stiffness.
+   subroutine new_dense_stiffness(matrix, dense, error)
+      class(contact_operator_t), intent(in) :: matrix !! the operator, with a stiffness
+      real(dp), allocatable, intent(out) :: dense(:, :) !! S (n, n) [F/L]
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+
+      call allocate_matrix(dense, matrix%n, matrix%n, 'the contact points', error)
+      if (allocated(error)) return
+      if (allocated(matrix%stiffness)) then
+         dense(:, :) = matrix%stiffness%values
+      else
+         call matrix%band%fill_dense(dense)
+      end if
+   end subroutine new_dense_stiffness
+
+   !> Makes an operator of its own that has the stiffness as a dense matrix.
+   subroutine contact_operator_copy_dense(self, copy, error)
+      class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
+      type(contact_operator_t), intent(out) :: copy !! its copy
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      real(dp), allocatable :: dense(:, :)
+
+      call new_dense_stiffness(self, dense, error)
+      if (.not. allocated(error)) call new_stiffness_operator(copy, dense, self%is_held)
+   end subroutine contact_operator_copy_dense
+
+   !> Makes an operator of its own that has the stiffness in the form in which it is known.
+   subroutine contact_operator_copy_stiffness(self, copy, error)
+      class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
+      type(contact_operator_t), intent(out) :: copy !! its copy
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      type(band_stiffness_t), allocatable :: band
+
+      if (.not. allocated(self%band)) then
+         call self%copy_dense(copy, error)
+      else
+         band = self%band
+         call new_band_operator(copy, band, self%is_held)
+      end if
+   end subroutine contact_operator_copy_stiffness
+
+   !> Makes this copy of a stiffness that of the body and of springs that hold the points to where they are.
+   pure subroutine contact_operator_set_springs(self, body, springs)
+      class(contact_operator_t), intent(inout) :: self !! a copy of the body's stiffness, with any springs before
+      type(contact_operator_t), intent(in) :: body !! the body's
+      real(dp), intent(in) :: springs(:) !! diagonal of the springs' stiffness, all of it above 0 (n) [F/L]
+      integer :: i
+
+      if (allocated(self%band)) then
+         call self%band%set_diagonal(body%band, springs)
+      else
+         do i = 1, self%n
+            self%stiffness%values(i, i) = body%stiffness%values(i, i) + springs(i)
+         end do
+      end if
+      if (allocated(self%compliance)) deallocate (self%compliance)
+      self%proximal_parameter = 0.0_dp
+      self%is_held = .true.
+      self%is_loose = body%is_loose .or. .not. body%is_held
+   end subroutine contact_operator_set_springs
+
+   !> Adds the stiffness of a spring that resists one motion of all points.
+   pure subroutine contact_operator_add_motion(self, spring, motion)
+      class(contact_operator_t), intent(inout) :: self !! the operator, its stiffness a dense matrix
+      real(dp), intent(in) :: spring !! stiffness of the spring [F/L]
+      real(dp), intent(in) :: motion(:) !! displacements of the motion (n) [-]
+      integer :: j
+
+      do j = 1, self%n
+         self%stiffness%values(:, j) = self%stiffness%values(:, j) + spring*motion(j)*motion
+      end do
+   end subroutine contact_operator_add_motion
+
+   !> Numbers the parts that do not act on each other: two points are in one part if an entry of the matrix couples
+   !> them. A band is one part.
+   pure subroutine contact_operator_find_parts(self, n_points, part, n_parts)
+      class(contact_operator_t), intent(in) :: self !! the operator
+      integer, intent(in) :: n_points !! number m of points; row i is one of point 1 + mod(i - 1, m)
+      integer, allocatable, intent(out) :: part(:) !! number of the part of each point (m)
+      integer, intent(out) :: n_parts !! number of parts
+      integer, allocatable :: parent(:)
+      integer :: i
+
+      if (allocated(self%band)) then
+         allocate (part(n_points), source=1)
+         n_parts = 1
+         return
+      end if
+      parent = [(i, i=1, n_points)]
+      if (allocated(self%stiffness)) then
+         call join_coupled(parent, self%stiffness)
+      else
+         call join_coupled(parent, self%compliance)
+      end if
+      allocate (part(n_points))
+      n_parts = 0
+      do i = 1, n_points
+         if (parent(i) == i) then
+            n_parts = n_parts + 1
+            part(i) = n_parts
+         else
+            part(i) = part(root_of(parent, i))
+         end if
+      end do
+   end subroutine contact_operator_find_parts
+
+   !> Joins the parts of points that a matrix couples.
+   pure subroutine join_coupled(parent, matrix)
+      integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
+      type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (n, n)
+      integer :: i, j
+
+      do j = 1, matrix%n
+         if (matrix%is_sparse()) then
+            do i = matrix%first(j), matrix%first(j + 1) - 1
+               if (abs(matrix%entry(i)) > 0.0_dp) call join(parent, matrix%row(i), j)
+            end do
+         else
+            do i = j + 1, matrix%n
+               if (abs(matrix%values(i, j)) > 0.0_dp) call join(parent, i, j)
+            end do
+            ! A body in one piece couples all points in the first column.
+            if (all(parent == 1)) return
+         end if
+      end do
+   end subroutine join_coupled
+
+   !> Joins the parts of the points of two rows.
+   pure subroutine join(parent, row, column)
+      integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
+      integer, intent(in) :: row !! a row
+      integer, intent(in) :: column !! another one
+      integer :: points(2), roots(2)
+
+      points = 1 + mod([row, column] - 1, size(parent))
+      roots = [root_of(parent, points(1)), root_of(parent, points(2))]
+      parent(maxval(roots)) = minval(roots)
+      parent(points) = minval(roots)
+   end subroutine join
+
+   !> The first point of the part of a point.
+   pure integer function root_of(parent, point) result(root)
+      integer, intent(in) :: parent(:) !! a point of the same part, of a lower number or the same (m)
+      integer, intent(in) :: point !! the point
+
+      root = point
+      do while (parent(root) /= root)
+         root = parent(root)
+      end do
+   end function root_of
+
+   !> Makes the operator of a part.
+   subroutine contact_operator_cut(self, rows, part, error)
+      class(contact_operator_t), intent(in) :: self !! the operator, in several parts
+      integer, intent(in) :: rows(:) !! rows of the part
+      type(contact_operator_t), intent(out) :: part !! the operator of the part
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      real(dp), allocatable :: values(:, :)
+
+      part%n = size(rows)
+      part%is_held = self%is_held
+      if (.not. allocated(self%stiffness) .and. size(rows) >= least_sparse_rows) then
+         if (self%compliance%is_sparse()) then
+            allocate (part%compliance)
+            call cut_sparse(part%compliance, self%compliance, rows)
+            return
+         end if
+      end if
+      call allocate_matrix(values, part%n, part%n, 'contact points', error)
+      if (allocated(error)) return
+      if (allocated(self%stiffness)) then
+         call self%stiffness%fill_block(rows, rows, values)
+         allocate (part%stiffness)
+         call new_dense_matrix(part%stiffness, values)
+      else
+         call self%compliance%fill_block(rows, rows, values)
+         allocate (part%compliance)
+         call new_dense_matrix(part%compliance, values)
+      end if
+   end subroutine contact_operator_cut
+
+   !> The rows and columns of a part of a sparse matrix.
+   pure subroutine cut_sparse(part, matrix, rows)
+      type(symmetric_matrix_t), intent(out) :: part !! the part
+      type(symmetric_matrix_t), intent(in) :: matrix !! the whole
+      integer, intent(in) :: rows(:) !! the rows
+      real(dp), allocatable :: entry(:)
+      integer, allocatable :: place(:), row(:), column(:)
+      integer :: i, j, n
+
+      allocate (place(matrix%n), source=0)
+      place(rows) = [(i, i=1, size(rows))]
+      n = sum(matrix%first(rows + 1) - matrix%first(rows))
+      allocate (row(n), column(n), entry(n))
+      n = 0
+      do j = 1, size(rows)
+         do i = matrix%first(rows(j)), matrix%first(rows(j) + 1) - 1
+            if (place(matrix%row(i)) == 0) cycle
+            n = n + 1
+            row(n) = place(matrix%row(i))
+            column(n) = j
+            entry(n) = matrix%entry(i)
+         end do
+      end do
+      call new_sparse_matrix(part, size(rows), row(:n), column(:n), entry(:n))
+   end subroutine cut_sparse
+
+end module amontons_contact_operator
