@@ -32,8 +32,9 @@ Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
 WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
-NO_EQUILIBRIUM = ": no equilibrium: "  # what follows the name of a deck whose loads nothing can balance
+NO_EQUILIBRIUM = "no equilibrium: "  # what a message says of loads that nothing can balance, perhaps behind a name
 
 
 class AmontonsError(Exception):
@@ -68,6 +69,20 @@ class DoubtfulResult(UserWarning):
 
 class NotConverged(DoubtfulResult):
     """A result is there, but not to the tolerance, or its certificate failed."""
+
+
+class _Sentence(str):
+    """The text of a warning. It equals one that differs in its numbers alone: Python prints equal warnings once for each
+    place, and a loop over loads or sizes warns of the same thing with other numbers."""
+
+    def _kind(self) -> str:
+        return NUMBER.sub("#", str(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Sentence) and self._kind() == other._kind()
+
+    def __hash__(self) -> int:
+        return hash(self._kind())
 
 
 ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 3: SystemFailure}
@@ -189,11 +204,11 @@ def _judge(code: int, message: ctypes.Array[ctypes.c_char], n_callers: int) -> b
         kind = ERRORS[code]
         if code == 1 and sentence.endswith(NO_FILE):
             kind = FileMissing
-        elif code == 2 and NO_EQUILIBRIUM in sentence:
+        elif code == 2 and f": {NO_EQUILIBRIUM}" in f": {sentence}":
             kind = NoEquilibrium
         raise kind(sentence)
     if code:
-        warnings.warn(sentence, NotConverged, stacklevel=n_callers + 1)
+        warnings.warn(_Sentence(sentence), NotConverged, stacklevel=n_callers + 1)
     return code == 0
 
 
@@ -265,13 +280,19 @@ class Stepper:
             _library.amontons_free_stepper(self._address)
             self._address = ctypes.c_void_p()
 
+    def __reduce_ex__(self, protocol: object) -> tuple[Any, ...]:
+        # Its body is in the library, which frees it once: there are no copies.
+        raise TypeError("a Stepper can be neither copied nor pickled: make another one of the deck, or share this one; "
+                        "the states that its steps return can be copied and pickled")
+
     def rest(self) -> StepState:
         """The body before the first step: at rest and unstressed."""
         return self._state(np.zeros(self._n_state), {}, np.ones(self.n_points, dtype=np.intc))
 
     def step(self, before: StepState, time: float, **changes: float) -> StepState:
         """The state after a step to a time at which the changes have the numbers given. Nothing else is altered, so
-        that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`."""
+        that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`, one whose
+        loads nothing can balance `NoEquilibrium`."""
         if sorted(changes) != sorted(self.changes):
             raise InputRefused(f"expected {', '.join(self.changes)}, found {', '.join(changes) or 'nothing'}")
         numbers = np.array([changes[name] for name in self.changes], dtype=np.float64)
@@ -339,7 +360,7 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
         raise
     result = DeckResult(output / os.fsdecode(name.value), is_kept, is_solved)
     for sentence in result.summary.get("warnings", []):
-        warnings.warn(sentence, DoubtfulResult, stacklevel=3)
+        warnings.warn(_Sentence(sentence), DoubtfulResult, stacklevel=3)
     return result
 
 

@@ -4,7 +4,7 @@
 !> place for all threads.
 module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
-   use amontons_c_text, only: put_c_text, text_of_c
+   use amontons_c_text, only: begin_call, end_call, put_c_text, text_of_c
    use amontons_config, only: config_t, read_config, read_config_text
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, new_error
@@ -68,7 +68,7 @@ contains
       character(:), allocatable :: sentence
       type(error_t), allocatable :: error
 
-      !$omp critical (amontons_call)
+      call begin_call()
       if (present(method)) options%method = text_of_c(method)
       call choose(options, int(n_contacts), tolerance, int(max_iterations), error)
       if (.not. allocated(error)) call solve_arrays(w, q, mu, options, result, code, sentence, error)
@@ -83,7 +83,7 @@ contains
          n_iterations = int(result%solution%n_iterations, c_int)
       end if
       call put_c_text(sentence, message_size, message)
-      !$omp end critical (amontons_call)
+      call end_call()
    end function amontons_solve_reduced_problem
 
    !> Solves a reduced problem from arrays and judges the solution.
@@ -143,13 +143,13 @@ contains
       type(config_t) :: config
       type(error_t), allocatable :: error
 
-      !$omp critical (amontons_call)
+      call begin_call()
       call read_config(config, text_of_c(deck), error)
       call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
       code = int(outcome%status, c_int)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
-      !$omp end critical (amontons_call)
+      call end_call()
    end function amontons_solve_deck
 
    !> Solves a deck that is a text and writes its files.
@@ -172,13 +172,13 @@ contains
       type(config_t) :: config
       type(error_t), allocatable :: error
 
-      !$omp critical (amontons_call)
+      call begin_call()
       call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
       call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
       code = int(outcome%status, c_int)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
-      !$omp end critical (amontons_call)
+      call end_call()
    end function amontons_solve_deck_text
 
    !> Solves a case and writes its files, as the program does.

@@ -1,7 +1,7 @@
 !> The stepper of `amontons.h`, where it is described.
 module amontons_c_stepper
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
-   use amontons_c_text, only: put_c_text, text_of_c
+   use amontons_c_text, only: begin_call, end_call, put_c_text, text_of_c
    use amontons_config, only: config_t, read_config_text
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -35,7 +35,7 @@ contains
       type(config_t) :: config
       type(error_t), allocatable :: error
 
-      !$omp critical (amontons_call)
+      call begin_call()
       stepper = c_null_ptr
       allocate (made)
       call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
@@ -53,7 +53,7 @@ contains
          call put_c_text(made%columns, columns_size, columns)
          call put_c_text('', message_size, message)
       end if
-      !$omp end critical (amontons_call)
+      call end_call()
    end function amontons_new_stepper
 
    !> Takes a step.
@@ -80,7 +80,7 @@ contains
       integer, allocatable :: statuses(:)
       logical :: is_converged
 
-      !$omp critical (amontons_call)
+      call begin_call()
       call c_f_pointer(stepper, made)
       call made%step(time, changes, before, state, numbers, statuses, is_converged, error)
       if (allocated(error)) then
@@ -95,7 +95,7 @@ contains
          code = merge(0_c_int, int(status_not_converged, c_int), is_converged)
          call put_c_text(trim(merge('              ', 'not converged ', is_converged)), message_size, message)
       end if
-      !$omp end critical (amontons_call)
+      call end_call()
    end function amontons_step
 
    !> Gives a stepper up.

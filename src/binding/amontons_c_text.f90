@@ -1,10 +1,22 @@
-!> Texts of C: characters up to a zero.
+!> What all calls from C have in common: texts, which are characters up to a zero, and the frame of a call.
 module amontons_c_text
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    implicit none (type, external)
    private
 
-   public :: put_c_text, text_of_c
+   public :: begin_call, end_call, put_c_text, text_of_c
+
+   interface
+      !> Waits until no other call runs, and gives the BLAS one thread.
+      subroutine begin_call() bind(c, name='amontons_begin_call')
+         implicit none (type, external)
+      end subroutine begin_call
+
+      !> Lets the next call run.
+      subroutine end_call() bind(c, name='amontons_end_call')
+         implicit none (type, external)
+      end subroutine end_call
+   end interface
 
 contains
 

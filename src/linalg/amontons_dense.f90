@@ -90,7 +90,7 @@ contains
             info = info + k - 1
             return
          end if
-         !$omp parallel default(none) shared(a, n, lda, k, width) private(i, j)
+         !$omp parallel default(none) if (n - k >= 2*tile) shared(a, n, lda, k, width) private(i, j)
          !$omp do schedule(dynamic)
          do i = k + tile, n, tile
             call dtrsm('R', 'L', 'T', 'N', min(tile, n - i + 1), width, 1.0_dp, a(k, k), lda, a(i, k), lda)

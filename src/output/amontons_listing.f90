@@ -54,9 +54,9 @@ contains
          if (allocated(result%answer)) call listing%add(heading('Solution')//'  '//result%answer//newline)
          if (allocated(result%answer)) return
          call contact_columns(columns, body, result)
-         if (allocated(result%study_listing)) call listing%record(result%study_listing)
+         call listing%append(result%study_listing)
          call listing%record(solution_text(body, result))
-         if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence, label%units))
+         if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
          if (body%zone%n_points > 0) call listing%add(zones_text(result, label%units), [line_scale(body)])
          call listing%add(resultants_text(result, label%units), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])

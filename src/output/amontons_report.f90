@@ -128,7 +128,7 @@ contains
       if (allocated(result%convergence)) then
          n = n + 1
          documents(n)%ending = '.convergence.csv'
-         call documents(n)%record(convergence_table_text(result%convergence))
+         call documents(n)%add(convergence_table_text(result%convergence))
       end if
       if (.not. allocated(result%all_solutions)) return
       documents(n + 1)%ending = '.solutions.csv'

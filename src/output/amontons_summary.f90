@@ -35,7 +35,7 @@ contains
             call summary%record(last_members(result%timings))
             return
          end if
-         if (allocated(result%study_members)) call summary%record(result%study_members)
+         call summary%append(result%study_members)
          call summary%record(effort_members(solution))
          if (result%method_error >= 0.0_dp) call summary%record(member('method_error', &
             json_number(result%method_error)))
@@ -56,7 +56,7 @@ contains
             scales(resultants(solution%force)))
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
             result%error_estimate%quantities()))
-         if (allocated(result%convergence)) call summary%record(convergence_member(result%convergence))
+         if (allocated(result%convergence)) call summary%add(convergence_member(result%convergence))
          call summary%record(last_members(result%timings))
       end associate
    end subroutine new_summary

@@ -4,6 +4,7 @@ module amontons_result
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_convergence, only: refined_quantity_t
+   use amontons_document, only: document_t
    use amontons_key_results, only: lengths_t
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
@@ -65,8 +66,8 @@ module amontons_result
          !! why there is no state to show: no equilibrium, or a first step of a history that did not converge
       real(dp) :: earlier_violation = 0.0_dp
          !! largest violation of the certificates of earlier steps of a study of several [-]
-      character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
-      character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
+      type(document_t) :: study_listing !! what a study of several steps says of them in the listing; empty for others
+      type(document_t) :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
       character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
       type(factor_t) :: factor !! the factorization in use

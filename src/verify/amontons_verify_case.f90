@@ -9,19 +9,24 @@ module amontons_verify_case
    use amontons_body, only: body_t
    use amontons_contact_check, only: check_statuses, contact_state_t, law_scales_t, new_law_scales, read_points
    use amontons_contact_solution, only: new_contact_solution
+   use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
+   use amontons_document_check, only: agree
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: word_no_equilibrium
+   use amontons_quantity, only: quantity_t
    use amontons_reduced_report, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
+   use amontons_single_study, only: judge_meshes, refined_quantities
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
    use amontons_solve_load_case, only: evaluate
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_summary, only: new_summary
+   use amontons_text, only: to_text
    use amontons_verified_case, only: verified_case_t
    use amontons_vtk_check, only: new_vtk_check, read_displacement, vtk_check_t
    use amontons_vtu, only: show_body, show_contact_line
@@ -85,6 +90,10 @@ contains
       result%solution%is_converged = case%value('', 'converged') == 'true' .or. .not. result%is_complete
       result%condition = case%number('', 'condition')
       call evaluate(result, body)
+      if (len(case%value('', 'convergence')) > 0) then
+         call restore_convergence(case, body, result, fault)
+         call case%fault('.convergence.csv', fault)
+      end if
       call add_result_warnings(result, body)
       if (result%solution%is_converged) call check_law(case%faults, body, result, case%stem//'.contact.csv', .true.)
       call check_texts(case, body, result)
@@ -109,6 +118,37 @@ contains
       result%solution%displacement(:m) = result%solution%displacement(:m) + &
          (result%load_case%free_gap - result%load_case%gap)
    end subroutine restore_displacement
+
+   !> Judges the numbers on refined meshes again: those of the coarser meshes are what their table states.
+   subroutine restore_convergence(case, body, result, fault)
+      type(verified_case_t), intent(in) :: case !! the case
+      type(body_t), intent(in) :: body !! the body on the finest mesh
+      type(result_t), intent(inout) :: result !! its result; gains the judgments
+      character(:), allocatable, intent(out) :: fault !! why there are none; empty if there are
+      type(csv_table_t) :: table
+      type(quantity_t), allocatable :: finest(:)
+      real(dp), allocatable :: values(:, :)
+      integer :: i, level, n_levels
+
+      call read_csv_table(table, case%stem//'.convergence.csv', fault=fault)
+      if (len(fault) > 0) return
+      finest = refined_quantities(result)
+      n_levels = table%column('verdict') - 2
+      if (table%n_rows /= size(finest) .or. n_levels < 3) then
+         fault = 'it is not a table of '//to_text(size(finest))//' numbers on three meshes or more'
+         return
+      end if
+      allocate (values(size(finest), n_levels))
+      do i = 1, size(finest)
+         do level = 1, n_levels
+            call table%get_number(i, 1 + level, values(i, level), fault)
+         end do
+         ! The last digits of what is restored may be others; differences of mesh to mesh magnify them.
+         if (.not. agree(values(i, n_levels), finest(i)%value, max(abs(finest(i)%value), finest(i)%scale))) &
+            values(i, n_levels) = finest(i)%value
+      end do
+      if (len(fault) == 0) call judge_meshes(result, body%zone, values)
+   end subroutine restore_convergence
 
    !> Writes the texts again and compares.
    subroutine check_texts(case, body, result)

@@ -8,19 +8,19 @@ module amontons_verify_history
    use amontons_config, only: config_t
    use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
    use amontons_csv_table, only: csv_table_t, read_csv_table
-   use amontons_document_check, only: compare_line, first_disagreement
+   use amontons_document_check, only: agree, compare_line, first_disagreement
    use amontons_error, only: error_t
    use amontons_history, only: is_shown
    use amontons_history_files, only: read_start
+   use amontons_history_report, only: describe_history
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_table, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
       number_alone, of_grids, of_states, table_rows
-   use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
+   use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: word_no_equilibrium
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
-   use amontons_solve_history, only: history_result_t, new_step_result, prepare_history
+   use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, worst_step_t
    use amontons_stepper, only: step_state_t, take_step
    use amontons_text, only: newline, read_reals, to_text
    use amontons_verified_case, only: verified_case_t
@@ -42,6 +42,7 @@ module amontons_verify_history
       type(history_model_t) :: model !! the history
       type(history_result_t) :: result !! the way so far
       type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
+      type(worst_step_t) :: indicator !! largest energy error of a step over its energies, of the rows
       character(:), allocatable :: entries !! what the collection of the grids has so far
    end type retrace_t
 
@@ -54,8 +55,9 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(retrace_t) :: again
       type(config_t) :: solved
+      type(result_t) :: step
       type(error_t), allocatable :: error
-      integer :: n_faults
+      integer :: n_faults, n_iterations
 
       ! What was spread over ranks is checked on however many there are.
       solved = case%config
@@ -79,17 +81,21 @@ contains
          if (case%faults%n == n_faults) call retrace(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
-         last%is_complete = case%value('load_history', 'complete') == 'true'
-         last%has_no_equilibrium = case%value('', 'outcome') == '"'//word_no_equilibrium//'"'
-         last%earlier_violation = case%number('load_history', 'violation')
-         call again%model%load_case(cache%body, walk%state%instant, walk%state%anchor, last%load_case, error)
-         ! not raised: the step itself had this load case
+         call new_step_result(step, cache, again%model, walk, error)
+         ! not raised: the numbers of the step were finite
          if (allocated(error)) return
-         last%slip_record = walk%point_record(cache%body)
+         call again%result%note_certificate(step%certificate%largest())
+         last%load_case = step%load_case
+         last%slip_record = step%slip_record
+         n_iterations = walk%n_iterations
+         call go_on(case, again, cache)
+         last%is_complete = len(walk%fault) == 0
+         last%has_no_equilibrium = walk%has_no_equilibrium
+         call take_stated_record(case, again, n_iterations)
+         last%earlier_violation = again%result%violation%value
+         call describe_history(again%result, case%config)
          call verify_result(case, cache%body, last)
-         if (last%is_complete) return
-         if (last%has_no_equilibrium) call check_end(case, again, cache)
-         case%is_certified = case%is_certified .and. last%has_no_equilibrium
+         if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%has_no_equilibrium
       end associate
    end subroutine verify_history
 
@@ -195,25 +201,32 @@ contains
       type(cache_t), intent(inout) :: cache !! the body
       type(step_state_t) :: next
       character(:), allocatable :: fault
-      real(dp) :: numbers(3)
+      real(dp) :: numbers(4)
+      logical :: leads_there
 
       fault = ''
       associate (steps => again%tables(1), times => again%model%history%times, walk => again%result%walk)
          call steps%csv%get_number(row, 2, numbers(1), fault)
          call steps%csv%get_number(row, steps%csv%column('residual'), numbers(2), fault)
          call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
+         call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
          if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
             numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
          if (len(fault) == 0 .and. .not. numbers(2) <= again%model%method%tolerance) fault = &
             'the residual is above the tolerance'
+         if (len(fault) == 0) then
+            call walk%shorten(again%model%history, numbers(1), leads_there)
+            if (.not. leads_there) fault = 'no step of this history leads to the time '//to_text(numbers(1))
+         end if
          if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
          if (len(fault) == 0) then
-            call walk%note(again%model, next)
-            walk%is_jump = .not. has_balance(next, again%model%history)
-            call again%result%note_step(cache%body, again%model)
             ! What the method took is its own affair.
             next%solution%residual = numbers(2)
             next%solution%n_iterations = nint(numbers(3))
+            walk%n_iterations = walk%n_iterations + next%solution%n_iterations
+            call walk%keep(again%model, next)
+            call again%result%note_step(cache%body, again%model)
+            call again%indicator%note(numbers(4), walk%n_steps)
             call compare_rows(case, steps, history_row(again%model, cache%body, walk%n_steps, next), row)
          end if
          call case%fault(steps%ending//':'//to_text(row + 1), fault)
@@ -342,6 +355,7 @@ contains
       call new_step_result(step, cache, again%model, again%result%walk, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return
+      call again%result%note_certificate(step%certificate%largest())
       associate (csv => again%tables(1)%csv)
          folder = '.history/'//csv%field(row, 1)
          call check_grids(case, cache%body, step, case%stem//folder)
@@ -350,25 +364,57 @@ contains
       end associate
    end subroutine compare_fields
 
-   !> Checks why a history ended: tries the step again that its summary says has no equilibrium.
-   subroutine check_end(case, again, cache)
+   !> Goes on behind the last row, where the way ends unless all times are reached.
+   subroutine go_on(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
-      type(retrace_t), intent(in) :: again !! the history, at the end of the last step
+      type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other
       type(cache_t), intent(inout) :: cache !! the body
-      type(step_state_t) :: next
-      character(:), allocatable :: fault
-      real(dp) :: time
+      type(step_state_t) :: last_row
 
-      time = case%number('load_history', 'end_time')
-      associate (times => again%model%history%times)
-         fault = 'end_time is not behind the last step'
-         if (time > again%result%walk%state%instant%time .and. time <= times(size(times))) then
-            call solve_again(next, fault, again, time, cache)
-            if (next%has_no_equilibrium) return
-            fault = 'the step that is said to have no equilibrium has one'
-         end if
+      associate (walk => again%result%walk)
+         if (walk%is_ended) return
+         last_row = walk%state
+         call walk%advance(again%model, cache%body, cache%problem)
+         if (walk%is_ended .and. walk%state%instant%time <= last_row%instant%time) return
+         call case%fault(again%tables(1)%ending, 'it ends before the history: a step to '// &
+            to_text(walk%state%instant%time)//' is possible')
       end associate
-      call case%fault('.summary.json', fault)
-   end subroutine check_end
+   end subroutine go_on
+
+   !> Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on another
+   !> machine, as far as they can be true.
+   subroutine take_stated_record(case, again, n_iterations)
+      type(verified_case_t), intent(in) :: case !! the history
+      type(retrace_t), intent(inout) :: again !! the history, all steps taken; gains what the summary states
+      integer, intent(in) :: n_iterations !! iterations of the steps that were kept
+      integer :: stated
+
+      associate (result => again%result, walk => again%result%walk)
+         call take_stated_worst(case, 'energy_identities', walk%n_steps, result%imbalance)
+         result%indicator = again%indicator
+         call take_stated_worst(case, 'violation', walk%n_steps, result%violation)
+         stated = nint(case%number('load_history', 'steps_done_earlier'))
+         if (stated > 0 .and. stated <= walk%n_steps) result%n_resumed = stated
+         ! The iterations of steps that were given up are in no row.
+         stated = nint(case%number('load_history', 'iterations'))
+         if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
+      end associate
+   end subroutine take_stated_record
+
+   !> Takes the largest number of all steps from the summary, if it agrees up to rounding.
+   subroutine take_stated_worst(case, name, n_steps, worst)
+      type(verified_case_t), intent(in) :: case !! the history
+      character(*), intent(in) :: name !! name of the number
+      integer, intent(in) :: n_steps !! number of the last step
+      type(worst_step_t), intent(inout) :: worst !! the number as it was computed again
+      real(dp), parameter :: rounding = 1.0e-8_dp
+      type(worst_step_t) :: stated
+
+      stated = worst_step_t(case%number('load_history', name), nint(case%number('load_history', name//'_step')))
+      if (.not. agree(stated%value, worst%value, 1.0_dp)) return
+      ! Of numbers that are rounding any may be the largest.
+      if (worst%value <= rounding .and. stated%step > 0 .and. stated%step <= n_steps) worst%step = stated%step
+      worst%value = stated%value
+   end subroutine take_stated_worst
 
 end module amontons_verify_history

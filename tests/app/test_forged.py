@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Results changed together with their manifest: the numbers themselves tell."""
 import json
+import math
 import re
 import shutil
 import struct
@@ -232,6 +233,46 @@ class ForgedFields(Verification):
         (self.results/"case_0.sweep/2.vtu").write_bytes((self.results/"case_0.sweep/1.vtu").read_bytes())
         self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: not a grid of "
                          "this sweep\n")
+
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.])")
+
+
+class ForgedStudies(Verification):
+    """What listing and summary state of studies of several steps, number by number."""
+
+    def assert_every_number_is_checked(self, file, part, *, n_least):
+        """Changes every number of a part of a text file, one at a time: reals by a thousandth and more, integers by 1."""
+        first, last = re.search(part, (self.results/file).read_text(encoding="utf-8")).span()
+        text = (self.results/file).read_text(encoding="utf-8")
+        numbers = [match for match in NUMBER.finditer(text, first, last)]
+        self.assertGreaterEqual(len(numbers), n_least)
+        for match in numbers:
+            number = match[0]
+            forged = str(int(number) + 1) if re.fullmatch(r"\d+", number) else repr(1.001*float(number) + math.copysign(1e-3, float(number)))
+            with self.subTest(file=file, number=number, before=text[max(first, match.start() - 40):match.start()]):
+                self.assert_forgery_is_found(
+                    file, lambda _, match=match, forged=forged: (text[:match.start()] + forged + text[match.end():]
+                                                                 ).encode(), "NOT VERIFIED")
+
+    def test_history(self):
+        push = "load name = 'push'  set = 'right'  traction = -1.5, 0.3"
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, push, "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3"
+                                      "  cycles = 1.0, 2.0, 3.0  step_tolerance = 1e-2  min_step = 0.05",
+                                      "steps load = 'push'  factor = 0.0, 1.0, -1.0, 1.0"))
+        self.assertGreater(json.loads(self.contents("results")["case_0.summary.json"])["load_history"]
+                           ["steps_given_up"], 0)
+        self.assertEqual(self.verify(), "case_0: verified\n")
+        self.assert_every_number_is_checked("case_0.summary.json", '"load_history": .*', n_least=20)
+        self.assert_every_number_is_checked("case_0.lst", r"(?s)\nLoad history.*\nLast step", n_least=40)
+
+    def test_refined_meshes(self):
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH, "accuracy refinements = 2",
+                                      mesh="size = 4.0, 2.0  cells = 4, 2"))
+        self.assertEqual(self.verify(), "case_0: verified\n")
+        self.assert_every_number_is_checked("case_0.summary.json", '"convergence": .*', n_least=60)
+        self.assert_every_number_is_checked("case_0.convergence.csv", "(?s)\n.*", n_least=60)
+        self.assert_every_number_is_checked("case_0.lst", r"(?s)\nRefined meshes.*?\n\n.*?\n\n", n_least=30)
 
 
 class Collection(Verification):

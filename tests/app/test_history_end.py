@@ -31,10 +31,14 @@ class HistoryEnd(HistoryTest):
         # The answer is checked, too: a step that can be taken is none without equilibrium.
         path = self.directory / "out" / "block.summary.json"
         text = path.read_text(encoding="utf-8")
-        for time, message in ((rows[-1]["time"], "end_time is not behind the last step"),
-                              ("0.6", "the step that is said to have no equilibrium has one")):
-            path.write_text(re.sub('"end_time": [^,]*', f'"end_time": {time}', text), encoding="utf-8")
-            self.assertIn(message, self.run_program("--verify", "out", status=4).stderr)
+        path.write_text(re.sub('"end_time": [^,]*', '"end_time": 0.6', text), encoding="utf-8")
+        self.assertRegex(self.run_program("--verify", "out", status=4).stderr, "load_history.end_time is 0.6, but 0.60")
+        path.write_text(text, encoding="utf-8")
+        path = self.directory / "out" / "block.history.csv"
+        path.write_text(path.read_text(encoding="utf-8").rsplit("\n", 2)[0] + "\n", encoding="utf-8")
+        self.renew_manifest("block")
+        self.assertRegex(self.run_program("--verify", "out", status=4).stderr,
+                         "it ends before the history: a step to 0.[0-9]* is possible")
 
     def test_history_ends_where_a_given_bound_bears_no_more(self):
         # As much as the friction above.

@@ -118,6 +118,17 @@ class Decks(ProgramTest):
         self.assertEqual({(warning.category, warning.filename) for warning in caught},
                          {(amontons.DoubtfulResult, __file__)})
 
+    def test_a_warning_with_other_numbers_is_printed_once_for_a_place(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("default")
+            for friction in (2.5, 2.6, 2.7):
+                amontons.solve_deck(SOUND, contact__friction=friction)
+            amontons.solve_deck(SOUND, contact__friction=2.8)
+        found = [str(warning.message) for warning in caught if "friction of" in str(warning.message)]
+        self.assertEqual(len(found), 2, found)
+        self.assertIn("friction of 2.5", found[0])
+        self.assertIn("friction of 2.8", found[1])
+
     def test_fields_are_arrays(self):
         for output in (None, self.directory / "out"):
             result = amontons.solve_deck(TEXT, output)

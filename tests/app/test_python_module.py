@@ -3,8 +3,11 @@
 
 AMONTONS_LIBRARY names the shared library. Without NumPy there is nothing to test.
 """
+import copy
+import gc
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -14,6 +17,7 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from histories import BLOCK, PUSHED
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, Result, block, read_vtu, results_of
 
 try:
@@ -283,10 +287,76 @@ class Steps(ProgramTest):
         with self.assertRaisesRegex(amontons.NumericalFailure, "does not converge; a shorter one may"):
             amontons.Stepper(self.DECK + "&solver method = 'psor'  max_iterations = 1 /").step(
                 rest, 1.0, **{**changes, "factor_F": -1.0})
+        free = amontons.Stepper(BLOCK + PUSHED)
+        with self.assertRaisesRegex(amontons.NoEquilibrium, "^no equilibrium: contact and friction cannot balance"):
+            free.step(free.rest(), 1.0, factor_push=1.0)
         with self.assertRaisesRegex(amontons.InputRefused, "^a stepper needs a deck with &history"):
             amontons.Stepper(SOUND)
         with self.assertRaisesRegex(amontons.InputRefused, "^start is not for a stepper"):
             amontons.Stepper(self.DECK, history__start="none.csv")
+
+
+    def test_what_the_library_keeps_has_no_copies(self):
+        stepper = amontons.Stepper(self.DECK)
+        changes = dict.fromkeys(stepper.changes, 0.0)
+        for copier in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "a Stepper can be neither copied nor pickled"):
+                copier(stepper)
+        gc.collect()
+        state = stepper.step(stepper.rest(), 1.0, **changes)
+        for kept in (copy.copy(state), copy.deepcopy(state), pickle.loads(pickle.dumps(state))):
+            np.testing.assert_array_equal(stepper.step(kept, 2.0, **changes).raw, stepper.step(state, 2.0, **changes).raw)
+        result = pickle.loads(pickle.dumps(amontons.solve_deck(SOUND)))
+        self.assertTrue(result.is_solved)
+
+
+class Processes(ProgramTest):
+    """What the library does to the process that it is in."""
+
+    def run_script(self, *lines):
+        """Runs lines of Python with two threads of OpenMP and as many of the BLAS as there are; what they print."""
+        environment = {**os.environ, "PYTHONPATH": str(ROOT / "python"), "OMP_NUM_THREADS": "2"}
+        environment.pop("OPENBLAS_NUM_THREADS", None)
+        return subprocess.run([sys.executable, "-W", "ignore", "-c", "\n".join(lines)], check=True, timeout=120,
+                              capture_output=True, encoding="utf-8", cwd=self.directory, env=environment).stdout
+
+    def test_forked_processes_solve(self):
+        # So many nodes that loops are shared by two threads.
+        deck = block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 80, 60")
+        # The second fork happens while another thread is within the library.
+        self.assertEqual(self.run_script(
+            "import amontons, multiprocessing, os, threading, time",
+            "def solve(pressure):",
+            f"    result = amontons.solve_deck({deck!r}, load__pressure=pressure)",
+            "    return result.summary['key_results']",
+            "expected = [solve(1.0), solve(2.0)]",
+            "with multiprocessing.get_context('fork').Pool(2) as pool:",
+            "    print(pool.map(solve, [1.0, 2.0]) == expected, solve(2.0) == expected[1])",
+            "thread = threading.Thread(target=solve, args=[1.0])",
+            "thread.start()",
+            "time.sleep(0.02)",
+            "child = os.fork()",
+            "if not child:",
+            "    os._exit(3 if solve(2.0) == expected[1] else 4)",
+            "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))",
+            "thread.join()"), "True True\n3\n")
+
+    def test_small_cases_keep_to_one_thread(self):
+        # Threads that have nothing to do sleep: they are never switched to. Where the machine has more to do than it has
+        # processors, each hand-over to one would wait for its turn.
+        self.assertEqual(self.run_script(
+            "import amontons, pathlib, re, threading, time",
+            "def n_switches():",
+            "    return {task.name: re.findall('ctxt_switches:.(.*)', (task/'status').read_text())",
+            "            for task in pathlib.Path('/proc/self/task').iterdir()",
+            "            if int(task.name) != threading.get_native_id()}",
+            f"deck = {block(SUPPORT, PRESSURE, CONTACT, mesh='size = 40.0, 40.0  cells = 32, 10')!r}",
+            "amontons.solve_deck(deck)",
+            "time.sleep(0.5)",
+            "before = n_switches()",
+            "for friction in (0.1, 0.2, 0.3):",
+            "    amontons.solve_deck(deck, contact__friction=friction)",
+            "print(n_switches() == before)"), "True\n")
 
 
 class Grids(ProgramTest):

@@ -2,6 +2,7 @@
 module amontons_history_report
    use amontons_config, only: config_t
    use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
+   use amontons_document, only: document_t
    use amontons_history, only: history_t, moved_things, steps_t
    use amontons_json, only: json_logical, json_number, json_string, quantity_members
    use amontons_kinds, only: dp
@@ -15,14 +16,35 @@ module amontons_history_report
    implicit none (type, external)
    private
 
-   public :: history_listing, history_members
+   public :: describe_history
 
 contains
 
-   !> The section of the listing.
-   function history_listing(config, result) result(text)
+   !> Says in listing and summary of the last step what the history was.
+   subroutine describe_history(result, config)
+      type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts
       type(config_t), intent(in) :: config !! the deck
-      type(history_result_t), intent(in) :: result !! the result
+      type(quantity_t), allocatable :: energies(:)
+      real(dp) :: force, length, energy
+
+      energies = energies_of(result%walk%state)
+      associate (state => result%walk%state)
+         force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))
+         length = max(0.0_dp, maxval(abs(state%solution%displacement)), maxval(abs(result%cycles(9:10, :))))
+         energy = max(maxval(abs(energies%value)), maxval(abs(result%reached(7:, :))))
+      end associate
+      call list_history(result%last%study_listing, config, result, force, length, energy)
+      call result%last%study_members%add(history_members(config, result), [spread(energy, 1, size(energies)), 0.0_dp])
+   end subroutine describe_history
+
+   !> Makes the section of the listing.
+   subroutine list_history(section, config, result, force, length, energy)
+      type(document_t), intent(inout) :: section !! gains the section
+      type(config_t), intent(in) :: config !! the deck
+      type(history_result_t), intent(in) :: result !! the history
+      real(dp), intent(in) :: force !! the largest force [F]
+      real(dp), intent(in) :: length !! the largest displacement [L]
+      real(dp), intent(in) :: energy !! the largest energy [F L]
       character(:), allocatable :: text
       integer :: i
 
@@ -37,8 +59,6 @@ contains
          if (history%has_start()) text = text//labeled('Start', history%start)
          if (result%n_resumed > 0) text = text//labeled('Resumed', 'behind step '//to_text(result%n_resumed)// &
             ' of an interrupted run')
-         if (result%checkpoint%is_anew) text = text//labeled('Note', 'an interrupted run had left steps of another'// &
-            ' deck; all steps were taken anew')
          if (walk%n_given_up > 0) text = text//labeled('Halved', to_text(walk%n_given_up)//' steps')
          text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
             short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
@@ -46,13 +66,23 @@ contains
             worst_text('Step indicator', result%indicator)//labeled('Certified', counted(result%n_certified, 'step')// &
             '; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
-         text = text//heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
-         text = text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the size of the'// &
-            ' steps)'//newline//times_table(history, result%reached, config%units)// &
-            cycles_table(config, result%cycles)
-         text = text//heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)')
+         call section%add(text)
+         text = ''
+         if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
+            ' deck; all steps were taken anew')
+         call section%record(text)
+         text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
+         call section%add(text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the'// &
+            ' size of the steps)'//newline, [energy])
+         call section%add(times_table(history, result%reached, config%units), [0.0_dp, spread(0.0_dp, 1, 3), &
+            spread(force, 1, 2), spread(energy, 1, 3)])
+         call section%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, length, length, &
+            1.0_dp])
+         call section%add(fretting_text(config, result%cycles))
+         call section%add( &
+            heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
       end associate
-   end function history_listing
+   end subroutine list_history
 
    !> What changes, and between which numbers.
    pure function steps_text(steps) result(text)
@@ -194,11 +224,22 @@ contains
       end do
       if (n_passed > 0) text = text//labeled('Note', 'the first '//to_text(n_passed)//' of '//to_text(n)// &
          ' cycles are in '//config%name//'.cycles.csv')
-      if (config%history%has_fretting) text = text//heading('Fretting, last cycle (largest of all points)')// &
+   end function cycles_table
+
+   !> The parameters of fretting of the last cycle.
+   pure function fretting_text(config, cycles) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer :: n
+
+      text = ''
+      n = size(cycles, 2)
+      if (n > 0 .and. config%history%has_fretting) text = heading('Fretting, last cycle (largest of all points)')// &
          labeled('Ruiz 1', with_unit(short_text(cycles(n_plain_numbers + 1, n)), config%units, 'F/L'))// &
          labeled('Ruiz 2', with_unit(short_text(cycles(n_plain_numbers + 2, n)), config%units, 'F^2/L^3'))// &
          labeled('SWT', with_unit(short_text(cycles(n_cycle_numbers, n)), config%units, 'F/L^2'))
-   end function cycles_table
+   end function fretting_text
 
    !> What a cycle is.
    pure function outcome_name(cycle) result(name)
@@ -239,7 +280,8 @@ contains
       integer :: i, k
 
       associate (walk => result%walk, state => result%walk%state)
-         text = '{"complete": '//json_logical(len(walk%fault) == 0)//', "end": '//json_string(walk%fault)
+         text = '{'//quantity_members(energies_of(state))//', "complete": '//json_logical(len(walk%fault) == 0)// &
+            ', "end": '//json_string(walk%fault)
          if (len(walk%fault) > 0) text = text//', "end_time": '//json_number(walk%fault_time)
          text = text//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
             to_text(result%n_resumed)//', "steps_given_up": '// &
@@ -250,7 +292,7 @@ contains
                text = text//json_string(config%history%steps(i)%label(k))
             end do
          end do
-         text = text//'], "time": '//json_number(state%instant%time)//', '//quantity_members(energies_of(state))
+         text = text//'], "time": '//json_number(state%instant%time)
       end associate
       text = member('load_history', text//worst_members('residual', result%residual)// &
          worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &

@@ -2,7 +2,7 @@
 module amontons_history_study
    use amontons_error, only: error_t
    use amontons_history_model, only: find_probes
-   use amontons_history_report, only: history_listing, history_members
+   use amontons_history_report, only: describe_history
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific, short_text, with_unit
@@ -71,8 +71,7 @@ contains
          return
       end if
       result%last%earlier_violation = result%violation%value
-      result%last%study_listing = history_listing(self%config, result)
-      result%last%study_members = history_members(self%config, result)
+      call describe_history(result, self%config)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()

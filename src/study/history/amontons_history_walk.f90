@@ -16,7 +16,7 @@ module amontons_history_walk
    implicit none (type, external)
    private
 
-   public :: has_balance, history_walk_t, new_history_walk
+   public :: history_walk_t, new_history_walk
 
    !> A planned step can be halved this many times at the most.
    integer, parameter :: most_halvings = 10
@@ -44,10 +44,11 @@ module amontons_history_walk
       integer, private :: length = n_ticks !! length of the next step in smallest steps
    contains
       procedure :: advance => history_walk_advance
-      procedure :: note => history_walk_note
+      procedure :: keep => history_walk_keep
       procedure :: numbers => history_walk_numbers
       procedure :: point_record => history_walk_point_record
       procedure :: restore => history_walk_restore
+      procedure :: shorten => history_walk_shorten
       procedure, private :: can_halve => history_walk_can_halve
       procedure, private :: plan => history_walk_plan
    end type history_walk_t
@@ -131,7 +132,6 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(step_state_t) :: next
       type(error_t), allocatable :: error, answer
-      logical :: is_balanced
       real(dp) :: time, answer_time
 
       self%is_jump = .false.
@@ -140,14 +140,12 @@ contains
       do
          time = self%plan(model%history)
          call try_step(self, model, body, problem, time, next, error)
-         is_balanced = has_balance(next, model%history)
          if (next%has_no_equilibrium) then
             answer = error
             answer_time = time
          end if
-         if (is_balanced .or. .not. self%can_halve(model%history)) exit
-         self%n_given_up = self%n_given_up + 1
-         self%length = self%length/2
+         if (has_balance(next, model%history) .or. .not. self%can_halve(model%history)) exit
+         call halve(self)
       end do
       if (allocated(answer) .and. .not. (allocated(error) .or. next%solution%is_converged)) then
          ! That a longer step has no equilibrium says more than that a shorter one does not converge.
@@ -155,16 +153,15 @@ contains
          call move_alloc(answer, error)
          time = answer_time
       end if
-      call end_step(self, model, time, next, is_balanced, error)
+      call end_step(self, model, time, next, error)
    end subroutine history_walk_advance
 
    !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
-   pure subroutine end_step(walk, model, time, next, is_balanced, error)
+   pure subroutine end_step(walk, model, time, next, error)
       type(history_walk_t), intent(inout) :: walk !! the way
       type(history_model_t), intent(in) :: model !! the model
       real(dp), intent(in) :: time !! the time that the step leads to [-]
       type(step_state_t), intent(in) :: next !! the state at its end
-      logical, intent(in) :: is_balanced !! whether it converged and its energies balance
       type(error_t), allocatable, intent(in) :: error !! why it could not be taken, if so
 
       walk%fault_time = time
@@ -175,9 +172,7 @@ contains
       else if (.not. next%solution%is_converged) then
          call give_up(walk, time, 'not converged with the smallest step')
       else
-         walk%is_jump = .not. is_balanced
-         call walk%note(model, next)
-         call go_on(walk, model%history)
+         call walk%keep(model, next)
       end if
    end subroutine end_step
 
@@ -219,8 +214,31 @@ contains
          '; the history ends at step '//to_text(walk%n_steps)
    end subroutine give_up
 
-   !> Notes a step that is kept.
-   pure subroutine history_walk_note(self, model, state)
+   !> Gives the next step up for one of half its length.
+   pure subroutine halve(walk)
+      type(history_walk_t), intent(inout) :: walk !! the way
+
+      walk%n_given_up = walk%n_given_up + 1
+      walk%length = walk%length/2
+   end subroutine halve
+
+   !> Halves the next step until it leads to a given time, as `advance` did when it went there.
+   pure subroutine history_walk_shorten(self, history, time, leads_there)
+      class(history_walk_t), intent(inout) :: self !! the way; its next step becomes shorter
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: time !! the time [-]
+      logical, intent(out) :: leads_there !! whether a step of this history leads to the time
+      real(dp) :: rounding
+
+      rounding = 1.0e-12_dp*maxval(abs(history%times))
+      do while (self%plan(history) > time + rounding .and. self%can_halve(history))
+         call halve(self)
+      end do
+      leads_there = abs(self%plan(history) - time) <= rounding
+   end subroutine history_walk_shorten
+
+   !> Keeps a step and goes on behind it. The next one is twice as long where that ends at a multiple of its length.
+   pure subroutine history_walk_keep(self, model, state)
       class(history_walk_t), intent(inout) :: self !! the way
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at the end of the step
@@ -228,7 +246,12 @@ contains
       call self%watch%note(model, self%state, state)
       self%state = state
       self%n_steps = self%n_steps + 1
-   end subroutine history_walk_note
+      self%is_jump = .not. has_balance(state, model%history)
+      self%tick = modulo(self%tick + self%length, n_ticks)
+      if (self%tick == 0) self%n_planned = self%n_planned + 1
+      self%is_ended = self%n_planned == model%history%n_steps()
+      if (modulo(self%tick, 2*self%length) == 0) self%length = min(n_ticks, 2*self%length)
+   end subroutine history_walk_keep
 
    !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral [F/L] and, where they are asked for,
    !> the parameters of fretting (m, 4 or 9).
@@ -241,17 +264,6 @@ contains
       if (size(self%watch%fretting%extreme) > 0) record = reshape([record, self%watch%fretting%parameters()], &
          [size(record, 1), size(record, 2) + n_parameters])
    end function history_walk_point_record
-
-   !> Goes on behind a step that was kept. The next one is twice as long where that ends at a multiple of its length.
-   pure subroutine go_on(walk, history)
-      type(history_walk_t), intent(inout) :: walk !! the way
-      type(history_t), intent(in) :: history !! the history
-
-      walk%tick = modulo(walk%tick + walk%length, n_ticks)
-      if (walk%tick == 0) walk%n_planned = walk%n_planned + 1
-      walk%is_ended = walk%n_planned == history%n_steps()
-      if (modulo(walk%tick, 2*walk%length) == 0) walk%length = min(n_ticks, 2*walk%length)
-   end subroutine go_on
 
    !> The time that the next step leads to [-].
    pure real(dp) function history_walk_plan(self, history) result(time)

@@ -28,13 +28,13 @@ module amontons_solve_history
    implicit none (type, external)
    private
 
-   public :: history_result_t, new_step_result, prepare_history, solve_history
+   public :: history_result_t, new_step_result, prepare_history, solve_history, worst_step_t
 
    !> Numbers that are kept of each time that was reached.
    integer, parameter :: n_reached_numbers = 9
 
    !> The largest of a number over all steps, and where it was.
-   type, public :: worst_step_t
+   type :: worst_step_t
       real(dp) :: value = 0.0_dp !! the largest [-]
       integer :: step = 0 !! the step; 0 if none had more than 0
    contains
@@ -65,6 +65,7 @@ module amontons_solve_history
       logical :: is_interrupted = .false. !! whether the monitor stopped it
    contains
       procedure :: add_warnings => history_result_add_warnings
+      procedure :: note_certificate => history_result_note_certificate
       procedure :: note_step => history_result_note_step
    end type history_result_t
 
@@ -295,6 +296,15 @@ contains
       end associate
    end subroutine history_result_note_step
 
+   !> Notes the certificate of the last step.
+   pure subroutine history_result_note_certificate(self, violation)
+      class(history_result_t), intent(inout) :: self !! the history so far
+      real(dp), intent(in) :: violation !! the largest violation of the step [-]
+
+      call self%violation%note(violation, self%walk%n_steps)
+      self%n_certified = self%n_certified + 1
+   end subroutine history_result_note_certificate
+
    !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory where those of
    !> the last one are not: the last step has its own warnings.
    subroutine history_result_add_warnings(self, body)
@@ -326,8 +336,7 @@ contains
       step%wants_error_estimate = result%last%wants_error_estimate
       call new_step_result(step, cache, model, result%walk, error)
       if (allocated(error)) return
-      call result%violation%note(step%certificate%largest(), result%walk%n_steps)
-      result%n_certified = result%n_certified + 1
+      call result%note_certificate(step%certificate%largest())
       call files%add_fields(cache%body, result%walk%n_steps, to_text(result%walk%state%instant%time), step, error)
    end subroutine add_fields
 
@@ -368,8 +377,7 @@ contains
       associate (state => result%walk%state)
          call new_step_result(result%last, cache, model, result%walk, error)
          if (allocated(error)) return
-         call result%violation%note(result%last%certificate%largest(), result%walk%n_steps)
-         result%n_certified = result%n_certified + 1
+         call result%note_certificate(result%last%certificate%largest())
          call model%pose(cache%body, state%instant, state%anchor, cache%problem)
       end associate
       call add_result_warnings(result%last, cache%body)

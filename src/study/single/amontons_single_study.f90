@@ -26,7 +26,7 @@ module amontons_single_study
    implicit none (type, external)
    private
 
-   public :: single_study_t
+   public :: judge_meshes, refined_quantities, single_study_t
 
    !> The study of a single case.
    type, extends(study_t) :: single_study_t
@@ -34,11 +34,6 @@ module amontons_single_study
       procedure :: check => single_study_check
       procedure :: solve => single_study_solve
    end type single_study_t
-
-   !> The numbers of a result on one mesh.
-   type :: level_t
-      type(quantity_t), allocatable :: quantities(:) !! the numbers, of every mesh in the same order
-   end type level_t
 
 contains
 
@@ -70,24 +65,25 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the case cannot be solved, or its files not be written
       type(config_t) :: config
       type(result_t) :: result
-      type(level_t), allocatable :: levels(:)
-      integer :: level
+      type(quantity_t), allocatable :: list(:)
+      real(dp), allocatable :: values(:, :)
+      integer :: level, n_levels
 
       config = self%config
-      allocate (levels(0:self%config%accuracy%n_refinements))
-      do level = 0, ubound(levels, 1)
-         config%meshes%n_refinements = self%config%meshes%n_refinements + level
+      n_levels = 1 + self%config%accuracy%n_refinements
+      do level = 1, n_levels
+         config%meshes%n_refinements = self%config%meshes%n_refinements + level - 1
          call solve_case(cache, config, result, error)
          if (allocated(error)) exit
          ! A mesh without a solution is the last one: the files say so.
          if (.not. result%solution%is_converged) exit
          cache%is_refining = .true.
-         associate (energies => result%certificate%energies())
-            levels(level)%quantities = [result%lengths%quantities(), result%key_results, energies(:1)]
-         end associate
+         list = refined_quantities(result)
+         if (level == 1) allocate (values(size(list), n_levels))
+         values(:, level) = list%value
       end do
       cache%is_refining = .false.
-      if (size(levels) > 1 .and. level > ubound(levels, 1)) call compare_levels(result, cache%body%zone, levels)
+      if (n_levels > 1 .and. level > n_levels) call judge_meshes(result, cache%body%zone, values)
       ! The files are those of a case on the last mesh.
       config%accuracy%n_refinements = 0
       call report_case(config, cache, options, result, outcome, error)
@@ -95,27 +91,36 @@ contains
       end associate
    end subroutine single_study_solve
 
+   !> The numbers of a result that are followed over refined meshes.
+   pure function refined_quantities(result) result(list)
+      type(result_t), intent(in) :: result !! the result on one of the meshes
+      type(quantity_t), allocatable :: list(:)
+
+      associate (energies => result%certificate%energies())
+         list = [result%lengths%quantities(), result%key_results, energies(:1)]
+      end associate
+   end function refined_quantities
+
    !> Judges how each number changes from mesh to mesh.
-   pure subroutine compare_levels(result, zone, levels)
+   pure subroutine judge_meshes(result, zone, values)
       type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments
       type(contact_zone_t), intent(in) :: zone !! its contact points
-      type(level_t), intent(in) :: levels(:) !! the numbers on every mesh
+      real(dp), intent(in) :: values(:, :) !! `refined_quantities` of each mesh, a column for a mesh, the coarsest first
       ! Residuals of the contact problem are at most 1e-10 of the largest force; ten times that and more is left of it.
       real(dp), parameter :: rounding = 1.0e-8_dp
-      real(dp) :: values(size(levels)), side
-      integer :: i, level
+      type(quantity_t), allocatable :: list(:)
+      real(dp) :: side
+      integer :: i
 
       side = side_at_ends(zone, result%solution%status)
-      associate (last => levels(size(levels))%quantities)
-         allocate (result%convergence(size(last)))
-         do i = 1, size(last)
-            values = [(levels(level)%quantities(i)%value, level=1, size(levels))]
-            result%convergence(i)%quantity = last(i)
-            call new_convergence(result%convergence(i)%convergence, values, last(i)%resolution*side, &
-               rounding*max(maxval(abs(values)), last(i)%scale))
-         end do
-      end associate
-   end subroutine compare_levels
+      list = refined_quantities(result)
+      allocate (result%convergence(size(list)))
+      do i = 1, size(list)
+         result%convergence(i)%quantity = list(i)
+         call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
+            rounding*max(maxval(abs(values(i, :))), list(i)%scale))
+      end do
+   end subroutine judge_meshes
 
    !> The longest side beside an end of a zone, where one status follows another; of the whole line, if none does [L].
    !> Points within a quadratic side count for their share of it.

@@ -22,6 +22,7 @@ module amontons_document
       type(part_t), allocatable :: parts(:) !! the parts, and room for more
    contains
       procedure :: add => document_add
+      procedure :: append => document_append
       procedure :: record => document_record
       procedure :: text => document_text
    end type document_t
@@ -35,6 +36,7 @@ contains
       real(dp), intent(in), optional :: scales(:)
          !! what the first, second ... number of a line is measured by besides itself, the last for the rest; default 0
 
+      if (len(text) == 0) return
       call append(self, text, .false.)
       self%parts(self%n)%scales = [0.0_dp]
       if (present(scales)) self%parts(self%n)%scales = scales
@@ -47,6 +49,18 @@ contains
 
       call append(self, text, .true.)
    end subroutine document_record
+
+   !> Appends the parts of another document.
+   pure subroutine document_append(self, other)
+      class(document_t), intent(inout) :: self !! the document
+      type(document_t), intent(in) :: other !! the other one
+      integer :: i
+
+      do i = 1, other%n
+         call append(self, other%parts(i)%text, other%parts(i)%is_recorded)
+         if (allocated(other%parts(i)%scales)) self%parts(self%n)%scales = other%parts(i)%scales
+      end do
+   end subroutine document_append
 
    !> Appends a part.
    pure subroutine append(document, text, is_recorded)
