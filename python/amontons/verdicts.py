@@ -20,6 +20,7 @@ SENTENCES = {
     "energy": "strain energy and work of the forces differ",
     "pair_force": "the forces on both bodies of a pair differ",
     "pair_moment": "the moments on both bodies of a pair differ",
+    "tie_moment": "the moments on both sides of a tie differ",
     "duality_gap": "the energies of displacements and of contact forces differ",
 }
 # What else stands in a certificate.

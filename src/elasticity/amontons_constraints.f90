@@ -3,9 +3,9 @@
 !> displacement components, those of chosen nodes last.
 !>
 !> Displacements of some nodes are not unknowns themselves: those of the slave of a pair follow from the displacements of
-!> other nodes and unknowns of their own, u = P y. Of most nodes u = y. The own unknown of a corner of a slave is its relative
-!> displacement w, that of a middle node between two corners its deviation from their mean; a bonded node has none.
-!> Stiffness and load of the unknowns are P^T K P and P^T f, computed element by element.
+!> other nodes and unknowns of their own, u = P y. Of most nodes u = y. The own unknown of a corner of a slave is its
+!> relative displacement w, that of a middle node between two corners its deviation from their mean. That of a bonded node
+!> is held at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by element.
 module amontons_constraints
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_element, only: new_side_geometry, side_geometry_t
@@ -42,6 +42,8 @@ module amontons_constraints
       real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
    contains
       procedure :: frame => constraints_frame
+      procedure :: free_projector => constraints_free_projector
+      procedure :: held_direction => constraints_held_direction
       procedure :: leaves_free => constraints_leaves_free
       procedure, private :: hold => constraints_hold
    end type constraints_t
@@ -66,7 +68,7 @@ module amontons_constraints
       integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
       integer, allocatable :: node(:) !! node whose own unknowns take part
       real(dp), allocatable :: block(:, :, :) !! how, in x and y: u = sum block y (2, 2, blocks) [-]
-      logical, allocatable :: is_bonded(:) !! whether a node has no unknowns of its own; allocated as `start` (n_nodes)
+      logical, allocatable :: is_bonded(:) !! whether the own unknowns of a node are held at 0 (n_nodes)
    contains
       procedure :: displacement => substitution_displacement
       procedure :: element_nodes => substitution_element_nodes
@@ -212,6 +214,33 @@ contains
 
       is_free = any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
    end function constraints_leaves_free
+
+   !> The projector on the directions in which supports leave a node free [-].
+   pure function constraints_free_projector(self, node) result(projector)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp) :: projector(2, 2)
+      real(dp) :: frame(2, 2)
+      integer :: axis
+
+      frame = self%frame(node)
+      projector = 0.0_dp
+      do axis = 1, 2
+         if (self%is_free(axis, node)) projector = projector &
+            + spread(frame(:, axis), 2, 2)*spread(frame(:, axis), 1, 2)
+      end do
+   end function constraints_free_projector
+
+   !> The direction along which a node is held that is free across it, a unit vector [-].
+   pure function constraints_held_direction(self, node) result(direction)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp) :: direction(2)
+      real(dp) :: frame(2, 2)
+
+      frame = self%frame(node)
+      direction = merge(frame(:, 1), frame(:, 2), self%is_free(2, node))
+   end function constraints_held_direction
 
    !> The frame of a node: its axes e1 and e2 as columns (2, 2) [-].
    pure function constraints_frame(self, node) result(frame)

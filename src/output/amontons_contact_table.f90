@@ -61,9 +61,9 @@ contains
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
          call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%shear_area, 0.0_dp, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, 0.0_dp, .true.)
          call add('shear_bound', '', 'F/L^2', shear_bound(force(:m), load_case%friction, &
-            load_case%slip_bound, zone%shear_area), 0.0_dp, .true.)
+            load_case%slip_bound, zone%area), 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
          slip_scales = scales_of_slips(length, maxval(abs(force)), maxval(abs(force(:m)/zone%area)))

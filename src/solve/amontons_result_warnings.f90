@@ -73,6 +73,8 @@ contains
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
       call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
+      call add_lost_friction(result, body)
+      call add_couples(result, body)
    end subroutine add_result_warnings
 
    !> What is doubtful about a case of a sweep as a sentence.
@@ -133,6 +135,75 @@ contains
          end do
       end associate
    end subroutine add_far_slips
+
+   !> Warns of pairs part of whose normal force slides without friction, since supports hold both bodies there.
+   pure subroutine add_lost_friction(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      ! Slips, over the largest displacement, and shares of the force that count [-].
+      real(dp), parameter :: least_slip = 1.0e-3_dp, least_share = 1.0e-4_dp
+      real(dp) :: lost(body%zone%n_points), share
+      integer :: set, p
+
+      associate (zone => body%zone, normal => result%solution%force(:body%zone%n_points), &
+         load_case => result%load_case, largest => maxval(abs(result%displacement)))
+         lost = 0.0_dp
+         do p = 1, zone%n_points
+            if (.not. zone%is_tangent_fixed(p) .or. zone%is_cell(p) .or. &
+               .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
+            if (.not. zone%pairs(zone%set(p))%is_set()) cycle
+            if (abs(slip_of_supports(body, result%displacement, p)) > least_slip*largest) lost(p) = normal(p)
+         end do
+         do set = 1, size(zone%pairs)
+            if (.not. any(lost > 0.0_dp .and. zone%set == set)) cycle
+            share = sum(lost, mask=zone%set == set)/sum(normal, mask=zone%set == set)
+            if (.not. share > least_share) cycle
+            p = findloc(lost > 0.0_dp .and. zone%set == set, .true., dim=1)
+            call result%warnings%add(zone%pairs(set)%label//': '//percent(share)//' of the normal force slides '// &
+               'without friction: supports hold both bodies at '//result%warnings%place(zone%position(:, p))// &
+               '; hold one of them at some distance from the contact')
+         end do
+      end associate
+   end subroutine add_lost_friction
+
+   !> By how much a corner of a slave slides along the nearest corner of its master [L].
+   pure real(dp) function slip_of_supports(body, displacement, point) result(slip)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      integer, intent(in) :: point !! the point
+      integer :: nearest
+
+      associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(point)))
+         associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
+            nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
+               - spread(zone%position(:, point), 2, size(corners)), dim=1), dim=1))
+         end associate
+         slip = dot_product(turned(zone%normal(:, point)), displacement(:, pair%node(point &
+            - findloc(zone%set, zone%set(point), dim=1) + 1)) - displacement(:, nearest))
+      end associate
+   end function slip_of_supports
+
+   !> Warns of contact pairs and ties whose forces make a couple across the gap between them that is not small.
+   pure subroutine add_couples(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      ! What passes for small of the moment that a pair transmits [-].
+      real(dp), parameter :: large = 0.05_dp
+      character(:), allocatable :: label
+      integer :: i
+
+      associate (couple => abs(result%certificate%couple), scale => result%certificate%couple_scale, &
+         n_pairs => size(body%zone%pairs))
+         do i = 1, size(couple)
+            if (.not. couple(i) > large*scale(i)) cycle
+            if (i <= n_pairs) label = body%zone%pairs(i)%label
+            if (i > n_pairs) label = body%ties(i - n_pairs)%label
+            call result%warnings%add(label//': the forces across the gap make a couple of '// &
+               result%warnings%number(couple(i), 'F L')//', '//percent(couple(i)/scale(i))// &
+               ' of the moment that they transmit, which small displacements leave out; move the bodies together')
+         end do
+      end associate
+   end subroutine add_couples
 
    !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
    pure subroutine find_case_warnings(is_raised, zone, size_of_body, young, solution)

@@ -332,7 +332,7 @@ contains
       if (len(fault) > 0) return
       call read_array(path, 'contact_shear', 1, shear, fault)
       associate (m => body%zone%n_points, zone => body%zone)
-         result%solution%force = [pressure(:m)*zone%area, shear(:m)*zone%shear_area]
+         result%solution%force = [pressure(:m), shear(:m)]*[zone%area, zone%area]
       end associate
    end subroutine restore_force
 

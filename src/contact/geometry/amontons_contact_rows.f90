@@ -13,7 +13,7 @@ module amontons_contact_rows
    implicit none (type, external)
    private
 
-   public :: contact_quadrature_t, contact_rows_t, turned
+   public :: contact_quadrature_t, contact_rows_t, picked_places, turned
 
    !> The parts of all points, those of point p from `start(p)` to `start(p + 1) - 1`; a node may occur more than once.
    type :: contact_rows_t

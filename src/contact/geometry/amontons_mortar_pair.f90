@@ -40,9 +40,9 @@ module amontons_mortar_pair
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
          !! share of the side that follows a corner that faces the master; not allocated with cells (n) [-]
-      logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (n)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
       logical, allocatable :: gives_shear(:)
-         !! whether the shear at such a point, which is none of symmetry, is that of its neighbors' multipliers (n)
+         !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
@@ -291,12 +291,12 @@ contains
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine find_idle_sides
 
-   !> Notes which corners of the sides are points, which point follows each, how much of the side between them faces the
-   !> master, and the shear of which guided points is that of their neighbors.
+   !> Notes which corners of the sides are points, which point follows each, and how much of the side between them faces
+   !> the master.
    pure subroutine link_points(pair, n_nodes, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      logical, intent(in) :: is_tied !! whether the surfaces are bonded: all guided points then give their shear
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded: guided points then give their shear
       real(dp) :: share(pair%slave%n_sides)
       integer :: point(n_nodes), i
 
@@ -313,8 +313,7 @@ contains
       do i = 1, pair%slave%n_sides
          if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
       end do
-      pair%gives_shear = pair%is_tangent_fixed .and. [(is_tied .or. all(pair%slave%mirrored_node /= pair%node(i)), &
-         i=1, size(pair%node))]
+      pair%gives_shear = pair%is_tangent_fixed .and. is_tied
    end subroutine link_points
 
    !> Integrates over the points of a pair.

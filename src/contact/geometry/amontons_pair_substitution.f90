@@ -1,5 +1,5 @@
 !> The displacements of slaves in terms of the masters': what makes the relative displacements w of pairs unknowns, and
-!> takes the unknowns of bonded surfaces away.
+!> is 0 between bonded surfaces.
 !>
 !> With dual functions the row of a slave's corner p has no other corner that is a point in it,
 !> `w_p = c_p u_p + sum c_q u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical
@@ -98,10 +98,10 @@ contains
       do side = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, side))
             if (nodes(3) == 0 .or. all(pair%point_of(:, side) == 0)) cycle
-            half = 0.5_dp*free_projector(constraints, nodes(3))
+            half = 0.5_dp*constraints%free_projector(nodes(3))
             do k = 1, 2
                if (pair%point_of(k, side) == 0) cycle
-               if (maxval(abs(free_projector(constraints, nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
+               if (maxval(abs(constraints%free_projector(nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
                   .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
             end do
             if (sum_of(nodes(3)) > 0) cycle
@@ -176,9 +176,8 @@ contains
          call corner%add(row%node(i), times_axes(along, pair%normal(:, p), &
             -[row%block(1, 1, i), row%block(2, 2, i)]/own), row%is_own(i))
       end do
-      free = free_projector(constraints, pair%node(p))
-      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp, is_tied) &
-         *times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
+      free = constraints%free_projector(pair%node(p))
+      call corner%add(pair%node(p), identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
    end subroutine solve_row
 
    !> The product of a matrix with the one that has a normal and its tangent for axes and given factors along them [-].
@@ -195,22 +194,6 @@ contains
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
    end function times_axes
 
-   !> The projector on the directions in which supports leave a node free [-].
-   pure function free_projector(constraints, node) result(projector)
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: node !! the node
-      real(dp) :: projector(2, 2)
-      real(dp) :: frame(2, 2)
-      integer :: axis
-
-      frame = constraints%frame(node)
-      projector = 0.0_dp
-      do axis = 1, 2
-         if (constraints%is_free(axis, node)) projector = projector &
-            + spread(frame(:, axis), 2, 2)*spread(frame(:, axis), 1, 2)
-      end do
-   end function free_projector
-
    !> What the other terms of a corner's row move it by: all, or, where a support guides it along e, as far along e as
    !> their normal component, of bonded surfaces that along e, asks for [-].
    pure function solution_axis(constraints, node, normal, is_tied) result(along)
@@ -221,7 +204,7 @@ contains
       real(dp) :: along(2, 2)
       real(dp) :: frame(2, 2), axis(2)
 
-      along = free_projector(constraints, node)
+      along = constraints%free_projector(node)
       if (is_tied .or. all(constraints%is_free(:, node))) return
       frame = constraints%frame(node)
       axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, node))

@@ -147,7 +147,7 @@ contains
       ! A direction at less than 60 degrees to the normal is held against the contact, not by symmetry.
       real(dp), parameter :: most = 0.5_dp
       logical :: is_free(2)
-      real(dp) :: held(2), frame(2, 2)
+      real(dp) :: held(2)
       integer :: i, k
 
       allocate (surface%mirrored_node(0))
@@ -155,10 +155,9 @@ contains
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
                if (any(surface%side(3 - k, :) == node)) cycle
-               frame = body%constraints%frame(node)
                is_free = body%constraints%is_free(:, node)
                if (is_free(1) .neqv. is_free(2)) then
-                  held = merge(frame(:, 1), frame(:, 2), is_free(2))
+                  held = body%constraints%held_direction(node)
                   if (.not. is_on_mirror(body, node, held)) cycle
                else if (surface%material(i)%is_axisymmetric &
                   .and. .not. abs(body%mesh%coordinates(1, node)) > 0.0_dp) then

@@ -2,7 +2,7 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
    use amontons_band_order, only: find_band_order, may_suit_band
-   use amontons_checked_rows, only: recompute_pairs
+   use amontons_checked_rows, only: integrate_again, recompute_pairs
    use amontons_condensation, only: condensation_options_t, condensation_t, new_condensation, &
       new_distributed_condensation
    use amontons_condenser, only: condenser_t
@@ -12,7 +12,7 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, new_contact_zone
+   use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, new_contact_zone
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_graph, only: half_bandwidth
@@ -21,7 +21,8 @@ module amontons_body
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_mesh_topology, only: coloring_t, new_coloring
-   use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
+   use amontons_mortar_points, only: mortar_points_t
    use amontons_new_cholesky, only: new_condenser
    use amontons_pair_substitution, only: new_pair_substitution
    use amontons_recovery_tables, only: recovery_tables_t
@@ -55,6 +56,8 @@ module amontons_body
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
+      type(contact_rows_t) :: tie_rows !! the rows of the points of all ties, one tie after the other
+      type(contact_rows_t) :: checked_tie_rows !! these rows, integrated on another way
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
       type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
@@ -108,18 +111,31 @@ contains
          bonds(body%ties))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
-      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
+      call integrate_ties(body)
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
       if (allocated(error)) return
-      if (body%zone%is_nodal) then
-         call new_dof_map(body%dof_map, body%constraints, body%zone%node, substitution)
-      else
-         call new_dof_map(body%dof_map, body%constraints, substitution%element_nodes([body%zone%node, &
-            body%zone%rows%node]), substitution)
-      end if
+      call let_guided_slaves_slip(body%zone, body%constraints, substitution)
+      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
+      call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
       call measure_cells(body, contacts, error)
    end subroutine new_body
+
+   !> Integrates over the points of the ties, on both ways.
+   pure subroutine integrate_ties(body)
+      type(body_t), intent(inout) :: body !! the body, with its ties
+      type(mortar_points_t) :: points
+      integer :: nothing(0), i
+
+      call body%tie_rows%begin(nothing)
+      call body%checked_tie_rows%begin(nothing)
+      do i = 1, size(body%ties)
+         call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
+         call body%tie_rows%add(points%rows)
+         call integrate_again(points, body%ties(i))
+         call body%checked_tie_rows%add(points%rows)
+      end do
+   end subroutine integrate_ties
 
    !> Nodes that ties hold together: one of either body for each segment (2, segments).
    pure function bonds(ties)

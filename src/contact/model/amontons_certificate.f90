@@ -36,6 +36,13 @@ module amontons_certificate
          !! |sum of the contact forces on both bodies of the pairs| / sum of their magnitudes [-]
       real(dp) :: pair_moment = 0.0_dp
          !! |their moment less the couple of the forces across the gaps| / (these magnitudes times half the size) [-]
+      logical :: has_ties = .false. !! whether there are bonded surfaces
+      real(dp) :: tie_moment = 0.0_dp !! the same of the forces that bonded surfaces exert on each other [-]
+      real(dp), allocatable :: couple(:)
+         !! the couple that the forces of each contact set, then of each tie make across its gap, 0 on rigid obstacles and
+         !! in a body of revolution [F L]
+      real(dp), allocatable :: couple_scale(:)
+         !! sum of the moments of these forces about the middle of the slave, each in magnitude [F L]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
@@ -67,7 +74,7 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
-      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :)
+      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
 
@@ -78,9 +85,11 @@ contains
          call body%internal_forces(internal, displacement, load_case%thermal_strain)
       end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
-      ! What ties transmit cancels.
-      reaction = internal - load_case%force - contact
-      if (allocated(body%dof_map%substitution%start)) reaction = body%dof_map%substitution%forces(reaction)
+      ! Of bonded nodes the reactions are the forces that the surfaces exert on each other.
+      reaction = body%dof_map%substitution%forces(internal - load_case%force - contact)
+      call take_tie_forces(tied, reaction, body)
+      allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
+      certificate%couple_scale = certificate%couple
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
          call sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
@@ -92,6 +101,7 @@ contains
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          call check_points(certificate, body, load_case, displacement, force)
          call check_pairs(certificate, body, contact, force)
+         call check_ties(certificate, body, tied, contact)
          call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
             springs)
          certificate%imbalance = relative(certificate%equilibrium, force_size)
@@ -237,37 +247,104 @@ contains
       end associate
    end subroutine check_points
 
-   !> Checks that the forces on both bodies of every pair cancel, and their moments but for the couple that shear
-   !> makes across a gap. In a body of revolution the forces around it have no moment.
+   !> Takes the forces that bonded surfaces exert on each other out of the reactions of the nodes' own unknowns.
+   pure subroutine take_tie_forces(force, reaction, body)
+      real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
+      real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      real(dp) :: exerted(2)
+      integer :: i, p, n, k
+
+      n = size(body%tie_rows%start) - 1
+      allocate (force(2*n))
+      k = 0
+      do i = 1, size(body%ties)
+         do p = 1, size(body%ties(i)%node)
+            k = k + 1
+            associate (node => body%ties(i)%node(p), normal => body%ties(i)%normal(:, p))
+               exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
+               reaction(:, node) = reaction(:, node) - exerted
+               force([k, k + n]) = -[dot_product(normal, exerted), dot_product(turned(normal), exerted)]
+            end associate
+         end do
+      end do
+   end subroutine take_tie_forces
+
+   !> Checks that the forces on both bodies of every pair cancel, and their moments but for the couple that they make
+   !> across a gap. In a body of revolution the forces around it have no moment.
    pure subroutine check_pairs(certificate, body, contact, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: on_nodes(:, :)
-      type(contact_rows_t) :: lever
-      real(dp) :: of_pairs(size(force)), jump(size(force)), norm, moment
+      real(dp) :: of_pairs(size(force))
       logical :: is_paired(body%zone%n_points)
-      integer :: m
 
-      m = body%zone%n_points
       is_paired = body%zone%pairs(body%zone%set)%is_set()
       certificate%has_pairs = any(is_paired)
       if (.not. certificate%has_pairs) return
       of_pairs = merge(force, 0.0_dp, [is_paired, is_paired])
       on_nodes = contact
       if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes)
-      norm = sum(abs(on_nodes))
-      certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), norm)
+      certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
-      associate (x => body%mesh%coordinates)
-         lever = lever_rows(body%checked_rows)
-         jump = lever%displacement(x)
-         moment = sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) &
-            + sum(jump(:m)*of_pairs(m + 1:) - jump(m + 1:)*of_pairs(:m))
-         certificate%pair_moment = relative(abs(moment), norm*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
-      end associate
+      call check_moment(certificate%pair_moment, certificate%couple, certificate%couple_scale, body, &
+         body%checked_rows, body%zone%set, of_pairs, on_nodes)
    end subroutine check_pairs
+
+   !> Checks the moments of the forces that bonded surfaces exert on each other as those of pairs, and adds these forces,
+   !> whose couple is that across the gaps, to the contact forces.
+   pure subroutine check_ties(certificate, body, tied, contact)
+      type(certificate_t), intent(inout) :: certificate !! the certificate
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: tied(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
+      real(dp), intent(inout) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
+      real(dp), allocatable :: on_nodes(:, :)
+      integer, allocatable :: set(:)
+      integer :: i, p
+
+      certificate%has_ties = size(tied) > 0
+      if (.not. certificate%has_ties) return
+      on_nodes = body%tie_rows%forces(tied, body%mesh%n_nodes)
+      contact = contact + on_nodes
+      if (body%is_axisymmetric) return
+      set = [([(size(body%zone%pairs) + i, p=1, size(body%ties(i)%node))], i=1, size(body%ties))]
+      call check_moment(certificate%tie_moment, certificate%couple, certificate%couple_scale, body, &
+         body%checked_tie_rows, set, tied, on_nodes)
+   end subroutine check_ties
+
+   !> Checks that the moments of the forces on both sides of some points are their couples across the gaps.
+   pure subroutine check_moment(violation, couple, scale, body, rows, set, force, on_nodes)
+      real(dp), intent(out) :: violation !! what is missing / (magnitudes of the forces times half the body's size) [-]
+      real(dp), intent(inout) :: couple(:) !! gains the couple of the points of each set [F L]
+      real(dp), intent(inout) :: scale(:) !! gains the moments of their forces about their middle, in magnitude [F L]
+      type(body_t), intent(in) :: body !! the body
+      type(contact_rows_t), intent(in) :: rows !! the rows of the points, integrated a second time
+      integer, intent(in) :: set(:) !! which set each point belongs to (n)
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) of the points (2n) [F]
+      real(dp), intent(in) :: on_nodes(:, :) !! these forces on the nodes, made from the rows of the solution (2, n_nodes) [F]
+      type(contact_rows_t) :: lever
+      real(dp) :: jump(size(force)), magnitude(size(set)), place(2, size(set)), middle(2)
+      integer :: i, n
+
+      n = size(set)
+      magnitude = hypot(force(:n), force(n + 1:))
+      associate (x => body%mesh%coordinates)
+         lever = lever_rows(rows)
+         jump = lever%displacement(x)
+         jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
+         violation = relative(abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n))), &
+            sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
+         place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], [2, n])
+      end associate
+      do i = minval(set), maxval(set)
+         couple(i) = couple(i) + sum(jump(:n), mask=set == i)
+         if (.not. any(set == i .and. magnitude > 0.0_dp)) cycle
+         middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/sum(magnitude, mask=set == i)
+         scale(i) = scale(i) + sum(magnitude*hypot(place(1, :) - middle(1), place(2, :) - middle(2)), mask=set == i)
+      end do
+   end subroutine check_moment
 
    !> Rows of the mean distances that tangential and normal forces of pairs have a moment about: along the normal with
    !> the shares of the tangential row, along the tangent with those of the normal one.
@@ -341,6 +418,7 @@ contains
          quantity_t('energy', 'Energy balance', self%energy, 1.0_dp)]
       if (self%has_pairs) list = [list, quantity_t('pair_force', 'Forces of pairs', self%pair_force, 1.0_dp), &
          quantity_t('pair_moment', 'Moments of pairs', self%pair_moment, 1.0_dp)]
+      if (self%has_ties) list = [list, quantity_t('tie_moment', 'Moments of ties', self%tie_moment, 1.0_dp)]
       if (self%has_duality_gap) list = [list, quantity_t('duality_gap', 'Duality gap', self%duality_gap, 1.0_dp)]
    end function certificate_violations
 

@@ -1,6 +1,7 @@
 !> Contact rows of a pair of surfaces, integrated a second time by another rule, for the certificate.
 !>
 !> Where segments end is found from what single rays meet, by halving; they are integrated by a rule of other points.
+!> Which of them count is the pair's own definition: those whose middle is within reach.
 module amontons_checked_rows
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_zone_t
@@ -11,17 +12,16 @@ module amontons_checked_rows
    implicit none (type, external)
    private
 
-   public :: recompute_pairs
+   public :: integrate_again, recompute_pairs
 
 contains
 
-   !> Recomputes rows and gaps of the points of pairs; those of the others stay.
+   !> Recomputes rows and gaps of the points of pairs in contact; those of the others stay.
    pure subroutine recompute_pairs(rows, gap_change, zone)
       type(contact_rows_t), intent(out) :: rows !! the rows
       real(dp), allocatable, intent(out) :: gap_change(:)
          !! by how much the gap that the meshes have is larger than in the zone (m) [L]
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, parameter :: n_points = n_quadrature_points + 3
       integer :: nothing(0)
       type(mortar_points_t) :: points
       integer :: set, p, i
@@ -35,7 +35,7 @@ contains
             call rows%add(zone%rows%picked(of_set))
             cycle
          end if
-         call integrate_pair(points, zone%pairs(set), segments_of(zone%pairs(set)), n_points)
+         call integrate_again(points, zone%pairs(set))
          call rows%add(points%rows)
          do i = 1, size(of_set)
             gap_change(of_set(i)) = mean(points%quadrature%start, i, points%quadrature%share*points%quadrature%gap) &
@@ -43,6 +43,15 @@ contains
          end do
       end do
    end subroutine recompute_pairs
+
+   !> Integrates over the points of a pair again: where its segments end is found in another way, and the rule has more
+   !> points.
+   pure subroutine integrate_again(points, pair)
+      type(mortar_points_t), intent(out) :: points !! the points
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+
+      call integrate_pair(points, pair, segments_of(pair), n_quadrature_points + 3)
+   end subroutine integrate_again
 
    !> The sum of a point's values.
    pure real(dp) function mean(start, point, values)
@@ -61,7 +70,9 @@ contains
       ! meet different sides. What a side meets last at either end may be short.
       integer, parameter :: n_parts = 8
       real(dp), parameter :: edge = 1.0e-9_dp
+      type(meeting_t) :: meeting
       integer, allocatable :: near(:)
+      logical, allocatable :: counts(:)
       real(dp) :: low, high
       integer :: side, part
 
@@ -78,10 +89,19 @@ contains
          end do
          segments(size(segments))%range(2) = 1.0_dp
       end do
-      segments = pack(segments, segments%master > 0)
+      allocate (counts(size(segments)), source=.false.)
+      do part = 1, size(segments)
+         associate (segment => segments(part))
+            if (segment%master == 0) cycle
+            meeting = meet_master(pair%master, [segment%master], pair%slave%place(segment%slave, &
+               0.5_dp*sum(segment%range)), pair%search)
+            counts(part) = meeting%side > 0
+         end associate
+      end do
+      segments = pack(segments, counts)
    end function segments_of
 
-   !> The master's side that the ray from a place on the slave meets, 0 for none.
+   !> The master's side that the ray from a place on the slave meets, however far away; 0 for none.
    pure integer function met_side(pair, side, near, xi) result(met)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, intent(in) :: side !! the slave's side
@@ -89,7 +109,7 @@ contains
       real(dp), intent(in) :: xi !! the place on it [-]
       type(meeting_t) :: meeting
 
-      meeting = meet_master(pair%master, near, pair%slave%place(side, xi), pair%search)
+      meeting = meet_master(pair%master, near, pair%slave%place(side, xi), huge(1.0_dp))
       met = meeting%side
    end function met_side
 

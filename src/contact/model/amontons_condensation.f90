@@ -201,6 +201,8 @@ contains
       do axis = 1, 2
          if (dof_map%dof(axis, node) == 0) cycle
          column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_schur
+         ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
+         if (column < 1) cycle
          do k = 1, count(condensation%unknown(:, p) > 0)
             associate (c => condensation%rows(condensation%unknown(k, p), column))
                c = c + dot_product(parts(:, k), frame(:, axis))

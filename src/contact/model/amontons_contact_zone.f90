@@ -3,7 +3,8 @@
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
-   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
+   use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -16,7 +17,7 @@ module amontons_contact_zone
    implicit none (type, external)
    private
 
-   public :: contact_zone_t, new_contact_zone
+   public :: contact_zone_t, let_guided_slaves_slip, new_contact_zone
 
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
@@ -35,10 +36,9 @@ module amontons_contact_zone
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
-      real(dp), allocatable :: shear_area(:)
-         !! the area that the shear of the point acts on: of a corner of a slave beside one that a support guides it is
-         !! larger, else the same (m) [L^2]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
+      logical, allocatable :: is_slave_guided(:)
+         !! whether it is a corner of a slave that a support guides, while its master may slip (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
@@ -46,6 +46,8 @@ module amontons_contact_zone
          !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,
          !! sides) [L]
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
+   contains
+      procedure :: own_nodes => contact_zone_own_nodes
    end type contact_zone_t
 
 contains
@@ -64,7 +66,7 @@ contains
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
          zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), &
-         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%shear_area(0))
+         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_slave_guided(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
@@ -115,6 +117,96 @@ contains
       call take_line(follower, line)
    end subroutine add_set
 
+   !> Finds the corners of slaves that supports guide and at which friction acts all the same, since the master may slip.
+   !>
+   !> What a support prescribes of the slave's displacement is known; the tangential row of the point is then one of the
+   !> master's unknowns. It must be independent of the rows of the other points, which it is not where supports hold the
+   !> master, too. On a plane of symmetry that both bodies end on the shear is 0.
+   pure subroutine let_guided_slaves_slip(zone, constraints, substitution)
+      type(contact_zone_t), intent(inout) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(substitution_t), intent(in) :: substitution !! how displacements follow from the nodes' own unknowns
+      ! The share of the shear that the master must bear at the least; else supports bear it.
+      real(dp), parameter :: least_share = 1.0e-2_dp
+      real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
+      integer, allocatable :: points(:), own(:), parts(:)
+      integer :: i, j, k, p, place
+
+      points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints))
+      if (size(points) == 0) return
+      own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
+      allocate (row(2, size(own)), basis(2*size(own), 0))
+      do k = 1, size(points)
+         p = points(k)
+         row = 0.0_dp
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            parts = substitution%element_nodes(zone%rows%node(i:i))
+            transform = substitution%transform(zone%rows%node(i:i), parts)
+            do j = 1, size(parts)
+               ! The own unknowns of points are their relative displacements, those of bonded nodes none.
+               if (any(zone%node == parts(j)) .or. substitution%is_bonded(parts(j))) cycle
+               place = findloc(own, parts(j), dim=1)
+               row(:, place) = row(:, place) + matmul(matmul(zone%rows%tangent(:, i), transform(:, 2*j - 1:2*j)), &
+                  constraints%free_projector(parts(j)))
+            end do
+         end do
+         rest = reshape(row, [2*size(own)])
+         rest = rest - matmul(basis, matmul(rest, basis))
+         associate (whole => zone%rows%tangent(:, zone%rows%start(p):zone%rows%start(p + 1) - 1))
+            if (norm2(rest) < least_share*norm2(whole)) cycle
+         end associate
+         basis = reshape([basis, rest/norm2(rest)], [2*size(own), size(basis, 2) + 1])
+         zone%is_tangent_fixed(p) = .false.
+         zone%is_slave_guided(p) = .true.
+         zone%is_nodal = .false.
+      end do
+   end subroutine let_guided_slaves_slip
+
+   !> Whether each point is a corner of a slave that supports guide, and no plane of symmetry that its master ends on, too.
+   pure function is_guided_alone(zone, constraints) result(is_alone)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical :: is_alone(zone%n_points)
+      ! What the digits of mesh files leave of a place on a plane, over the longest side.
+      real(dp), parameter :: rounding = 1.0e-4_dp
+      real(dp) :: held(2)
+      integer :: p, i, k
+
+      do p = 1, zone%n_points
+         associate (pair => zone%pairs(zone%set(p)))
+            is_alone(p) = zone%is_tangent_fixed(p) .and. .not. zone%is_cell(p) .and. pair%is_set() .and. &
+               .not. allocated(pair%shear_fault)
+            if (.not. is_alone(p)) cycle
+            associate (node => pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1))
+               if (all(pair%slave%mirrored_node /= node)) cycle
+               held = constraints%held_direction(node)
+            end associate
+            do i = 1, pair%master%n_sides
+               do k = 1, 2
+                  associate (node => pair%master%side(k, i))
+                     if (any(pair%master%mirrored_node == node) .and. .not. constraints%leaves_free(node, held)) &
+                        is_alone(p) = is_alone(p) .and. abs(dot_product(held, pair%master%corner(:, k, i) &
+                        - zone%position(:, p))) > rounding*pair%master%longest
+                  end associate
+               end do
+            end do
+         end associate
+      end do
+   end function is_guided_alone
+
+   !> The nodes whose own unknowns make up the displacements of the points.
+   pure function contact_zone_own_nodes(self, substitution) result(own)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      type(substitution_t), intent(in) :: substitution !! how displacements follow from the nodes' own unknowns
+      integer, allocatable :: own(:)
+      integer :: p
+
+      own = self%node
+      if (self%is_nodal) return
+      own = substitution%element_nodes([own, self%rows%node(picked_places(self%rows%start, &
+         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided)))])
+   end function contact_zone_own_nodes
+
    !> Adds points behind those that are there.
    pure subroutine add_points(zone, points)
       type(contact_zone_t), intent(inout) :: zone !! the zone
@@ -133,7 +225,7 @@ contains
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
-      zone%shear_area = [zone%shear_area, points%shear_area]
+      zone%is_slave_guided = [zone%is_slave_guided, spread(.false., 1, points%n_points)]
       call zone%rows%add(points%rows)
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
@@ -188,7 +280,6 @@ contains
          points%normal = normal(:, place)
          points%weight = line%weight(place)
          points%area = line%area(place)
-         points%shear_area = points%area
          points%foot = points%position
          points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal, tangent=points%normal)
          call points%rows%set_tangents()
@@ -237,7 +328,6 @@ contains
       points%normal = cells%normal(:, kept)
       points%weight = cells%length(kept)
       points%area = cells%area(kept)
-      points%shear_area = points%area
       points%foot = points%position
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
@@ -301,7 +391,6 @@ contains
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area
-      points%shear_area = integrals%shear_area
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
       call add_points(zone, points)

@@ -203,9 +203,9 @@ contains
                load_case%cosine(p) = min(load_case%cosine(p), cosine)
                load_case%gap(p) = load_case%gap(p) + share*gap
                load_case%friction(p) = load_case%friction(p) &
-                  + share*contact%friction%at(position, quadrature%arc_length(i))*(zone%shear_area(p)/zone%area(p))
+                  + share*contact%friction%at(position, quadrature%arc_length(i))
                load_case%slip_bound(p) = load_case%slip_bound(p) &
-                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%shear_area(p)
+                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%area(p)
             end associate
          end do
       end associate

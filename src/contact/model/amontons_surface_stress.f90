@@ -26,7 +26,6 @@ module amontons_surface_stress
       real(dp), allocatable, private :: share(:) !! how much of the normal stress each sum has besides (2m) [-]
       real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
       real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
-      real(dp), allocatable, private :: shear_area(:) !! area that its shear acts on (m) [L^2]
       real(dp), allocatable :: young(:) !! Young's modulus at each point (m) [F/L^2]
       real(dp), allocatable :: poisson(:) !! Poisson's ratio there (m) [-]
    contains
@@ -68,7 +67,6 @@ contains
             surface%poisson(m), surface%column(0), surface%row(0))
          allocate (surface%start(1), source=1)
          surface%area = zone%area
-         surface%shear_area = zone%shear_area
          set = 0
          do p = 1, m
             if (zone%set(p) /= set) then
@@ -291,7 +289,7 @@ contains
          end do
       end do
       do p = 1, m
-         traction = -force([p, p + m])/[self%area(p), self%shear_area(p)]
+         traction = -force([p, p + m])/self%area(p)
          stress(1, p) = dot_product(traction, self%outward(:, p))
          stress(2, p) = traction(2)*self%outward(1, p) - traction(1)*self%outward(2, p)
          stress(3:4, p) = sums(2*p - 1:2*p) + self%share(2*p - 1:2*p)*stress(1, p)

@@ -139,8 +139,8 @@ contains
             fixed => model%fixed%friction(p))
             if (.not. quantity%acts_on(contact%set)) cycle
             if (quantity%target == swept_friction) then
-               model%friction(p, axis) = body%zone%shear_area(p)/body%zone%area(p)
-               fixed = dot_product(contact%friction%slope, body%zone%position(:, p))*model%friction(p, axis)
+               model%friction(p, axis) = 1.0_dp
+               fixed = dot_product(contact%friction%slope, body%zone%position(:, p))
             else
                model%friction(p, axis) = fixed
                fixed = 0.0_dp
