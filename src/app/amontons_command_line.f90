@@ -1,6 +1,6 @@
 !> The command line: options and decks.
 module amontons_command_line
-   use amontons_deck_setting, only: new_setting, setting_t
+   use amontons_deck, only: new_setting, setting_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_text, only: nearest_word, read_integer
    implicit none (type, external)

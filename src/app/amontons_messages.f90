@@ -1,14 +1,32 @@
-!> What a run prints: results on standard output, what went wrong on standard error.
+!> What a run prints: results on standard output, what went wrong on standard error, the progress of a sweep or history on
+!> the status line, where a signal may interrupt it.
 module amontons_messages
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t
+   use amontons_kinds, only: dp
    use amontons_outcome, only: outcome_t
-   use amontons_terminal, only: print_line, standard_error, standard_output
-   use amontons_text, only: newline
+   use amontons_study_monitor, only: study_monitor_t
+   use amontons_system, only: wall_seconds
+   use amontons_terminal, only: hold_interrupts, is_interrupted, note_work, print_line, release_interrupts, &
+      standard_error, standard_output
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
-   public :: print_error, print_info, print_outcome
+   public :: print_error, print_info, print_outcome, progress_t
+
+   !> Watches a study. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases or the step
+   !> under way.
+   type, extends(study_monitor_t) :: progress_t
+      private
+      real(dp) :: start = 0.0_dp !! when the first report came [s]
+      integer :: n_before = -1 !! cases done at the first report; -1 before it
+   contains
+      procedure, public :: finish => progress_finish
+      procedure, public :: is_stopped => progress_is_stopped
+      procedure, public :: report => progress_report
+      procedure, public :: report_fields => progress_report_fields
+   end type progress_t
 
 contains
 
@@ -48,5 +66,80 @@ contains
       ! Where nobody listens on standard error, the exit status has to say it.
       call print_line(standard_error, text, unheard)
    end subroutine print_error
+
+   !> Whether a signal has asked the program to stop.
+   logical function progress_is_stopped(self) result(is_stopped)
+      class(progress_t), intent(in) :: self !! the watch
+
+      is_stopped = is_interrupted()
+      associate (unused => self)
+      end associate
+   end function progress_is_stopped
+
+   !> Shows how far the study is.
+   subroutine progress_report(self, n_done, n_cases, things)
+      class(progress_t), intent(inout) :: self !! the watch
+      integer, intent(in) :: n_done !! cases done
+      integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
+
+      if (self%n_before < 0) then
+         self%n_before = n_done
+         self%start = wall_seconds()
+         call hold_interrupts()
+      end if
+      call note_work(progress_text(n_done, n_cases, things, n_done - self%n_before, wall_seconds() - self%start), &
+         is_timed=.false.)
+   end subroutine progress_report
+
+   !> Shows how far the fields are.
+   subroutine progress_report_fields(self, n_done, n_fields)
+      class(progress_t), intent(inout) :: self !! the watch
+      integer, intent(in) :: n_done !! cases whose fields are written
+      integer, intent(in) :: n_fields !! all cases whose fields are asked for
+
+      call note_work('fields of '//to_text(n_done)//' of '//to_text(n_fields)//' cases written', is_timed=.false.)
+      associate (unused => self)
+      end associate
+   end subroutine progress_report_fields
+
+   !> Ends the watch.
+   subroutine progress_finish(self)
+      class(progress_t), intent(inout) :: self !! the watch
+
+      if (self%n_before >= 0) call release_interrupts()
+   end subroutine progress_finish
+
+   !> How far a study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12 left'.
+   pure function progress_text(n_done, n_cases, things, n_timed, seconds) result(text)
+      integer, intent(in) :: n_done !! cases done
+      integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are
+      integer, intent(in) :: n_timed !! those of the cases done that the time counts for
+      real(dp), intent(in) :: seconds !! the time [s]
+      character(:), allocatable :: text
+      real(dp), parameter :: longest = 3.6e8_dp
+      character(8) :: minutes
+      integer :: left
+
+      text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
+      if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
+      left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
+      write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
+      text = text//', '//rate_text(n_timed/seconds)//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
+   end function progress_text
+
+   !> A rate with three digits at the least.
+   pure function rate_text(rate) result(text)
+      real(dp), intent(in) :: rate !! the rate
+      character(:), allocatable :: text
+      real(dp), parameter :: hundred = 100.0_dp
+
+      if (rate >= hundred) then
+         text = to_text(nint(rate))
+      else
+         text = to_text(real(nint(rate*hundred), dp)/hundred)
+      end if
+   end function rate_text
 
 end module amontons_messages

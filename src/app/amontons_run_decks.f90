@@ -6,11 +6,10 @@ module amontons_run_decks
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_messages, only: print_error, print_info, print_outcome
+   use amontons_messages, only: print_error, print_info, print_outcome, progress_t
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
-   use amontons_progress, only: progress_t
    use amontons_quantity, only: quantity_t
    use amontons_solve_case, only: cache_t
    use amontons_study, only: check_study, solve_study, study_options_t, study_t

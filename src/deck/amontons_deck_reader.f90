@@ -1,12 +1,12 @@
 !> Reads a deck into the variables that a description shows, and tells all its faults at once.
 module amontons_deck_reader
-   use amontons_deck_contents, only: bare_value, find_values, mark_faulty, refuse_value, unquoted_value
-   use amontons_deck_scanner, only: excerpt, joined, suggestion
+   use amontons_deck_contents, only: bare_value, excerpt, find_values, joined, mark_faulty, refuse_value, &
+      suggestion, unquoted_value
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, most_values, set_default
+   use amontons_input_file, only: beside
    use amontons_kinds, only: dp
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, nearest_word, quoted, read_integer, read_real, to_text
-   use amontons_text_file, only: beside
    implicit none (type, external)
    private
 

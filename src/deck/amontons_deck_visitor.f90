@@ -1,4 +1,4 @@
-!> A visitor of the groups and keys that a deck may hold: who reads a deck, writes one, or documents what one may say.
+!> A visitor of the groups and keys that a deck may hold: it reads a deck, writes one, or documents what one may hold.
 !>
 !> A group is described once, by a procedure that shows every key to a visitor, together with the variable that holds
 !> its value:
@@ -7,18 +7,20 @@
 !>    call visitor%real(key_t('grading', 'height of the top row over the bottom row', above=0.0_dp), grading)
 !>    call visitor%close_group()
 !>
-!> A reader sets the variable, a writer writes it, a documenter makes a row of a table of it. Rules about several keys
-!> follow behind the group; they are judged where a deck is read, and are without effect elsewhere.
+!> A reader (`amontons_deck_reader`) sets the variable, a writer writes it into a deck, a documenter makes a row of a table in
+!> Markdown of it. Rules about several keys follow behind the group; they are judged where a deck is read, and are without
+!> effect elsewhere.
 module amontons_deck_visitor
    use amontons_deck, only: deck_t
+   use amontons_deck_contents, only: joined
    use amontons_error, only: error_t
+   use amontons_input_file, only: read_number_table
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, to_text
-   use amontons_text_file, only: read_number_table
+   use amontons_text, only: newline, quoted, to_text
    implicit none (type, external)
    private
 
-   public :: deck_visitor_t, group_t, is_filled, key_t, set_default
+   public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t, set_default
 
    !> Most numbers of a list.
    integer, parameter, public :: most_values = 1000000
@@ -129,6 +131,37 @@ module amontons_deck_visitor
          logical, intent(inout) :: is_chosen(:) !! which of them it has
       end subroutine visit_words
    end interface
+
+   !> Columns of a line; a single key and its values may be longer.
+   integer, parameter :: width = 120
+
+   !> A deck that is written.
+   type, extends(deck_visitor_t) :: deck_writer_t
+      logical :: is_shared_only = .false. !! whether only what decks that share a factorization agree in is written
+      character(:), allocatable :: written !! the groups written so far
+      character(:), allocatable, private :: line !! the last line of the group being written; empty before its first key
+   contains
+      procedure :: open_group => writer_open_group
+      procedure :: close_group => writer_close_group
+      procedure :: reals => writer_reals
+      procedure :: text => writer_text
+      procedure :: words => writer_words
+      procedure, private :: write_key => writer_write_key
+   end type deck_writer_t
+
+   !> The tables of the groups visited so far.
+   type, extends(deck_visitor_t) :: deck_documenter_t
+      character(:), allocatable :: wanted !! name of the only group to document; empty for all
+      character(:), allocatable :: written !! the tables, their last line not ended
+   contains
+      procedure :: open_group => documenter_open_group
+      procedure :: close_group => documenter_close_group
+      procedure :: reals => documenter_reals
+      procedure :: text => documenter_text
+      procedure :: words => documenter_words
+      procedure, private :: write => documenter_write
+      procedure, private :: write_row => documenter_write_row
+   end type deck_documenter_t
 
 contains
 
@@ -357,5 +390,187 @@ contains
       is_filled = allocated(text)
       if (is_filled) is_filled = len_trim(text) > 0
    end function is_filled
+
+   !> Begins a group.
+   subroutine writer_open_group(self, group)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(group_t), intent(in) :: group !! the group
+
+      self%group = group
+      self%line = ''
+      if (.not. allocated(self%written)) self%written = ''
+   end subroutine writer_open_group
+
+   !> Ends a group; one without keys is not written.
+   subroutine writer_close_group(self)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+
+      if (self%line /= '') self%written = self%written//self%line//' /'//newline
+   end subroutine writer_close_group
+
+   !> Writes numbers.
+   subroutine writer_reals(self, key, values, is_given)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      real(dp), intent(inout) :: values(:) !! the numbers
+      logical, intent(inout), optional :: is_given !! whether they are written
+
+      call self%write_key(key, key%numbers(values), is_given)
+   end subroutine writer_reals
+
+   !> Writes a text.
+   subroutine writer_text(self, key, value, is_given, choices)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      character(:), allocatable, intent(inout) :: value !! the text
+      logical, intent(inout), optional :: is_given !! whether it is written
+      character(*), intent(in), optional :: choices(:) !! the words it can be
+
+      call set_default(value, choices)
+      call self%write_key(key, quoted(value), is_given)
+   end subroutine writer_text
+
+   !> Writes a list of words; nothing without any.
+   subroutine writer_words(self, key, choices, is_chosen)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: choices(:) !! the words it can have
+      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      character(:), allocatable :: list
+      integer :: i
+
+      list = ''
+      do i = 1, size(choices)
+         if (is_chosen(i)) list = list//', '//quoted(trim(choices(i)))
+      end do
+      call self%write_key(key, list(min(3, len(list) + 1):), any(is_chosen))
+   end subroutine writer_words
+
+   !> Writes a key and its value, on a new line where it would not fit.
+   subroutine writer_write_key(self, key, value, is_given)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: value !! the value as a deck has it
+      logical, intent(in), optional :: is_given !! whether it is written
+      character(:), allocatable :: item
+
+      if (self%is_shared_only .and. .not. (self%group%is_shared .or. key%is_shared)) return
+      if (present(is_given)) then
+         if (.not. is_given) return
+      end if
+      item = trim(key%name)//' = '//value
+      if (self%is_shared_only .and. key%is_free) item = trim(key%name)
+      if (self%line == '') then
+         self%line = '&'//trim(self%group%name)//' '//item
+      else if (len(self%line) - index(self%line, newline, back=.true.) + len(item) + 4 > width) then
+         self%line = self%line//newline//'   '//item
+      else
+         self%line = self%line//'  '//item
+      end if
+   end subroutine writer_write_key
+
+   !> Writes the heading of a group and of its table.
+   subroutine documenter_open_group(self, group)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(group_t), intent(in) :: group !! the group
+
+      self%group = group
+      if (len(self%written) > 0) call self%write(newline//newline)
+      call self%write('### `&'//trim(group%name)//'`'//trim(merge(' (may be repeated)', '                  ', &
+         group%is_repeatable))//newline//newline//'| key | value | unit | default | meaning |'//newline// &
+         '|---|---|---|---|---|')
+   end subroutine documenter_open_group
+
+   !> Ends a group.
+   subroutine documenter_close_group(self)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+
+      self%group = group_t()
+   end subroutine documenter_close_group
+
+   !> Writes the row of numbers.
+   subroutine documenter_reals(self, key, values, is_given)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(key_t), intent(in) :: key !! the key
+      real(dp), intent(inout) :: values(:) !! the numbers, their defaults; none for a list of any length
+      logical, intent(inout), optional :: is_given !! whether these are defaults, if present
+      character(:), allocatable :: text, range
+
+      text = key%noun()
+      if (size(values) /= 1) text = text//'s'
+      if (size(values) > 1) text = to_text(size(values))//' '//text
+      range = key%range()
+      if (index(range, 'at least') == 1) range = ', '//range
+      if (index(range, 'above') == 1) range = ' '//range
+      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
+      if (key%is_ascending) range = range//', ascending'
+      call self%write_row(key, text//range, key%numbers(values), is_given)
+   end subroutine documenter_reals
+
+   !> Writes the row of a text.
+   subroutine documenter_text(self, key, value, is_given, choices)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(key_t), intent(in) :: key !! the key
+      character(:), allocatable, intent(inout) :: value !! the text, its default
+      logical, intent(inout), optional :: is_given !! whether this is a default, if present and there are no choices
+      character(*), intent(in), optional :: choices(:) !! the words it can be
+
+      call set_default(value, choices)
+      if (present(choices)) then
+         call self%write_row(key, joined(choices, "`'", "'`"), quoted(value))
+      else
+         call self%write_row(key, 'text', quoted(value), is_given)
+      end if
+   end subroutine documenter_text
+
+   !> Writes the row of a list of words.
+   subroutine documenter_words(self, key, choices, is_chosen)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: choices(:) !! the words it can have
+      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      logical :: is_default
+
+      is_default = any(is_chosen)
+      call self%write_row(key, 'texts: one or more of '//joined(choices, "`'", "'`"), '', is_default)
+   end subroutine documenter_words
+
+   !> Writes a row.
+   subroutine documenter_write_row(self, key, values, default, is_given)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: values !! what its values are
+      character(*), intent(in) :: default !! its default as a deck has it
+      logical, intent(in), optional :: is_given !! whether this is its default, if present
+      character(:), allocatable :: name, shown
+      logical :: is_default
+
+      name = '`'//trim(key%name)//'`'
+      if (key%is_required) name = '**'//name//'**'
+      is_default = default /= '' .and. .not. key%is_required
+      if (present(is_given)) is_default = is_default .and. is_given
+      shown = trim(key%default)
+      if (shown == '' .and. is_default) shown = '`'//default//'`'
+      call self%write(newline//'| '//name//' | '//values//' |'//cell(trim(key%unit))//cell(shown)//' '// &
+         trim(key%meaning)//' |')
+   end subroutine documenter_write_row
+
+   !> Writes a text, unless it belongs to a group that is not wanted.
+   subroutine documenter_write(self, text)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      character(*), intent(in) :: text !! the text
+
+      if (self%wanted == '' .or. self%wanted == self%group%name) self%written = self%written//text
+   end subroutine documenter_write
+
+   !> A cell that may be empty, its right border included.
+   pure function cell(content) result(text)
+      character(*), intent(in) :: content !! what stands in it
+      character(:), allocatable :: text
+
+      text = ' '
+      if (len(content) > 0) text = text//content//' '
+      text = text//'|'
+   end function cell
 
 end module amontons_deck_visitor

@@ -1,5 +1,6 @@
 !> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
-!> reads it, writes it as a deck again and documents what a deck may hold.
+!> reads it, writes it as a deck again and documents what a deck may hold. Materials, supports and loads may come from the mesh
+!> file; names of sets and regions are checked against the mesh all at once.
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
@@ -8,36 +9,36 @@ module amontons_config
    use amontons_config_case, only: accuracy_group, accuracy_options_t, case_group, describe_accuracy, describe_case, &
       describe_output, describe_problem, output_group, problem_group, reduced_source_t
    use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
-   use amontons_config_file, only: take_file
-   use amontons_config_history, only: describe_history, history_group, steps_group
-   use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_deck, only: deck_t, read_deck, read_deck_text
-   use amontons_deck_documenter, only: deck_documenter_t
+   use amontons_deck, only: apply_settings, deck_t, read_deck, read_deck_text, read_settings, setting_t
+   use amontons_deck_contents, only: suggestion
    use amontons_deck_reader, only: deck_reader_t
-   use amontons_deck_scanner, only: suggestion
-   use amontons_deck_setting, only: apply_settings, read_settings, setting_t
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
-   use amontons_deck_writer, only: deck_writer_t
+   use amontons_deck_visitor, only: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
-   use amontons_history, only: history_t
+   use amontons_fault_list, only: fault_list_t
+   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_model_t, &
+      file_pressure, use_loads, use_materials, use_names, use_supports
+   use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_t
-   use amontons_material, only: material_t
-   use amontons_mesh_file, only: mesh_part_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
+   use amontons_material, only: material_t, new_material
+   use amontons_mesh, only: mesh_t
+   use amontons_mesh_file, only: mesh_part_t, read_file_model
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
-   use amontons_sweep, only: sweep_t
+   use amontons_sweep, only: describe_sweep, sweep_group, sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
    implicit none (type, external)
    private
 
-   public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
+   public :: body_text, check_names, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
       reference_text
+
+   !> The name by which a sweep knows the loads of a mesh file.
+   character(*), parameter :: file_load_name = 'mesh file'
 
    !> The group of the solver.
    type(group_t), parameter :: solver_group = group_t('solver')
@@ -71,6 +72,125 @@ module amontons_config
    end type config_t
 
 contains
+
+   !> Takes what a mesh file says besides the mesh.
+   subroutine take_file(part, materials, supports, loads, error)
+      type(mesh_part_t), intent(in) :: part !! the part of the mesh that names the file
+      type(material_t), allocatable, intent(inout) :: materials(:) !! become those of the file
+      type(support_t), allocatable, intent(inout) :: supports(:) !! become those of the file
+      type(load_t), allocatable, intent(inout) :: loads(:) !! become those of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(file_model_t) :: model
+
+      if (len(part%file) == 0) return
+      call read_file_model(model, part%file, part%is_used, error)
+      if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
+      if (allocated(error)) return
+      call take_file_supports(supports, model, part%file)
+      call take_file_loads(loads, model, part%file)
+   end subroutine take_file
+
+   !> Takes the materials.
+   subroutine take_file_materials(materials, model, file, error)
+      type(material_t), allocatable, intent(out) :: materials(:) !! the materials
+      type(file_model_t), intent(in) :: model !! what the file says
+      character(*), intent(in) :: file !! its name
+      type(error_t), allocatable, intent(out) :: error !! a constant out of its range
+      integer :: i, n
+
+      n = 0
+      if (allocated(model%materials)) n = size(model%materials)
+      allocate (materials(n))
+      do i = 1, n
+         associate (material => model%materials(i))
+            call new_material(materials(i), material%young, material%poisson, trim(model%hypothesis), &
+               material%thickness, error)
+            if (allocated(error)) error%message = origin_of(file, material%line)//error%message
+            if (allocated(error)) return
+            materials(i)%density = material%density
+            materials(i)%expansion = material%expansion
+            materials(i)%region = trim(material%region)
+            materials(i)%origin = origin_of(file, material%line)
+         end associate
+      end do
+   end subroutine take_file_materials
+
+   !> Takes the supports.
+   subroutine take_file_supports(supports, model, file)
+      type(support_t), allocatable, intent(out) :: supports(:) !! the supports
+      type(file_model_t), intent(in) :: model !! what the file says
+      character(*), intent(in) :: file !! its name
+      integer :: i
+
+      allocate (supports(model%n_supports))
+      do i = 1, size(supports)
+         supports(i)%set = trim(model%supports(i)%set)
+         supports(i)%is_held(:2) = model%supports(i)%is_held
+         supports(i)%displacement(:2) = merge(model%supports(i)%value, 0.0_dp, model%supports(i)%is_held)
+         supports(i)%origin = origin_of(file, model%supports(i)%line)
+      end do
+   end subroutine take_file_supports
+
+   !> Takes the loads.
+   subroutine take_file_loads(loads, model, file)
+      type(load_t), allocatable, intent(out) :: loads(:) !! the loads
+      type(file_model_t), intent(in) :: model !! what the file says
+      character(*), intent(in) :: file !! its name
+      integer :: i
+
+      allocate (loads(model%n_loads + merge(1, 0, allocated(model%temperatures%table))))
+      do i = 1, model%n_loads
+         call take_load(loads(i), model%loads(i))
+         loads(i)%name = file_load_name
+         loads(i)%origin = origin_of(file, model%loads(i)%line)
+      end do
+      if (.not. allocated(model%temperatures%table)) return
+      associate (load => loads(size(loads)))
+         call new_load(load, '')
+         load%name = file_load_name
+         load%target = load_by_temperature
+         load%temperature_table = model%temperatures%table
+         load%temperature_file = file
+         load%origin = origin_of(file, model%temperatures%line)
+      end associate
+   end subroutine take_file_loads
+
+   !> Takes a load.
+   pure subroutine take_load(load, given)
+      type(load_t), intent(out) :: load !! the load
+      type(file_load_t), intent(in) :: given !! the load as the file says it
+
+      call new_load(load, trim(given%set))
+      if (given%kind /= file_pressure .and. given%kind /= file_force) then
+         load%set = ''
+         load%region = trim(given%set)
+         load%target = load_on_region
+      end if
+      select case (given%kind)
+      case (file_pressure)
+         load%pressure = given%value(1)
+      case (file_force)
+         load%target = load_on_nodes
+         load%force = given%value
+      case (file_body_force)
+         load%body_force = given%value
+      case (file_gravity)
+         load%gravity = given%value
+      case default
+         load%angular_speed = given%value(1)
+         load%center = given%center
+         load%axis = given%axis
+      end select
+   end subroutine take_load
+
+   !> Where something stands in the file, as messages begin.
+   pure function origin_of(file, line) result(origin)
+      character(*), intent(in) :: file !! name of the file
+      integer, intent(in) :: line !! the line
+      character(:), allocatable :: origin
+
+      origin = file//':'//to_text(line)//': '
+   end function origin_of
 
    !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
    !> judged only where its form is right, and what follows from another fault is not told.
@@ -337,5 +457,77 @@ contains
             'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
       end associate
    end subroutine describe_solver
+
+   !> Refuses the names of a case that its mesh has not, all of them in one error.
+   subroutine check_names(config, mesh, error)
+      type(config_t), intent(in) :: config !! the case
+      type(mesh_t), intent(in) :: mesh !! its mesh
+      type(error_t), allocatable, intent(out) :: error !! the names that are unknown, a line of text for each
+      type(fault_list_t) :: faults
+      integer :: i
+
+      do i = 1, size(config%materials)
+         call check_region(config%materials(i)%origin, config%materials(i)%region, mesh, faults)
+      end do
+      do i = 1, size(config%supports)
+         call check_set(config%supports(i)%origin, config%supports(i)%set, mesh, faults)
+      end do
+      do i = 1, size(config%loads)
+         call check_set(config%loads(i)%origin, config%loads(i)%set, mesh, faults)
+         call check_region(config%loads(i)%origin, config%loads(i)%region, mesh, faults)
+         if (config%accuracy%n_refinements > 0) call check_point_forces(config%loads(i), mesh, faults)
+      end do
+      do i = 1, size(config%contacts)
+         call check_set(config%contacts(i)%origin, config%contacts(i)%set, mesh, faults)
+         call check_set(config%contacts(i)%origin, config%contacts(i)%pairing%against, mesh, faults)
+      end do
+      do i = 1, size(config%ties)
+         call check_set(config%ties(i)%origin, config%ties(i)%set, mesh, faults)
+         call check_set(config%ties(i)%origin, config%ties(i)%to, mesh, faults)
+      end do
+      if (faults%n > 0) call new_error(error, input_refused, faults%text())
+   end subroutine check_names
+
+   !> Records a set that is unknown.
+   subroutine check_set(origin, name, mesh, faults)
+      character(*), intent(in) :: origin !! where the name stands, as messages begin
+      character(*), intent(in) :: name !! name of the set; empty for none
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(fault_list_t), intent(inout) :: faults !! gains a name that is unknown
+      type(error_t), allocatable :: fault
+      integer, allocatable :: sides(:, :)
+
+      if (len(name) == 0) return
+      if (mesh%find_set(name) > 0 .or. mesh%find_node_set(name) > 0) return
+      call mesh%set_sides(name, sides, fault)
+      if (allocated(fault)) call faults%add(0, origin//fault%message)
+   end subroutine check_set
+
+   !> Records a region that is unknown.
+   subroutine check_region(origin, name, mesh, faults)
+      character(*), intent(in) :: origin !! where the name stands, as messages begin
+      character(*), intent(in) :: name !! name of the region; empty for the whole body
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(fault_list_t), intent(inout) :: faults !! gains a name that is unknown
+      type(error_t), allocatable :: fault
+      integer, allocatable :: elements(:)
+
+      if (len(name) == 0) return
+      if (mesh%find_region(name) > 0) return
+      call mesh%region_elements(name, elements, fault)
+      if (allocated(fault)) call faults%add(0, origin//fault%message)
+   end subroutine check_region
+
+   !> Records a force on every node of a boundary set, which would grow with the number of nodes from mesh to mesh.
+   subroutine check_point_forces(load, mesh, faults)
+      type(load_t), intent(in) :: load !! the load
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(fault_list_t), intent(inout) :: faults !! gains one if so
+
+      if (load%target /= load_on_nodes .or. len(load%set) == 0) return
+      if (mesh%find_set(load%set) == 0 .or. mesh%find_node_set(load%set) > 0) return
+      call faults%add(0, load%origin//"refinements: the force on every node of '"//load%set// &
+         "' would grow with the number of nodes; give a traction")
+   end subroutine check_point_forces
 
 end module amontons_config

@@ -1,39 +1,357 @@
 !> NAME.lst: the listing, which an engineer reads top to bottom and needs nothing else; and what the listings of decks,
-!> sweeps and reduced problems have in common: the head, the method and what became of it, the verdict, the times.
+!> sweeps and reduced problems have in common: the head, the model, the method and its outcome, the verdict, the times.
 module amontons_listing
-   use amontons_accuracy_text, only: convergence_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_rows, only: turned
+   use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
+   use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_document, only: document_t
+   use amontons_element, only: quad4
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_model, only: model_text
-   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text, with_unit
+   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text, unit_of, &
+      with_unit
+   use amontons_load_case, only: load_case_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
+   use amontons_material, only: material_t
    use amontons_methods, only: method_options_t
+   use amontons_model_warnings, only: mean_length
+   use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
-   use amontons_text, only: counted, newline, to_text
-   use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
+   use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
+   use amontons_text, only: as_lines, counted, line_end, newline, to_text
    use amontons_version, only: version
    use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 
-   public :: certificate_text, closed_text, factorization_text, head_text, listed_phases, method_text, new_listing, &
-      outcome_text, quantities_text, residual_text, status_counts, times_text, violations_text, warnings_text
+   public :: certificate_text, closed_text, factorization_text, head_text, listed_phases, method_text, model_text, &
+      new_listing, outcome_text, quantities_text, residual_text, status_counts, times_text, violations_text, &
+      warnings_text
 
    !> The phases that lie behind a deck when its listing is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &
       phase_recover]
 
 contains
+
+   !> Mesh, material, supports, contact sets and loads.
+   function model_text(body, load_case, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its supports, obstacles and loads
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      real(dp), allocatable :: lengths(:)
+      integer :: first, i, last
+
+      text = heading('Model')
+      if (allocated(body%mesh%source)) text = text//labeled('Mesh', body%mesh%source)
+      text = text//labeled('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
+         labeled('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_schur)// &
+         ' on the contact line')
+      do i = 1, size(body%materials%list)
+         text = text//labeled('Material', material_text(body%materials%list(i), any(body%mesh%element_kind == quad4), &
+            units))
+      end do
+      do i = 1, size(load_case%supports)
+         text = text//labeled('Support', support_text(load_case%supports(i), units))
+      end do
+      do i = 1, size(load_case%contacts)
+         text = text//labeled('Contact', contact_text(load_case%contacts(i), units))
+         if (load_case%contacts(i)%partition%is_constant) then
+            lengths = pack(body%zone%weight, body%zone%set == i)
+            text = text//labeled('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '// &
+               short_text(minval(lengths))//' to '//with_unit(short_text(maxval(lengths)), units, 'L'))// &
+               labeled('Inf-sup constant', short_text(body%inf_sup(i)))
+         end if
+         if (body%zone%pairs(i)%is_set()) text = text//labeled('Sides', roles_text(body%zone%pairs(i), units))
+      end do
+      do i = 1, size(body%ties)
+         text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')// &
+            labeled('Sides', roles_text(body%ties(i), units))
+      end do
+      text = text//labeled('Contact points', to_text(body%zone%n_points))
+      first = 1
+      do while (first <= len(body%mesh_notes))
+         last = line_end(body%mesh_notes, first)
+         text = text//labeled('Note', body%mesh_notes(first:last))
+         first = last + 2
+      end do
+      text = text//notes_text(body, load_case, units)
+      do i = 1, size(load_case%loads)
+         text = text//labeled('Load', load_text(load_case%loads(i), units))
+      end do
+   end function model_text
+
+   !> A material: hypothesis, constants, region.
+   pure function material_text(material, has_quad4, units) result(text)
+      type(material_t), intent(in) :: material !! the material
+      logical, intent(in) :: has_quad4 !! whether the mesh has linear quadrilaterals
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = trim(material%hypothesis)//', Young '//with_unit(short_text(material%young), units, 'F/L^2')// &
+         ', Poisson '//short_text(material%poisson)
+      if (.not. material%is_axisymmetric) text = text//', thickness '// &
+         with_unit(short_text(material%thickness), units, 'L')
+      if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
+      if (abs(material%expansion) > 0.0_dp) text = text//', expansion '//short_text(material%expansion)
+      if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
+      if (len(material%region) > 0) text = text//", region '"//material%region//"'"
+   end function material_text
+
+   !> A support: its set or point, prescribed displacements, springs.
+   pure function support_text(support, units) result(text)
+      type(support_t), intent(in) :: support !! the support
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer :: k
+
+      if (len(support%set) > 0) then
+         text = "set '"//support%set//"'"
+      else
+         text = 'point '//with_unit(pair_text(support%point), units, 'L')
+      end if
+      do k = 1, size(supported_components)
+         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '// &
+            with_unit(short_text(support%displacement(k)), units, 'L')
+      end do
+      if (any(support%spring > 0.0_dp)) text = text//', springs '// &
+         with_unit(pair_text(support%spring), units, 'F/L^3')//' along normal and tangent'
+   end function support_text
+
+   !> A contact set: its friction, its master or rigid obstacle, gaps.
+   pure function contact_text(contact, units) result(text)
+      type(contact_t), intent(in) :: contact !! the contact set
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = "set '"//contact%set//"'"
+      if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
+      text = text//field_text('friction', contact%friction)// &
+         field_text('slip bound', contact%slip_bound)
+      associate (obstacle => contact%obstacle)
+         if (contact%pairing%is_pair()) then
+            if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
+            if (contact%pairing%search > 0.0_dp) text = text//', search '// &
+               with_unit(short_text(contact%pairing%search), units, 'L')
+         else
+            text = text//', '//trim(obstacle%kind)//' at '//with_unit(pair_text(obstacle%point), units, 'L')// &
+               ' with normal '//pair_text(obstacle%normal)
+            if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
+            if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
+            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair_text(contact%direction)
+         end if
+      end associate
+      if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '// &
+         with_unit(short_text(contact%extra_gap), units, 'L')
+   end function contact_text
+
+   !> Mean lengths of the sides of slave and master, by which their roles should be chosen.
+   pure function roles_text(pair, units) result(text)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = 'slave '//with_unit(short_text(mean_length(pair%slave)), units, 'L')//', master '// &
+         with_unit(short_text(mean_length(pair%master)), units, 'L')// &
+         ' on average; forces are resolved on the slave, which should be the finer one'
+   end function roles_text
+
+   !> A quantity along a contact line; nothing where it is zero.
+   pure function field_text(name, field) result(text)
+      character(*), intent(in) :: name !! name of the quantity
+      type(line_field_t), intent(in) :: field !! the quantity
+      character(:), allocatable :: text
+
+      text = ''
+      if (allocated(field%table)) then
+         text = ', '//name//' from '//field%file
+      else if (any(abs(field%slope) > 0.0_dp)) then
+         text = ', '//name//' '//short_text(field%value)//' + '//pair_text(field%slope)//' . (x, y)'
+      else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
+         text = ', '//name//' '//short_text(field%value)
+      end if
+   end function field_text
+
+   !> Notes on the contact points: those that supports take over, overlap, rigid motions left free.
+   pure function notes_text(body, load_case, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer :: i, n_free
+
+      text = ''
+      associate (zone => body%zone)
+         n_free = sum(body%motions%n_free)
+         if (n_free == 1) then
+            text = labeled('Note', '1 rigid-body mode is not constrained by supports; only contact holds it')
+         else if (n_free > 1) then
+            text = labeled('Note', to_text(n_free)// &
+               ' rigid-body modes are not constrained by supports; only contact holds them')
+         end if
+         text = text//places_text(body%mesh%coordinates(:, zone%held_node), 'node', &
+            ' is not a contact point: supports hold it', ' are not contact points: supports hold them', units)
+         text = text//places_text(body%mesh%coordinates(:, zone%zero_area_node), 'node', &
+            ' is not a contact point: at the axis it has no area that a pressure could act on', &
+            ' are not contact points: at the axis they have no area that a pressure could act on', units)
+         text = text//places_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
+            ' belongs to two sets: to a tie, or else to the contact set named first', &
+            ' belong to two sets: to a tie, or else to the contact set named first', units)
+         do i = 1, size(zone%pairs)
+            if (zone%pairs(i)%is_set()) text = text//joined_text(body%mesh%coordinates(:, zone%pairs(i)%joined_node), &
+               units)
+         end do
+         do i = 1, size(body%ties)
+            text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
+         end do
+         text = text//guided_text(body, units)
+         if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
+            'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
+         text = text//overlap_text(body, load_case, units)
+      end associate
+   end function notes_text
+
+   !> A note on the initial overlap, where it is larger than the rounding errors of coordinates.
+   pure function overlap_text(body, load_case, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      integer :: p
+
+      text = ''
+      p = minloc(load_case%gap, dim=1)
+      if (p == 0) return
+      if (.not. -load_case%gap(p) > rounding*maxval(abs(body%mesh%coordinates))) return
+      text = 'the body overlaps the obstacle'
+      if (body%zone%pairs(body%zone%set(p))%is_set()) text = 'the bodies overlap'
+      text = labeled('Note', text//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')//' at the start')
+   end function overlap_text
+
+   !> Notes on the nodes that slave and master of a pair share at an end of the slave.
+   pure function joined_text(positions, units) result(text)
+      real(dp), intent(in) :: positions(:, :) !! the nodes that slave and master share (2, nodes) [L]
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = places_text(positions, 'node', ' is not a contact point: it belongs to slave and master', &
+         ' are not contact points: they belong to slave and master', units)
+   end function joined_text
+
+   !> Notes on places that a statement holds for: one for each or, where there are many, one for all.
+   pure function places_text(places, noun, singular, plural, units) result(text)
+      real(dp), intent(in) :: places(:, :) !! where they are (2, n) [L]
+      character(*), intent(in) :: noun !! what they are called
+      character(*), intent(in) :: singular !! the statement on one of them, with a blank before it
+      character(*), intent(in) :: plural !! the statement on all of them, with a blank before it
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer, parameter :: few = 3
+      integer :: i
+
+      text = ''
+      if (size(places, 2) > few) then
+         text = labeled('Note', counted(size(places, 2), noun)//', the first at '// &
+            with_unit(pair_text(places(:, 1)), units, 'L')//','//plural)
+         return
+      end if
+      do i = 1, size(places, 2)
+         text = text//labeled('Note', 'the '//noun//' at '//with_unit(pair_text(places(:, i)), units, 'L')//singular)
+      end do
+   end function places_text
+
+   !> Notes on contact points whose tangential motion supports prevent or guide.
+   pure function guided_text(body, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
+      character(4) :: noun
+      integer :: k, p
+
+      associate (zone => body%zone, rows => body%zone%rows)
+         is_guided = zone%is_tangent_fixed
+         is_aslant = .false.
+         do p = 1, zone%n_points
+            if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(rows%node(k), &
+               turned(zone%normal(:, p))), k=rows%start(p), rows%start(p + 1) - 1)])
+         end do
+         is_guided = is_guided .and. .not. is_aslant
+         noun = merge('cell', 'node', any(zone%is_cell))
+         text = places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
+            ' slides without friction: a support that is aslant to the obstacle guides it', &
+            ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
+            places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
+            ' cannot slide: a support bears its tangential force', &
+            ' cannot slide: a support bears their tangential forces', units)
+      end associate
+   end function guided_text
+
+   !> A load: its place, and tractions, forces, temperature or volume forces.
+   pure function load_text(load, units) result(text)
+      type(load_t), intent(in) :: load !! the load
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = ''
+      if (len(load%name) > 0) text = load%name//': '
+      if (len(load%set) > 0) text = text//"set '"//load%set//"', "
+      if (len(load%region) > 0) text = text//"region '"//load%region//"', "
+      select case (load%target)
+      case (load_on_sides)
+         text = text//'traction '//with_unit(pair_text(load%traction), units, 'F/L^2')// &
+            ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
+         if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
+            pair_text(load%traction_slope(:, 1))//' along x, '//pair_text(load%traction_slope(:, 2))//' along y'
+         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair_text(load%pressure_slope)
+      case (load_on_nodes)
+         if (len(load%set) == 0) text = text//'point '//with_unit(pair_text(load%point), units, 'L')//', '
+         text = text//'force '//with_unit(pair_text(load%force), units, 'F')
+      case (load_by_temperature)
+         if (allocated(load%temperature_table)) then
+            text = text//'temperature from '//load%temperature_file
+         else
+            text = text//'temperature '//short_text(load%temperature)
+            if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '//pair_text(load%temperature_slope)// &
+               ' . (x, y)'
+         end if
+      case default
+         text = text//body_force_text(load, units)
+      end select
+   end function load_text
+
+   !> The forces of a load on the volume.
+   pure function body_force_text(load, units) result(text)
+      type(load_t), intent(in) :: load !! the load
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = ''
+      if (any(abs(load%body_force) > 0.0_dp)) text = text//', body force '//with_unit(pair_text(load%body_force), &
+         units, 'F/L^3')
+      if (any(abs(load%gravity) > 0.0_dp)) text = text//', gravity '//pair_text(load%gravity)
+      if (abs(load%angular_speed) > 0.0_dp) then
+         text = text//', angular speed '//short_text(load%angular_speed)//' about '// &
+            with_unit(pair_text(load%center), units, 'L')
+         if (any(abs(load%axis) > 0.0_dp)) text = text//' along '//pair_text(load%axis)
+      end if
+      if (text == '') text = ', body force '//with_unit(pair_text(load%body_force), units, 'F/L^3')
+      text = text(3:)
+   end function body_force_text
 
    !> Makes the listing.
    subroutine new_listing(listing, label, body, result)
@@ -57,8 +375,18 @@ contains
          call listing%append(result%study_listing)
          call listing%record(solution_text(body, result))
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
-         if (body%zone%n_points > 0) call listing%add(zones_text(result, label%units), [line_scale(body)])
-         call listing%add(resultants_text(result, label%units), [force_scale(result)])
+         if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status)// &
+            quantities_text(result%lengths%quantities(), label%units)// &
+            intervals_text('Closed zone', result%closed, label%units)// &
+            intervals_text('Stick zone', result%stuck, label%units), [max(0.0_dp, maxval(abs(body%zone%position)))])
+         associate (certificate => result%certificate)
+            call listing%add(heading('Resultants')// &
+               labeled('Loads', with_unit(pair_text(certificate%load), label%units, 'F'))// &
+               labeled('Support reactions', with_unit(pair_text(certificate%reaction), label%units, 'F'))// &
+               labeled('Contact forces', with_unit(pair_text(certificate%contact), label%units, 'F'))// &
+               quantities_text([resultants(solution%force), certificate%energies()], label%units), &
+               [force_scale(result)])
+         end associate
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
          if (allocated(result%error_estimate)) call listing%add( &
             heading('Accuracy (energy norm of the stress error)')// &
@@ -79,13 +407,6 @@ contains
       if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status))
    end function counts_text
 
-   !> What places along the contact line are measured by [L].
-   pure real(dp) function line_scale(body) result(scale)
-      type(body_t), intent(in) :: body !! the body
-
-      scale = max(0.0_dp, maxval(abs(body%zone%position)))
-   end function line_scale
-
    !> What sums of forces and energies are measured by.
    pure real(dp) function force_scale(result) result(scale)
       type(result_t), intent(in) :: result !! the result
@@ -93,7 +414,7 @@ contains
       scale = max(sum(abs(result%load_case%force)), sum(abs(result%solution%force)), result%certificate%strain_energy)
    end function force_scale
 
-   !> How the contact problem was solved.
+   !> The section on the solution of the contact problem: method, convergence, residual, uniqueness.
    function solution_text(body, result) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
@@ -106,11 +427,9 @@ contains
          text = text//outcome_text(solution)
          if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
-         text = text//residual_text(solution, result%method%tolerance)// &
-            uniqueness_text(result%uniqueness, &
+         text = text//residual_text(solution, result%method%tolerance)//uniqueness_text(result%uniqueness, &
             merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
-         if (allocated(result%all_solutions)) text = text// &
-            solutions_text(result%all_solutions, solution%force)
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
       end associate
    end function solution_text
 
@@ -123,17 +442,6 @@ contains
       if (allocated(result%factor%name)) text = result%factor%name//', '//to_text(result%factor%n_entries)//' entries'
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text
-
-   !> Counts and lengths of the open, slip and stick zones.
-   pure function zones_text(result, units) result(text)
-      type(result_t), intent(in) :: result !! the result
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      text = heading('Contact line')//counts_text(result%solution%status)// &
-         quantities_text(result%lengths%quantities(), units)// &
-         intervals_text('Closed zone', result%closed, units)//intervals_text('Stick zone', result%stuck, units)
-   end function zones_text
 
    !> Parts of the contact line, a line each.
    pure function intervals_text(label, intervals, units) result(text)
@@ -149,21 +457,6 @@ contains
             with_unit(', length '//short_text(intervals(i)%length), units, 'L'))
       end do
    end function intervals_text
-
-   !> Resultants of all forces.
-   pure function resultants_text(result, units) result(text)
-      type(result_t), intent(in) :: result !! the result
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      associate (certificate => result%certificate)
-         text = heading('Resultants')// &
-            labeled('Loads', with_unit(pair_text(certificate%load), units, 'F'))// &
-            labeled('Support reactions', with_unit(pair_text(certificate%reaction), units, 'F'))// &
-            labeled('Contact forces', with_unit(pair_text(certificate%contact), units, 'F'))// &
-            quantities_text([resultants(result%solution%force), certificate%energies()], units)
-      end associate
-   end function resultants_text
 
    !> The certificate in words.
    pure function certificate_text(certificate, tolerance) result(text)
@@ -315,5 +608,44 @@ contains
       end do
       text = text//newline//'End of listing'//newline
    end function times_text
+
+   !> The section of the listing on refined meshes: how the numbers of a case change from mesh to mesh.
+   pure function convergence_text(list, units) result(text)
+      type(refined_quantity_t), intent(in) :: list(:) !! the numbers
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer, parameter :: width = 13
+      character(200 + len(units)) :: rows(0:size(list))
+      integer :: i
+
+      rows(0) = repeat(' ', 22)//flush_right('finest mesh', width)//flush_right('+-', width)// &
+         flush_right('extrapolated', width)// &
+         flush_right('order', 8)//'  from mesh to mesh'
+      if (len_trim(units) > 0) rows(0) = trim(rows(0))//'  unit'
+      do i = 1, size(list)
+         associate (quantity => list(i)%quantity, judged => list(i)%convergence)
+            rows(i) = quantity%label
+            rows(i)(23:) = flush_right(short_text(quantity%value), width)// &
+               flush_right(scientific(judged%bar), width)// &
+               flush_right(short_text(judged%extrapolated), width)//flush_right(order_text(judged%order), 8)//'  '// &
+               verdict_names(judged%verdict)//repeat(' ', 8)//unit_of(units, trim(quantity%dimension))
+         end associate
+      end do
+      text = heading('Refined meshes ('//to_text(size(list(1)%convergence%value))// &
+         ', each of half the element size)')// &
+         as_lines(rows)
+   end function convergence_text
+
+   !> An order of convergence with two decimals; a dash where there is none.
+   pure function order_text(order) result(text)
+      real(dp), intent(in) :: order !! the order, 0 for none [-]
+      character(:), allocatable :: text
+      character(6) :: digits
+
+      text = '-'
+      if (.not. order > 0.0_dp) return
+      write (digits, '(f6.2)') min(order, 99.0_dp)
+      text = trim(adjustl(digits))
+   end function order_text
 
 end module amontons_listing

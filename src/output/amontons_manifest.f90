@@ -11,6 +11,7 @@ module amontons_manifest
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
+   use amontons_input_file, only: read_text_file
    use amontons_json, only: json_string
    use amontons_kinds, only: int64
    use amontons_loads, only: load_t
@@ -18,7 +19,6 @@ module amontons_manifest
    use amontons_output_file, only: output_file_t
    use amontons_system, only: absolute_path, file_name_t
    use amontons_text, only: newline, to_text
-   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 

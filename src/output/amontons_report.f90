@@ -1,11 +1,12 @@
 !> The files of a solved case: all of them, each whole, or none.
 module amontons_report
-   use amontons_accuracy_text, only: convergence_table_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
+   use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_document, only: document_t
    use amontons_error, only: error_t
+   use amontons_kinds, only: dp
    use amontons_listing, only: new_listing
    use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
@@ -13,7 +14,8 @@ module amontons_report
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: new_summary
    use amontons_system, only: file_name_t, make_directory
-   use amontons_timings, only: phase_write
+   use amontons_terminal, only: phase_write
+   use amontons_text, only: comma_separated, newline, to_text
    use amontons_vtu, only: write_case_grids
    implicit none (type, external)
    private
@@ -134,5 +136,25 @@ contains
       documents(n + 1)%ending = '.solutions.csv'
       call documents(n + 1)%record(solutions_table_text(result%all_solutions, result%load_case%free_gap))
    end subroutine case_documents
+
+   !> NAME.convergence.csv: a row for each number, a column for each mesh.
+   pure function convergence_table_text(list) result(text)
+      type(refined_quantity_t), intent(in) :: list(:) !! the numbers
+      character(:), allocatable :: text
+      integer :: i
+
+      text = 'quantity'
+      do i = 1, size(list(1)%convergence%value)
+         text = text//',mesh_'//to_text(i)
+      end do
+      text = text//',verdict,order,extrapolated,error_bar'//newline
+      do i = 1, size(list)
+         associate (judged => list(i)%convergence)
+            text = text//trim(list(i)%quantity%key)//','//comma_separated(judged%value)//','// &
+               trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated, &
+               judged%bar])//newline
+         end associate
+      end do
+   end function convergence_table_text
 
 end module amontons_report

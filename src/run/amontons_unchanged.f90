@@ -5,12 +5,12 @@ module amontons_unchanged
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
+   use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
    use amontons_quantity, only: quantity_t
-   use amontons_summary_members, only: member_value
+   use amontons_summary, only: member_value
    use amontons_text, only: newline, read_real
-   use amontons_text_file, only: read_text_file
    use amontons_version, only: version
    implicit none (type, external)
    private

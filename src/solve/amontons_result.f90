@@ -13,7 +13,7 @@ module amontons_result
    use amontons_quantity, only: quantity_t
    use amontons_stress_field, only: stress_field_t
    use amontons_stress_recovery, only: error_estimate_t
-   use amontons_timings, only: timings_t
+   use amontons_terminal, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t

@@ -3,7 +3,7 @@
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_case_error, only: prepare_estimates
-   use amontons_config, only: body_text, config_t
+   use amontons_config, only: body_text, check_names, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
@@ -17,10 +17,9 @@ module amontons_solve_case
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: add_history_warnings, add_model_warnings, add_sweep_warnings
-   use amontons_name_check, only: check_names
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
-   use amontons_timings, only: new_timings, phase_condense, phase_recover
+   use amontons_terminal, only: new_timings, phase_condense, phase_recover
    use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
    private

@@ -28,7 +28,7 @@ module amontons_solve_load_case
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
    use amontons_spin, only: check_spin
    use amontons_stress_field, only: new_stress_field
-   use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
+   use amontons_terminal, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private

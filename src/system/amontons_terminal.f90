@@ -1,5 +1,5 @@
-!> What the program and the shell that started it tell each other: standard streams, signals, and the line on a terminal
-!> that shows what a long run is doing, or its lines in a log.
+!> The times of the phases of a run, and what the program and the shell that started it exchange: standard streams, signals,
+!> and the line on a terminal that shows what a long run is doing, or its lines in a log.
 !>
 !> A program opens and closes the line. Between the two it is drawn anew each second, from the end of the first one on;
 !> `print_line` removes it, until more work is noted. A log gets a line of
@@ -7,12 +7,14 @@
 module amontons_terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
-   use amontons_system, only: error_text
+   use amontons_kinds, only: dp
+   use amontons_system, only: error_text, wall_seconds
    implicit none (type, external)
    private
 
-   public :: close_status_line, hold_interrupts, is_interrupted, note_work, open_status_line, prepare_process, &
-      print_line, release_interrupts, standard_error, standard_output
+   public :: close_status_line, hold_interrupts, is_interrupted, new_timings, note_work, open_status_line, &
+      phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, phase_recover, phase_solve, &
+      phase_write, prepare_process, print_line, release_interrupts, standard_error, standard_output, timings_t
 
    !> What `print_line` writes to.
    integer, parameter :: standard_output = 1, standard_error = 2
@@ -70,6 +72,33 @@ module amontons_terminal
       end subroutine close_status_line
    end interface
 
+   !> The phase of reading the deck and making the mesh, supports and contact zone.
+   integer, parameter :: phase_read = 1
+   !> The phase of element stiffness and assembly.
+   integer, parameter :: phase_assemble = 2
+   !> The phase of ordering and Cholesky factorization.
+   integer, parameter :: phase_factorize = 3
+   !> The phase of condensed stiffness and condensed load.
+   integer, parameter :: phase_condense = 4
+   !> The phase of the contact method.
+   integer, parameter :: phase_solve = 5
+   !> The phase of recovering the displacements of all nodes, and the certificate.
+   integer, parameter :: phase_recover = 6
+   !> The phase of writing the result files.
+   integer, parameter :: phase_write = 7
+   !> Names of the phases.
+   character(9), parameter :: phase_names(*) = [character(9) :: 'read', 'assemble', 'factorize', 'condense', 'solve', &
+      'recover', 'write']
+
+   !> Wall-clock time spent in each phase.
+   type :: timings_t
+      real(dp) :: seconds(size(phase_names)) = 0.0_dp !! time of each phase [s]
+      real(dp), private :: last = 0.0_dp !! until when the time is booked [s]
+      integer, private :: phase = phase_read !! the phase under way
+   contains
+      procedure :: begin => timings_begin
+   end type timings_t
+
 contains
 
    !> Prints lines at once, in the place of the status line if there is one, and past the buffers of the run-time
@@ -105,5 +134,26 @@ contains
 
       call c_note_work(work//c_null_char, merge(1_c_int, 0_c_int, is_timed))
    end subroutine note_work
+
+   !> Starts the clock in the phase of reading.
+   subroutine new_timings(timings)
+      type(timings_t), intent(out) :: timings !! the clock
+
+      timings%last = wall_seconds()
+      call note_work(trim(phase_names(timings%phase)), is_timed=.true.)
+   end subroutine new_timings
+
+   !> Books the time since the last call on the phase under way, and begins another or goes on with the same.
+   subroutine timings_begin(self, phase)
+      class(timings_t), intent(inout) :: self !! the clock
+      integer, intent(in) :: phase !! the phase that begins
+      real(dp) :: now
+
+      now = wall_seconds()
+      self%seconds(self%phase) = self%seconds(self%phase) + now - self%last
+      self%last = now
+      self%phase = phase
+      call note_work(trim(phase_names(phase)), is_timed=.true.)
+   end subroutine timings_begin
 
 end module amontons_terminal

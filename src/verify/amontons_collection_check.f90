@@ -3,8 +3,8 @@ module amontons_collection_check
    use amontons_collection, only: case_entries, collection_head, collection_tail
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
+   use amontons_input_file, only: read_text_file
    use amontons_text, only: read_integer, replaced, to_text
-   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 

@@ -1,9 +1,9 @@
 !> A table of comma-separated fields as the program writes it, read back: a header, then a row a line.
 module amontons_csv_table
    use amontons_error, only: error_t
+   use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
    use amontons_text, only: newline, read_real, to_text
-   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 

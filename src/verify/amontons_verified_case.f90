@@ -5,7 +5,7 @@ module amontons_verified_case
    use amontons_document_check, only: compare_document
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
-   use amontons_summary_members, only: member_value
+   use amontons_summary, only: member_value
    use amontons_text, only: read_real
    implicit none (type, external)
    private

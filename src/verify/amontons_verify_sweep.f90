@@ -9,7 +9,7 @@ module amontons_verify_sweep
    use amontons_collection_check, only: compare_collection
    use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
-   use amontons_document, only: document_t
+   use amontons_document, only: document_t, read_status_runs, status_runs
    use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
    use amontons_key_results, only: body_peaks, lengths_t, new_lengths
@@ -17,7 +17,6 @@ module amontons_verify_sweep
    use amontons_quantity, only: expanded, quantity_t, scales
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
-   use amontons_row_text, only: read_status_runs, status_runs
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_solve_load_case, only: evaluate
    use amontons_solve_sweep, only: sweep_result_t
@@ -27,8 +26,8 @@ module amontons_verify_sweep
    use amontons_sweep_summary, only: new_sweep_summary
    use amontons_sweep_table, only: append_row, read_warnings, sweep_header
    use amontons_system, only: file_name_t, list_directory
+   use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_timings, only: phase_solve
    use amontons_verified_case, only: verified_case_t
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
    use amontons_vtk_check, only: read_array

@@ -6,7 +6,7 @@ module amontons_vtk_check
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_text, only: to_text
-   use amontons_vtk_file, only: bytes_per_length, vtk_file_t
+   use amontons_vtu, only: bytes_per_length, vtk_file_t
    implicit none (type, external)
    private
 

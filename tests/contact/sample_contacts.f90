@@ -12,7 +12,7 @@ module sample_contacts
    use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
-   use amontons_timings, only: new_timings, timings_t
+   use amontons_terminal, only: new_timings, timings_t
    use sample_bodies, only: sample_material
    implicit none (type, external)
    private

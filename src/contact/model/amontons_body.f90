@@ -31,9 +31,9 @@ module amontons_body
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
+   use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t
    use amontons_text, only: to_text
    use amontons_tied_pairs, only: new_tied_pairs
-   use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
    implicit none (type, external)
    private
 

@@ -5,9 +5,8 @@ module amontons_gmsh
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_numeral, only: ends_word
    use amontons_raw_mesh, only: raw_mesh_t
-   use amontons_text, only: to_text
+   use amontons_text, only: ends_word, to_text
    implicit none (type, external)
    private
 

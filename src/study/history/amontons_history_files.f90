@@ -13,13 +13,13 @@ module amontons_history_files
    use amontons_history_model, only: history_model_t
    use amontons_history_table, only: history_table_t, history_tables, of_grids, table_rows
    use amontons_history_walk, only: history_walk_t
+   use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
    use amontons_text, only: comma_separated, line_end, newline, read_reals, to_text
-   use amontons_text_file, only: read_text_file
    use amontons_vtu, only: write_grids
    implicit none (type, external)
    private

@@ -11,7 +11,7 @@ module amontons_history_report
    use amontons_quantity, only: quantity_t
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t
-   use amontons_summary_members, only: member
+   use amontons_summary, only: member
    use amontons_text, only: counted, n_characters, newline, to_text
    implicit none (type, external)
    private

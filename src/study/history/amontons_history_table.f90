@@ -5,13 +5,13 @@ module amontons_history_table
    use amontons_body, only: body_t
    use amontons_collection, only: collection_head
    use amontons_cycle_watch, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names
+   use amontons_document, only: field, status_runs
    use amontons_friction_law, only: status_names
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t
    use amontons_history_walk, only: history_walk_t
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_row_text, only: field, status_runs
    use amontons_stepper, only: step_state_t
    use amontons_text, only: as_lines, comma_separated, longest_decimal, newline, to_text
    implicit none (type, external)

@@ -21,8 +21,8 @@ module amontons_solve_history
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: newline, to_text
-   use amontons_timings, only: phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    use amontons_version, only: version
    implicit none (type, external)

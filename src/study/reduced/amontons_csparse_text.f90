@@ -5,9 +5,8 @@
 module amontons_csparse_text
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_numeral, only: ends_word, scan_integer, scan_real
    use amontons_reduced_system, only: entries_t, reduced_system_t
-   use amontons_text, only: to_text
+   use amontons_text, only: ends_word, scan_integer, scan_real, to_text
    implicit none (type, external)
    private
 

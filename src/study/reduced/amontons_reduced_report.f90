@@ -19,11 +19,11 @@ module amontons_reduced_report
    use amontons_result, only: certificate_limit
    use amontons_solutions_report, only: solutions_table_text, solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_summary_members, only: add_head, certificate_member, count_members => status_counts, effort_members, &
+   use amontons_summary, only: add_head, certificate_member, count_members => status_counts, effort_members, &
       last_members, member, quantities_member, uniqueness_member
    use amontons_system, only: make_directory
+   use amontons_terminal, only: phase_read, phase_recover, phase_solve, phase_write
    use amontons_text, only: to_text
-   use amontons_timings, only: phase_read, phase_recover, phase_solve, phase_write
    implicit none (type, external)
    private
 

@@ -8,8 +8,8 @@ module amontons_reduced_study
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: to_text
-   use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
 

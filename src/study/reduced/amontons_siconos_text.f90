@@ -8,11 +8,10 @@ module amontons_siconos_text
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_kinds, only: dp, int64
-   use amontons_numeral, only: scan_integer
    use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
    use amontons_system, only: make_directory
-   use amontons_text, only: to_text
+   use amontons_text, only: scan_integer, to_text
    implicit none (type, external)
    private
 

@@ -17,7 +17,7 @@ module amontons_solve_reduced
    use amontons_quantity, only: quantity_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_reduced_file
-   use amontons_timings, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
+   use amontons_terminal, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)

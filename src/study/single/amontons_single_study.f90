@@ -21,8 +21,8 @@ module amontons_single_study
    use amontons_solve_case, only: cache_t, solve_case
    use amontons_study, only: check_body, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: to_text
-   use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
 

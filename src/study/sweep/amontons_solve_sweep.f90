@@ -24,9 +24,9 @@ module amontons_solve_sweep
    use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_sweep_table, only: sweep_header
    use amontons_system, only: make_directory, wall_seconds
+   use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: newline
    use amontons_threads, only: n_threads
-   use amontons_timings, only: phase_recover, phase_solve, phase_write
    use amontons_version, only: version
    implicit none (type, external)
    private

@@ -8,6 +8,7 @@ module amontons_sweep_chunk
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_document, only: status_runs
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
    use amontons_key_results, only: body_peaks_at_rest
@@ -17,7 +18,6 @@ module amontons_sweep_chunk
    use amontons_newton, only: newton_t
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
-   use amontons_row_text, only: status_runs
    use amontons_spin, only: find_spin
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t

@@ -5,8 +5,7 @@ module amontons_sweep_listing
    use amontons_document, only: document_t
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
-      quantities_text, times_text, warnings_text
-   use amontons_listing_model, only: model_text
+      model_text, quantities_text, times_text, warnings_text
    use amontons_listing_text, only: flush_right, heading, labeled, scientific, short_text, with_unit
    use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t

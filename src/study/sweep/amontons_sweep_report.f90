@@ -10,7 +10,7 @@ module amontons_sweep_report
    use amontons_sweep_listing, only: new_sweep_listing
    use amontons_sweep_summary, only: new_sweep_summary
    use amontons_system, only: file_name_t
-   use amontons_timings, only: phase_write
+   use amontons_terminal, only: phase_write
    implicit none (type, external)
    private
 

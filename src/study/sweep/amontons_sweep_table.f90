@@ -3,8 +3,8 @@
 !> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
 !> in a place that all threads share.
 module amontons_sweep_table
+   use amontons_document, only: field
    use amontons_result_warnings, only: case_warning_names
-   use amontons_row_text, only: field
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: case_result_t, outcome_names
    use amontons_text, only: longest_decimal, newline, put_decimals
