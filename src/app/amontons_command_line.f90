@@ -73,6 +73,7 @@ contains
       type(command_line_t), intent(in) :: command_line !! what the command line asks for
       type(error_t), allocatable, intent(out) :: error !! no deck, options that do not go together
       character(:), allocatable :: expected
+      integer :: i
 
       expected = 'a deck'
       if (command_line%asks('--reduced')) expected = 'the file of a reduced problem'
@@ -88,19 +89,12 @@ contains
          command_line%asks('--all-solutions'))) then
          call new_error(error, input_refused, 'amontons: --skip-unchanged does not go with --write-reduced or '// &
             '--all-solutions')
-      else if (command_line%asks('--reduced') .and. has_input(command_line%decks)) then
+      else if (command_line%asks('--reduced') .and. any([(command_line%decks(i)%text == '-', &
+         i=1, size(command_line%decks))])) then
          call new_error(error, input_refused, &
             'amontons: --reduced takes files; standard input (-) can only be a deck')
       end if
    end subroutine check_decks
-
-   !> Whether one of the decks is standard input.
-   pure logical function has_input(decks)
-      type(argument_t), intent(in) :: decks(:) !! names of the decks
-      integer :: i
-
-      has_input = any([(decks(i)%text == '-', i=1, size(decks))])
-   end function has_input
 
    !> Reads one option and, if it takes one, its value: `--output DIR` or `--output=DIR`.
    subroutine read_option(command_line, word, i, error)

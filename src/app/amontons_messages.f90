@@ -1,5 +1,5 @@
-!> What a run prints: results on standard output, what went wrong on standard error, the progress of a sweep or history on
-!> the status line, where a signal may interrupt it.
+!> What a run prints: results on standard output, what went wrong on standard error, the progress of a sweep or history
+!> on the status line, where a signal may interrupt it.
 module amontons_messages
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t
@@ -119,27 +119,22 @@ contains
       real(dp), intent(in) :: seconds !! the time [s]
       character(:), allocatable :: text
       real(dp), parameter :: longest = 3.6e8_dp
+      real(dp), parameter :: hundred = 100.0_dp
       character(8) :: minutes
+      real(dp) :: rate
       integer :: left
 
       text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
       if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
       left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
       write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
-      text = text//', '//rate_text(n_timed/seconds)//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
-   end function progress_text
-
-   !> A rate with three digits at the least.
-   pure function rate_text(rate) result(text)
-      real(dp), intent(in) :: rate !! the rate
-      character(:), allocatable :: text
-      real(dp), parameter :: hundred = 100.0_dp
-
+      rate = n_timed/seconds
       if (rate >= hundred) then
-         text = to_text(nint(rate))
+         text = text//', '//to_text(nint(rate))
       else
-         text = to_text(real(nint(rate*hundred), dp)/hundred)
+         text = text//', '//to_text(real(nint(rate*hundred), dp)/hundred)
       end if
-   end function rate_text
+      text = text//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
+   end function progress_text
 
 end module amontons_messages

@@ -1,11 +1,11 @@
 !> One run of the program: every deck of the command line, one after the other. No two may write the same files.
 module amontons_run_decks
    use amontons_batch_table, only: tally_text, update_batch_table
-   use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_manifest, only: collection_t, new_collection
    use amontons_messages, only: print_error, print_info, print_outcome, progress_t
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t, status_interrupted
@@ -209,7 +209,9 @@ contains
                   //config%name//"' too; give each its own &case name")
                return
             end if
-            grid = shared_grid(reservations(i)%name, config%name)
+            grid = ''
+            if (reservations(i)%name == config%name//'.contact') grid = reservations(i)%name//'.vtu'
+            if (config%name == reservations(i)%name//'.contact') grid = config%name//'.vtu'
             if (len(grid) == 0 .or. .not. (reservation%has_grids .and. reservations(i)%has_grids)) cycle
             call new_error(error, input_refused, config%file//": an earlier deck of this run, with the case name '"// &
                reservations(i)%name//"', leaves a file '"//grid//"' as the case '"//config%name// &
@@ -219,16 +221,5 @@ contains
          reservation%name = config%name
       end associate
    end subroutine reserve_files
-
-   !> The grid that two cases of different names would both write; empty if there is none.
-   pure function shared_grid(first, second) result(grid)
-      character(*), intent(in) :: first !! name of a case
-      character(*), intent(in) :: second !! name of another one
-      character(:), allocatable :: grid
-
-      grid = ''
-      if (first == second//'.contact') grid = first//'.vtu'
-      if (second == first//'.contact') grid = second//'.vtu'
-   end function shared_grid
 
 end module amontons_run_decks

@@ -24,6 +24,7 @@ contains
       type(file_name_t), allocatable :: names(:)
       type(cache_t) :: cache
       type(error_t), allocatable :: error
+      type(fault_list_t) :: faults
       integer :: i, k
 
       status = 0
@@ -35,7 +36,11 @@ contains
                   call verify_one(command_line, cache, directory, names(k)%text, status, error)
                   if (allocated(error)) exit
                end do
-               call verify_collection(directory, status)
+               call check_collection(faults, directory)
+               if (faults%n > 0) then
+                  status = max(status, status_not_converged)
+                  call print_error('cases.pvd: NOT VERIFIED'//newline//faults%text())
+               end if
             end if
          end associate
          if (.not. allocated(error)) cycle
@@ -66,17 +71,5 @@ contains
          call print_error(name//': NOT VERIFIED'//newline//verdict%faults)
       end if
    end subroutine verify_one
-
-   !> Verifies the collection of several cases, which belongs to none, and prints what is wrong with it.
-   subroutine verify_collection(directory, status)
-      character(*), intent(in) :: directory !! the directory
-      integer, intent(inout) :: status !! exit status so far
-      type(fault_list_t) :: faults
-
-      call check_collection(faults, directory)
-      if (faults%n == 0) return
-      status = max(status, status_not_converged)
-      call print_error('cases.pvd: NOT VERIFIED'//newline//faults%text())
-   end subroutine verify_collection
 
 end module amontons_run_verify

@@ -26,13 +26,16 @@ program main
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
-   integer :: status
+   integer :: length, status
 
    call prepare_process()
    call return_large_arrays()
    call begin_ranks()
    call read_command_line(command_line, error)
-   call choose_threads(command_line%n_threads)
+   ! A rank among several has one thread, if nothing else is said; otherwise 0 is what OMP_NUM_THREADS says, or all cores.
+   call get_environment_variable('OMP_NUM_THREADS', length=length)
+   if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
+   call set_threads(command_line%n_threads)
    if (rank == 0) then
       if (.not. allocated(error)) call obey(command_line, status, error)
       if (allocated(error)) then
@@ -48,16 +51,6 @@ program main
    call c_exit(int(status, c_int))
 
 contains
-
-   !> Sets the number of threads: of a rank among several one, if nothing else is said.
-   subroutine choose_threads(n)
-      integer, intent(inout) :: n !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
-      integer :: length
-
-      call get_environment_variable('OMP_NUM_THREADS', length=length)
-      if (n == 0) n = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
-      call set_threads(n)
-   end subroutine choose_threads
 
    !> Does what the command line asks for.
    subroutine obey(command_line, status, error)

@@ -1,8 +1,9 @@
-!> A text file of a result as the parts that it is written in, and fields of its tables. `--verify` makes the same parts from
-!> what the other files hold and compares: a part states what follows from those, unless it is a record of the run that wrote it.
+!> A text file of a result as the parts that it is written in, and fields of its tables. `--verify` makes the same parts
+!> from what the other files hold and compares: a part states what follows from those, unless it is a record of the run
+!> that wrote it.
 !>
-!> Threads make rows of tables side by side, without any function that returns a text: gfortran 12 keeps the length of such a
-!> text in a place that all threads share.
+!> Threads make rows of tables side by side, without any function that returns a text: gfortran 12 keeps the length of
+!> such a text in a place that all threads share.
 module amontons_document
    use amontons_kinds, only: dp
    use amontons_text, only: read_integer, replaced

@@ -1,5 +1,5 @@
-!> Lists of integers that grow at their end; things sorted by the bins that they belong to; and maps from the numbers that a
-!> file gives its things, in any order and with gaps, to their places in a list.
+!> Lists of integers that grow at their end; things sorted by the bins that they belong to; and maps from the numbers
+!> that a file gives its things, in any order and with gaps, to their places in a list.
 module amontons_integer_list
    implicit none (type, external)
    private
@@ -108,6 +108,7 @@ contains
       type(tag_map_t), intent(out) :: map !! the map
       integer, intent(in) :: tags(:) !! the tags, not negative
       integer, parameter :: n_bits = 11
+      integer, allocatable :: start(:), order(:)
       integer :: i, n, shift
 
       n = size(tags)
@@ -116,7 +117,10 @@ contains
       map%item = [(i, i=1, n)]
       do shift = 0, bit_size(n) - 1, n_bits
          if (is_ascending(map%tag)) exit
-         call sort_by_bits(map, shift, n_bits)
+         ! By some bits of the tags; equal ones keep their order.
+         call fill_bins(start, order, 1 + ibits(map%tag, shift, min(n_bits, bit_size(shift) - shift)), 2**n_bits)
+         map%tag = map%tag(order)
+         map%item = map%item(order)
       end do
    end subroutine new_tag_map
 
@@ -130,18 +134,6 @@ contains
          if (tags(i) < tags(i - 1)) is_ascending = .false.
       end do
    end function is_ascending
-
-   !> Sorts by some bits of the tags; equal ones keep their order.
-   pure subroutine sort_by_bits(map, shift, n_bits)
-      type(tag_map_t), intent(inout) :: map !! the map, sorted by the bits below
-      integer, intent(in) :: shift !! number of bits below
-      integer, intent(in) :: n_bits !! number of bits to sort by
-      integer, allocatable :: start(:), order(:)
-
-      call fill_bins(start, order, 1 + ibits(map%tag, shift, min(n_bits, bit_size(shift) - shift)), 2**n_bits)
-      map%tag = map%tag(order)
-      map%item = map%item(order)
-   end subroutine sort_by_bits
 
    !> The first of the list's items with a tag, 0 where none has it.
    pure integer function tag_map_find(self, tag) result(item)

@@ -1,5 +1,5 @@
-!> Text helpers: numbers to text, text to numbers, words; and numbers in long texts, scanned where they stand: much faster
-!> than an internal read, and rounded as well.
+!> Text helpers: numbers to text, text to numbers, words; and numbers in long texts, scanned where they stand: much
+!> faster than an internal read, and rounded as well.
 module amontons_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
@@ -469,23 +469,14 @@ contains
          do i = 1, len(a)
             table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, &
                table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
-            if (are_swapped(a(:i), b(:j))) table(i, j) = min(table(i, j), table(i - 2, j - 2) + 1)
+            if (i == 1 .or. j == 1) cycle
+            ! Two neighbors that changed places.
+            if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) table(i, j) = min(table(i, j), &
+               table(i - 2, j - 2) + 1)
          end do
       end do
       distance = table(len(a), len(b))
    end function edit_distance
-
-   !> Whether two texts end in the same two characters, in opposite order.
-   pure logical function are_swapped(a, b)
-      character(*), intent(in) :: a !! one text
-      character(*), intent(in) :: b !! the other text
-      integer :: i, j
-
-      i = len(a)
-      j = len(b)
-      are_swapped = i > 1 .and. j > 1
-      if (are_swapped) are_swapped = a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)
-   end function are_swapped
 
    !> Number of bytes of the UTF-8 character that a text begins with; 0 for none, or for a control character.
    pure integer function utf_8_width(text) result(width)

@@ -50,7 +50,8 @@ contains
    subroutine band_complete(self, error)
       class(band_cholesky_t), intent(inout) :: self !! the factorization
       type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
-      integer :: status
+      integer(int64) :: at
+      integer :: j, status
 
       status = 0
       if (.not. allocated(self%band)) allocate (self%band(self%width + 1, self%n), stat=status)
@@ -60,7 +61,12 @@ contains
             to_text(self%n)//' numbers')
          return
       end if
-      call fill_band(self%matrix, self%band)
+      self%band = 0.0_dp
+      do j = 1, self%n
+         do at = self%matrix%column_start(j), self%matrix%column_start(j + 1) - 1
+            self%band(self%matrix%row(at) - j + 1, j) = self%matrix%value(at)
+         end do
+      end do
       self%matrix = sparse_matrix_t()
       call dpbtrf('L', self%n, self%width, self%band, self%width + 1, status)
       if (status > 0) then
@@ -69,21 +75,6 @@ contains
          call self%check_pivots(self%band(1, :), error)
       end if
    end subroutine band_complete
-
-   !> Writes a matrix in band storage.
-   pure subroutine fill_band(matrix, band)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix in the order of elimination
-      real(dp), intent(out) :: band(:, :) !! its lower triangle (width + 1, n)
-      integer(int64) :: at
-      integer :: j
-
-      band = 0.0_dp
-      do j = 1, matrix%n
-         do at = matrix%column_start(j), matrix%column_start(j + 1) - 1
-            band(matrix%row(at) - j + 1, j) = matrix%value(at)
-         end do
-      end do
-   end subroutine fill_band
 
    !> Does the forward steps of the first columns.
    subroutine band_substitute_forward(self, n_steps, y)

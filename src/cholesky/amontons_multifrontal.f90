@@ -3,7 +3,12 @@
 !> The matrix of a front is what its pivot columns p have of K, plus the contribution blocks of its children;
 !> eliminating p leaves its own contribution block, F_rr - F_rp F_pp^-1 F_pr on its row structure r (Duff and Reid, ACM
 !> Trans. Math. Softw. 9, 1983). This is static condensation, from the leaves of the dissection upwards. The last front,
-!> the root, has the Schur variables among its pivots and no row structure.
+!> the root, has the Schur variables among its pivots and no row structure. A contribution block is a lower triangle in
+!> panels of columns, each panel full from the first row of its first column on.
+!>
+!> A substitution goes forward from the leaves to the root, backward from it. What a front hands to its parent, a number
+!> for each item of its row structure, waits on a stack: in the order of elimination the children of a front are the
+!> last that have put something there. Large subtrees, on threads of their own, have stacks of their own.
 !>
 !> Sums run in the order of the fronts, so results do not depend on the number of threads.
 module amontons_multifrontal
@@ -11,19 +16,24 @@ module amontons_multifrontal
    use amontons_dense, only: cholesky_factor_tiled
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t, new_error, system_failure
-   use amontons_front_substitution, only: backward_subtree, forward_subtree
-   use amontons_frontal_matrix, only: add_to_contribution, add_to_pivots, contribution_size, eliminate_pivots, &
-      fill_pivots
-   use amontons_fronts, only: fronts_t, new_fronts
+   use amontons_fronts, only: backward_columns, forward_columns, fronts_t, new_fronts
    use amontons_graph, only: graph_places, graph_t, new_graph
    use amontons_kinds, only: dp, int64
+   use amontons_lapack, only: dgemm, dpotrf, dsyrk, dtrsm
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: limit_nested_threads, n_threads, restore_nested_threads, thread_state_t
    implicit none (type, external)
    private
 
-   public :: multifrontal_t
+   public :: contribution_size, eliminate_pivots, multifrontal_t
+
+   !> Number of columns of a panel; measured, like the two below.
+   integer, parameter :: panel = 256
+   !> Lower triangles of at most this order are computed as full matrices.
+   integer, parameter :: narrow = 96
+   !> So many columns are factorized at once.
+   integer, parameter :: few = 24
 
    !> What a front leaves to its parent.
    type :: contribution_t
@@ -46,6 +56,292 @@ module amontons_multifrontal
    end type multifrontal_t
 
 contains
+
+   !> Fills the pivot columns with those of the matrix.
+   pure subroutine fill_pivots(matrix, first, n_rows, n_pivots, block)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: first !! the first column
+      integer, intent(in) :: n_rows !! number of rows
+      integer, intent(in) :: n_pivots !! number of pivot columns
+      real(dp), intent(out) :: block(n_rows, n_pivots) !! the pivot columns
+      integer(int64) :: at
+      integer :: j
+
+      block = 0.0_dp
+      do j = 1, n_pivots
+         do at = matrix%column_start(first - 1 + j), matrix%column_start(first + j) - 1
+            block(matrix%row(at), j) = matrix%value(at)
+         end do
+      end do
+   end subroutine fill_pivots
+
+   !> How many numbers a contribution block has.
+   pure integer(int64) function contribution_size(n_structure)
+      integer, intent(in) :: n_structure !! number of unknowns in the row structure
+
+      contribution_size = row_0(n_structure, n_structure) + n_structure
+   end function contribution_size
+
+   !> Where row 0 of a column of a contribution block would be.
+   pure integer(int64) function row_0(n, j)
+      integer, intent(in) :: n !! order of the contribution block
+      integer, intent(in) :: j !! number of the column
+      integer(int64) :: before
+
+      before = (j - 1)/panel*panel
+      row_0 = before*n - before*(before - panel)/2 + (j - 1 - before)*(n - before) - before
+   end function row_0
+
+   !> Adds the contribution block of a child to the pivot columns of its parent.
+   pure subroutine add_to_pivots(row, s, n_pivots, n_rows, block)
+      integer, intent(in) :: row(:) !! row of the parent of each row of the child's block
+      real(dp), contiguous, intent(in) :: s(:) !! the child's block
+      integer, intent(in) :: n_pivots !! number of pivot columns
+      integer, intent(in) :: n_rows !! number of rows of the parent
+      real(dp), contiguous, intent(inout) :: block(:) !! the pivot columns
+      integer :: run_end(size(row)), j
+
+      run_end = run_ends(row)
+      do j = 1, size(row)
+         if (row(j) > n_pivots) exit
+         call add_column(row, run_end, j, row_0(size(row), j), s, (row(j) - 1)*int(n_rows, int64), block)
+      end do
+   end subroutine add_to_pivots
+
+   !> Adds the contribution block of a child to that of its parent.
+   pure subroutine add_to_contribution(row, s, n_pivots, n_structure, sum)
+      integer, intent(in) :: row(:) !! row of the parent of each row of the child's block
+      real(dp), contiguous, intent(in) :: s(:) !! the child's block
+      integer, intent(in) :: n_pivots !! number of pivot columns of the parent
+      integer, intent(in) :: n_structure !! number of items of its row structure
+      real(dp), contiguous, intent(inout) :: sum(:) !! the parent's block
+      integer :: run_end(size(row)), j
+
+      run_end = run_ends(row)
+      do j = count(row <= n_pivots) + 1, size(row)
+         call add_column(row, run_end, j, row_0(size(row), j), s, row_0(n_structure, row(j) - n_pivots) - n_pivots, sum)
+      end do
+   end subroutine add_to_contribution
+
+   !> Where the run of consecutive rows ends that each row is in.
+   pure function run_ends(row) result(run_end)
+      integer, intent(in) :: row(:) !! the rows
+      integer :: run_end(size(row))
+      integer :: i
+
+      do i = size(row), 1, -1
+         run_end(i) = i
+         if (i == size(row)) cycle
+         if (row(i + 1) == row(i) + 1) run_end(i) = run_end(i + 1)
+      end do
+   end function run_ends
+
+   !> Adds a column of a child's block, from its diagonal on, to a column of the parent.
+   pure subroutine add_column(row, run_end, j, s_0, s, sum_0, sum)
+      integer, intent(in) :: row(:) !! row of the parent of each row of the child's block
+      integer, intent(in) :: run_end(:) !! where the run of each ends
+      integer, intent(in) :: j !! number of the column
+      integer(int64), intent(in) :: s_0 !! where its row 0 would be
+      real(dp), contiguous, intent(in) :: s(:) !! the child's block
+      integer(int64), intent(in) :: sum_0 !! where row 0 of the parent's column would be
+      real(dp), contiguous, intent(inout) :: sum(:) !! what gains it
+      integer :: i, last
+
+      i = j
+      do while (i <= size(row))
+         last = run_end(i)
+         associate (to => sum_0 + row(i))
+            sum(to:to + last - i) = sum(to:to + last - i) + s(s_0 + i:s_0 + last)
+         end associate
+         i = last + 1
+      end do
+   end subroutine add_column
+
+   !> Factorizes the pivot columns, L_11 L_11^T = F_pp and L_21 = F_bp L_11^-T, and leaves -L_21 L_21^T.
+   pure subroutine eliminate_pivots(n_rows, n_pivots, block, s, info)
+      integer, intent(in) :: n_rows !! number of rows
+      integer, intent(in) :: n_pivots !! number of pivot columns
+      real(dp), intent(inout) :: block(n_rows, n_pivots) !! the pivot columns
+      real(dp), intent(out) :: s(contribution_size(n_rows - n_pivots)) !! the contribution block
+      integer, intent(out) :: info !! 0, or which column has a pivot that is not positive
+      integer(int64) :: at
+      integer :: j, lds
+
+      call factorize_columns(n_rows, n_rows, n_pivots, block, info)
+      if (info > 0) return
+      do j = 1, n_rows - n_pivots, panel
+         lds = n_rows - n_pivots - j + 1
+         at = row_0(n_rows - n_pivots, j) + j
+         if (lds <= narrow) then
+            ! In so small a matrix the upper triangle costs less than the bookkeeping of leaving it out.
+            call dgemm('N', 'T', lds, lds, n_pivots, -1.0_dp, block(n_pivots + j, 1), n_rows, block(n_pivots + j, 1), &
+               n_rows, 0.0_dp, s(at), lds)
+         else
+            call dsyrk('L', 'N', min(panel, lds), n_pivots, -1.0_dp, block(n_pivots + j, 1), n_rows, 0.0_dp, s(at), lds)
+         end if
+         if (lds > panel) call dgemm('N', 'T', lds - panel, panel, n_pivots, -1.0_dp, block(n_pivots + j + panel, 1), &
+            n_rows, block(n_pivots + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
+      end do
+   end subroutine eliminate_pivots
+
+   !> Factorizes columns: the left half, what it does to the right half, the right half. Most of the work is products of
+   !> matrices that way, which a BLAS does faster than it solves with a triangle.
+   pure recursive subroutine factorize_columns(ld, n_rows, n, l, info)
+      integer, intent(in) :: ld !! distance between columns
+      integer, intent(in) :: n_rows !! number of rows
+      integer, intent(in) :: n !! number of columns
+      real(dp), intent(inout) :: l(ld, n) !! the columns; on return those of L
+      integer, intent(out) :: info !! 0, or which column has a pivot that is not positive
+      integer :: half
+
+      if (n <= few) then
+         call dpotrf('L', n, l, ld, info)
+         if (info == 0 .and. n_rows > n) call dtrsm('R', 'L', 'T', 'N', n_rows - n, n, 1.0_dp, l, ld, l(n + 1, 1), ld)
+         return
+      end if
+      half = n/2
+      call factorize_columns(ld, n_rows, half, l, info)
+      if (info > 0) return
+      call dgemm('N', 'T', n_rows - half, n - half, half, -1.0_dp, l(half + 1, 1), ld, l(half + 1, 1), ld, 1.0_dp, &
+         l(half + 1, half + 1), ld)
+      call factorize_columns(ld, n_rows - half, n - half, l(half + 1, half + 1), info)
+      if (info > 0) info = info + half
+   end subroutine factorize_columns
+
+   !> Does the forward steps of a front, those of its descendants first.
+   recursive subroutine forward_subtree(fronts, value, k, n_steps, y, gain)
+      type(fronts_t), intent(in) :: fronts !! the fronts
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the front
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), contiguous, intent(out) :: gain(:) !! what its row structure gains (n_structure)
+      real(dp) :: stack(fronts%stack_size(k))
+      integer :: i, middle, top
+
+      top = 0
+      if (fronts%is_large(k)) then
+         associate (child => fronts%child(:, k))
+            middle = fronts%n_structure(child(1))
+            top = middle + fronts%n_structure(child(2))
+            if (child(1) > 0) then
+               !$omp task default(none) shared(fronts, value, n_steps, y, stack, k, middle)
+               call forward_subtree(fronts, value, fronts%child(1, k), n_steps, y, stack(:middle))
+               !$omp end task
+            end if
+            if (child(2) > 0) call forward_subtree(fronts, value, child(2), n_steps, y, stack(middle + 1:top))
+            !$omp taskwait
+         end associate
+      else
+         do i = fronts%first_descendant(k), k - 1
+            call forward_front(fronts, value, i, n_steps, y, stack, top)
+         end do
+      end if
+      call forward_front(fronts, value, k, n_steps, y, stack, top)
+      gain = stack(:top)
+   end subroutine forward_subtree
+
+   !> Does the forward steps of one front.
+   subroutine forward_front(fronts, value, k, n_steps, y, stack, top)
+      type(fronts_t), intent(in) :: fronts !! the fronts
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the front
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), intent(inout) :: stack(:) !! what row structures gain: that of its children is replaced by its own
+      integer, intent(inout) :: top !! how much of the stack is in use
+      real(dp) :: x(fronts%n_rows(k))
+      integer(int64) :: at
+      integer :: i, from
+
+      associate (n_pivots => fronts%n_pivots(k), first => fronts%first(k), child => fronts%child(:, k))
+         x(:n_pivots) = y(first:first + n_pivots - 1)
+         x(n_pivots + 1:) = 0.0_dp
+         top = top - sum(fronts%n_structure(child))
+         from = top
+         do i = 1, 2
+            if (child(i) == 0) cycle
+            do at = fronts%structure_start(child(i)), fronts%structure_start(child(i) + 1) - 1
+               from = from + 1
+               x(fronts%parent_row(at)) = x(fronts%parent_row(at)) + stack(from)
+            end do
+         end do
+         ! Most loads are on the boundary: of many fronts inside the body nothing is left to do.
+         if (.not. all(abs(x(:n_pivots)) <= 0.0_dp)) then
+            call forward_columns(size(x), min(n_pivots, n_steps - first + 1), value(fronts%block_start(k):), x)
+            y(first:first + n_pivots - 1) = x(:n_pivots)
+         end if
+         stack(top + 1:top + size(x) - n_pivots) = x(n_pivots + 1:)
+         top = top + size(x) - n_pivots
+      end associate
+   end subroutine forward_front
+
+   !> Does the backward steps of a front, and then those of its descendants, for several vectors at once.
+   recursive subroutine backward_subtree(fronts, value, k, n_steps, y, known)
+      type(fronts_t), intent(in) :: fronts !! the fronts
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the front
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      real(dp), contiguous, intent(in) :: known(:, :) !! the vectors on the row structure (vectors, n_structure)
+      real(dp) :: stack(size(y, 2), fronts%stack_size(k))
+      integer :: i, middle, top
+
+      top = size(known, 2)
+      stack(:, :top) = known
+      call backward_front(fronts, value, k, n_steps, y, stack, top)
+      if (fronts%is_large(k)) then
+         associate (child => fronts%child(:, k))
+            middle = fronts%n_structure(child(1))
+            if (child(1) > 0) then
+               !$omp task default(none) shared(fronts, value, n_steps, y, stack, k, middle)
+               call backward_subtree(fronts, value, fronts%child(1, k), n_steps, y, stack(:, :middle))
+               !$omp end task
+            end if
+            if (child(2) > 0) call backward_subtree(fronts, value, child(2), n_steps, y, stack(:, middle + 1:top))
+            !$omp taskwait
+         end associate
+      else
+         do i = k - 1, fronts%first_descendant(k), -1
+            call backward_front(fronts, value, i, n_steps, y, stack, top)
+         end do
+      end if
+   end subroutine backward_subtree
+
+   !> Does the backward steps of one front.
+   subroutine backward_front(fronts, value, k, n_steps, y, stack, top)
+      type(fronts_t), intent(in) :: fronts !! the fronts
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the front
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      real(dp), intent(inout) :: stack(:, :)
+         !! the vectors on row structures: its own is replaced by those of its children (vectors, any)
+      integer, intent(inout) :: top !! how much of the stack is in use
+      real(dp) :: x(fronts%n_rows(k), size(y, 2))
+      integer(int64) :: at
+      integer :: i, v
+
+      associate (n_pivots => fronts%n_pivots(k), first => fronts%first(k), child => fronts%child(:, k))
+         top = top - (size(x, 1) - n_pivots)
+         do v = 1, size(y, 2)
+            x(:n_pivots, v) = y(first:first + n_pivots - 1, v)
+            x(n_pivots + 1:, v) = stack(v, top + 1:top + size(x, 1) - n_pivots)
+         end do
+         call backward_columns(size(x, 1), min(n_pivots, n_steps - first + 1), size(y, 2), &
+            value(fronts%block_start(k):), x)
+         do v = 1, size(y, 2)
+            y(first:first + n_pivots - 1, v) = x(:n_pivots, v)
+         end do
+         do i = 1, 2
+            if (child(i) == 0) cycle
+            do at = fronts%structure_start(child(i)), fronts%structure_start(child(i) + 1) - 1
+               top = top + 1
+               stack(:, top) = x(fronts%parent_row(at), :)
+            end do
+         end do
+      end associate
+   end subroutine backward_front
 
    !> Dissects the matrix and finds the fronts.
    subroutine multifrontal_analyze(self, matrix, n_schur, error)

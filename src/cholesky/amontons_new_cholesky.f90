@@ -63,10 +63,15 @@ contains
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_schur !! number of Schur variables
       type(error_t), allocatable, intent(out) :: error !! this build has no such kind
+      integer, allocatable :: order(:)
       logical :: is_band
 
       is_band = kind == 'band'
-      if (kind == 'auto') is_band = suits_band(matrix, n_schur)
+      if (kind == 'auto' .and. matrix%n <= most_band_unknowns) then
+         allocate (order(matrix%n))
+         call reverse_cuthill_mckee(matrix, n_schur, order)
+         is_band = real(matrix%n, dp)*real(half_bandwidth(matrix, order), dp)**2 <= most_band_operations
+      end if
       if (kind == 'sparse') then
          call new_sparse_cholesky(cholesky, error)
       else if (is_band) then
@@ -75,20 +80,5 @@ contains
          allocate (multifrontal_t :: cholesky)
       end if
    end subroutine choose
-
-   !> Whether a band factorization should be quicker than the multifrontal one.
-   pure logical function suits_band(matrix, n_schur)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_schur !! number of Schur variables
-      integer, allocatable :: order(:)
-      real(dp) :: n_operations
-
-      suits_band = .false.
-      if (matrix%n > most_band_unknowns) return
-      allocate (order(matrix%n))
-      call reverse_cuthill_mckee(matrix, n_schur, order)
-      n_operations = real(matrix%n, dp)*real(half_bandwidth(matrix, order), dp)**2
-      suits_band = n_operations <= most_band_operations
-   end function suits_band
 
 end module amontons_new_cholesky

@@ -5,10 +5,10 @@ module amontons_suitesparse
       c_ptr
    use amontons_cholesky, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_fronts, only: backward_columns, forward_columns
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_supernode, only: backward_columns, forward_columns
    use amontons_text, only: to_text
    use amontons_threads, only: limit_nested_threads, restore_nested_threads, thread_state_t
    implicit none (type, external)

@@ -1,5 +1,5 @@
-!> A deck: named groups of assignments, read with line numbers, every fault reported at once; and settings of single keys
-!> that take the place of what a deck says, as a command line gives them: `contact(2).friction=0.3`.
+!> A deck: named groups of assignments, read with line numbers, every fault reported at once; and settings of single
+!> keys that take the place of what a deck says, as a command line gives them: `contact(2).friction=0.3`.
 !>
 !> The form is that of Fortran namelists, `&mesh kind = 'rectangle'  cells = 32, 10 /`, with comments from `!` on. It is
 !> narrower where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing stands
@@ -84,7 +84,10 @@ contains
          else
             call refuse_token(contents, 'expected a group such as &mesh', cursor%token)
             contents%hides_groups = .true.
-            call skip_to_group(cursor, text)
+            do
+               call advance(cursor, text)
+               if (cursor%token%kind == end_token .or. cursor%token%kind == group_token) exit
+            end do
          end if
          if (contents%n_groups < most_groups .or. cursor%token%kind == end_token) cycle
          call contents%faults%add(cursor%token%line, 'a deck has at most '//to_text(most_groups)//' groups, found more')
@@ -357,17 +360,6 @@ contains
          call advance(cursor, text)
       end do
    end subroutine skip_to_key
-
-   !> Moves on from stray text to the next group, or to the end.
-   subroutine skip_to_group(cursor, text)
-      type(cursor_t), intent(inout) :: cursor !! the place
-      character(*), intent(in) :: text !! the deck's text
-
-      call advance(cursor, text)
-      do while (cursor%token%kind /= end_token .and. cursor%token%kind /= group_token)
-         call advance(cursor, text)
-      end do
-   end subroutine skip_to_group
 
    !> Whether the place is a group's end, or what stands in the place of one.
    pure logical function is_at_end(cursor)

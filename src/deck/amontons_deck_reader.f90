@@ -58,7 +58,7 @@ contains
       real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       character(:), allocatable :: word
-      integer :: source(size(values)), i, whole
+      integer :: source(size(values)), i, whole, wrong
       real(dp) :: number
       logical :: ok
 
@@ -79,21 +79,12 @@ contains
                limit_of(word, key%is_whole))
          end if
       end do
-      if (any(source > 0)) call judge_numbers(self, key, values)
-   end subroutine reader_reals
-
-   !> Records what is wrong with numbers.
-   subroutine judge_numbers(self, key, values)
-      class(deck_reader_t), intent(inout) :: self !! the reader
-      type(key_t), intent(in) :: key !! the key
-      real(dp), intent(in) :: values(:) !! the numbers
-      integer :: wrong
-
+      if (all(source == 0)) return
       wrong = findloc(key%admits(values), .false., dim=1)
       if (wrong > 0) call self%judge(key, key%range(), key%numbers(values(wrong:wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
-   end subroutine judge_numbers
+   end subroutine reader_reals
 
    !> Reads a quoted text; one of a list of words in upper or lower case.
    subroutine reader_text(self, key, value, is_given, choices)

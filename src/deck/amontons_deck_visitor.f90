@@ -7,9 +7,9 @@
 !>    call visitor%real(key_t('grading', 'height of the top row over the bottom row', above=0.0_dp), grading)
 !>    call visitor%close_group()
 !>
-!> A reader (`amontons_deck_reader`) sets the variable, a writer writes it into a deck, a documenter makes a row of a table in
-!> Markdown of it. Rules about several keys follow behind the group; they are judged where a deck is read, and are without
-!> effect elsewhere.
+!> A reader (`amontons_deck_reader`) sets the variable, a writer writes it into a deck, a documenter makes a row of a
+!> table in Markdown of it. Rules about several keys follow behind the group; they are judged where a deck is read, and
+!> are without effect elsewhere.
 module amontons_deck_visitor
    use amontons_deck, only: deck_t
    use amontons_deck_contents, only: joined

@@ -87,6 +87,8 @@ contains
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: own(:)
       real(dp), allocatable :: transform(:, :), turned(:, :)
+      real(dp) :: frame(2, 2)
+      integer :: i
 
       if (dof_map%substitution%is_substituted(nodes)) then
          own = dof_map%substitution%element_nodes(nodes)
@@ -96,7 +98,13 @@ contains
          own = nodes
          turned = block
       end if
-      call turn_to_frames(turned, own, constraints)
+      ! Into the frames of supports that are aslant.
+      do i = 1, size(own)
+         if (.not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
+         frame = constraints%frame(own(i))
+         turned(2*i - 1:2*i, :) = matmul(transpose(frame), turned(2*i - 1:2*i, :))
+         turned(:, 2*i - 1:2*i) = matmul(turned(:, 2*i - 1:2*i), frame)
+      end do
       call stiffness%add_element(reshape(dof_map%dof(:, own), [2*size(own)]), turned)
    end subroutine add_block
 
@@ -139,22 +147,6 @@ contains
       end do
       start = 2*start - 1
    end subroutine list_unknowns
-
-   !> Turns an element's stiffness from x and y to the frames of its nodes.
-   pure subroutine turn_to_frames(block, nodes, constraints)
-      real(dp), intent(inout) :: block(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
-      integer, intent(in) :: nodes(:) !! its nodes
-      type(constraints_t), intent(in) :: constraints !! the supports, with the frames
-      real(dp) :: frame(2, 2)
-      integer :: i
-
-      do i = 1, size(nodes)
-         if (.not. abs(constraints%axis(2, nodes(i))) > 0.0_dp) cycle
-         frame = constraints%frame(nodes(i))
-         block(2*i - 1:2*i, :) = matmul(transpose(frame), block(2*i - 1:2*i, :))
-         block(:, 2*i - 1:2*i) = matmul(block(:, 2*i - 1:2*i), frame)
-      end do
-   end subroutine turn_to_frames
 
    !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)

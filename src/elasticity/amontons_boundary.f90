@@ -35,6 +35,8 @@ contains
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
       type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
       integer, allocatable :: sides(:, :), after(:), before(:)
+      logical, allocatable :: is_bare(:), is_on_axis(:)
+      integer :: i
 
       call mesh%set_sides(set, sides, error)
       if (allocated(error)) return
@@ -43,7 +45,17 @@ contains
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
       call measure_sides(line, sides, mesh, materials)
-      if (present(materials)) call clear_axis(line, sides, on_axis(mesh, materials))
+      if (present(materials)) then
+         ! A corner of a quadratic side on the axis of revolution has no area: that of a straight side is 0; of a curved
+         ! one, or with its middle node off the middle, the integral is a small number of either sign, over which a
+         ! force is no stress.
+         is_on_axis = on_axis(mesh, materials)
+         allocate (is_bare(mesh%n_nodes), source=.false.)
+         do i = 1, size(sides, 2)
+            if (sides(3, i) > 0) is_bare(sides(:2, i)) = is_on_axis(sides(:2, i))
+         end do
+         where (is_bare(line%node)) line%area = 0.0_dp
+      end if
       call normalize_normals(line, mesh%coordinates, set, error)
    end subroutine new_boundary_line
 
@@ -160,23 +172,6 @@ contains
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(line%normal) > 0.0_dp, dim=1), 1, 2)) line%normal = axial
    end subroutine measure_sides
-
-   !> Takes the area of corners of quadratic sides on the axis of revolution. Of a straight side it is 0; of a curved
-   !> one, or with its middle node off the middle, the integral is a small number of either sign, over which a force is
-   !> no stress.
-   pure subroutine clear_axis(line, sides, is_on_axis)
-      type(boundary_line_t), intent(inout) :: line !! the line, measured
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      logical, intent(in) :: is_on_axis(:) !! whether each node of the mesh lies on the axis (mesh nodes)
-      logical :: is_bare(size(is_on_axis))
-      integer :: i
-
-      is_bare = .false.
-      do i = 1, size(sides, 2)
-         if (sides(3, i) > 0) is_bare(sides(:2, i)) = is_on_axis(sides(:2, i))
-      end do
-      where (is_bare(line%node)) line%area = 0.0_dp
-   end subroutine clear_axis
 
    !> Gives the normals of the nodes the length 1.
    pure subroutine normalize_normals(line, coordinates, set, error)

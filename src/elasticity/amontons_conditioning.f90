@@ -22,8 +22,8 @@ contains
       character(:), allocatable :: text
       ! Of more than 16 digits, a flatness of 1e3 costs 6, a ratio of Lame's coefficients of 1e3 costs 3.
       real(dp), parameter :: flat = 1.0e3_dp, incompressible = 1.0e3_dp, far_apart = 1.0e6_dp
-      real(dp) :: worst, flatness, ratio
-      integer :: element, flattest
+      real(dp) :: worst, flatness, ratio, spring, stiffness
+      integer :: element, flattest, i
 
       text = ''
       worst = 0.0_dp
@@ -42,7 +42,12 @@ contains
          ratio = maxval(list%young)/minval(list%young)
          if (ratio > far_apart) text = text//'; the stiffest material is '//rounded(ratio)// &
             ' times as stiff as the softest'
-         ratio = spring_ratio(springs, maxval(list%young*list%thickness))
+         ratio = 1.0_dp
+         stiffness = maxval(list%young*list%thickness)
+         do i = 1, size(springs)
+            spring = maxval(abs(springs(i)%stiffness))
+            if (spring > 0.0_dp) ratio = max(ratio, spring/stiffness, stiffness/spring)
+         end do
          if (ratio > far_apart) text = text//'; the stiffness of springs and that of the body differ by a factor of ' &
             //rounded(ratio)
       end associate
@@ -69,20 +74,6 @@ contains
       end associate
       flatness = longest*(longest/max(area, tiny(area)))
    end function element_flatness
-
-   !> The ratio of the softest or the stiffest spring to a stiffness, whichever is farther from 1; 1 without springs.
-   pure real(dp) function spring_ratio(springs, stiffness) result(ratio)
-      type(spring_side_t), intent(in) :: springs(:) !! the springs
-      real(dp), intent(in) :: stiffness !! stiffness of the body [F/L]
-      real(dp) :: largest
-      integer :: i
-
-      ratio = 1.0_dp
-      do i = 1, size(springs)
-         largest = maxval(abs(springs(i)%stiffness))
-         if (largest > 0.0_dp) ratio = max(ratio, largest/stiffness, stiffness/largest)
-      end do
-   end function spring_ratio
 
    !> A large number for reading: `3e12`.
    pure function rounded(value) result(text)

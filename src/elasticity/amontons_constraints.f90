@@ -2,10 +2,10 @@
 !> sides in proportion to the displacement along normal and tangent; and the numbers of the unknowns that are left: free
 !> displacement components, those of chosen nodes last.
 !>
-!> Displacements of some nodes are not unknowns themselves: those of the slave of a pair follow from the displacements of
-!> other nodes and unknowns of their own, u = P y. Of most nodes u = y. The own unknown of a corner of a slave is its
-!> relative displacement w, that of a middle node between two corners its deviation from their mean. That of a bonded node
-!> is held at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by element.
+!> Displacements of some nodes are not unknowns themselves: those of the slave of a pair follow from the displacements
+!> of other nodes and unknowns of their own, u = P y. Of most nodes u = y. The own unknown of a corner of a slave is its
+!> relative displacement w, that of a middle node between two corners its deviation from their mean. That of a bonded
+!> node is held at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by element.
 module amontons_constraints
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_element, only: new_side_geometry, side_geometry_t

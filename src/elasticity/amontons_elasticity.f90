@@ -239,8 +239,12 @@ contains
                block(:, 2) = [lambda*xy + mu*yx, (lambda + 2.0_dp*mu)*yy + mu*xx]
             end associate
             if (material%is_axisymmetric) call add_hoop_stiffness(geometry, lambda, material%mu, i, j, block)
-            if (geometry%has_mean_dilatation) block = block + bulk*outer_product(geometry%mean_dilatation(:, i), &
-               geometry%mean_dilatation(:, j))
+            if (geometry%has_mean_dilatation) then
+               associate (a => geometry%mean_dilatation(:, i), b => geometry%mean_dilatation(:, j))
+                  block(:, 1) = block(:, 1) + bulk*(a*b(1))
+                  block(:, 2) = block(:, 2) + bulk*(a*b(2))
+               end associate
+            end if
             stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
             stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
          end do
@@ -270,16 +274,6 @@ contains
          end associate
       end do
    end subroutine add_hoop_stiffness
-
-   !> The matrix a b^T of two vectors.
-   pure function outer_product(a, b) result(matrix)
-      real(dp), intent(in) :: a(2) !! the vector of the rows
-      real(dp), intent(in) :: b(2) !! the vector of the columns
-      real(dp) :: matrix(2, 2)
-
-      matrix(:, 1) = a*b(1)
-      matrix(:, 2) = a*b(2)
-   end function outer_product
 
    !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
    pure function element_stress(geometry, material, displacement, point) result(stress)

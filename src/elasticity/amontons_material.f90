@@ -123,7 +123,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! no such region, two materials for an element or none, different hypotheses, or a negative radius
       integer, allocatable :: elements(:)
-      integer :: i
+      integer :: i, node
 
       materials%list = list
       allocate (materials%of_element(mesh%n_elements), source=0)
@@ -145,7 +145,11 @@ contains
       end do
       call fill_rest(materials, error)
       if (allocated(error)) return
-      if (any(list%is_axisymmetric)) call check_radii(mesh, error)
+      if (.not. any(list%is_axisymmetric)) return
+      node = minloc(mesh%coordinates(1, :), dim=1)
+      if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
+         'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
+         "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
 
    !> Whether a node of a body of revolution lies on the axis (n_nodes).
@@ -158,18 +162,6 @@ contains
       if (any(materials%list%is_axisymmetric)) on_axis = abs(mesh%coordinates(1, :)) &
          <= missed_axis*maxval(abs(mesh%coordinates))
    end function on_axis
-
-   !> Checks that a body of revolution lies on one side of its axis.
-   pure subroutine check_radii(mesh, error)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(error_t), allocatable, intent(out) :: error !! a node has a negative radius
-      integer :: node
-
-      node = minloc(mesh%coordinates(1, :), dim=1)
-      if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
-         'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
-         "; under 'axisymmetric' x is the radius")
-   end subroutine check_radii
 
    !> Gives the elements that no region's material fills the one without a region.
    pure subroutine fill_rest(materials, error)

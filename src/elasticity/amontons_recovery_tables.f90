@@ -1,5 +1,5 @@
-!> What the recovery of stresses needs of a body: the tractions that are known on its boundary before its stresses are, and
-!> the patches of elements.
+!> What the recovery of stresses needs of a body: the tractions that are known on its boundary before its stresses are,
+!> and the patches of elements.
 !>
 !> Known are the tractions of the loads, and that there are none on free sides and along directions that supports leave
 !> free. A patch is made of the elements of one material around a corner node, with coordinates in which a polynomial is
@@ -330,6 +330,7 @@ contains
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
       type(moments_t) :: moments
+      integer :: i, k
 
       is_determined = frame%n_terms == 1
       if (is_determined) then
@@ -340,7 +341,12 @@ contains
       if (sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
       call spread_corners(frame, mesh, elements)
       if (is_linear(frame)) then
-         call sum_moments(moments, samples, elements, n_near)
+         moments%origin = samples%position(:, samples%start(elements(1)))
+         do i = 1, size(elements)
+            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+               call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
+            end do
+         end do
          is_determined = are_spread(moments, frame%scale)
          if (is_determined) call spread_points(frame, moments)
       else
@@ -349,22 +355,6 @@ contains
          call solve_normal(unused, frame%n_terms, normal, right, is_determined)
       end if
    end subroutine place_patch
-
-   !> Sums the moments of the samples of a patch.
-   pure subroutine sum_moments(moments, samples, elements, n_near)
-      type(moments_t), intent(out) :: moments !! the moments
-      type(samples_t), intent(in) :: samples !! the samples of all elements
-      integer, intent(in) :: elements(:) !! the elements of the patch
-      integer, intent(in) :: n_near !! how many of them meet at its node
-      integer :: i, k
-
-      moments%origin = samples%position(:, samples%start(elements(1)))
-      do i = 1, size(elements)
-         do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
-         end do
-      end do
-   end subroutine sum_moments
 
    !> Sets the coordinates of a patch from the corners of its elements.
    pure subroutine spread_corners(frame, mesh, elements)
@@ -685,7 +675,7 @@ contains
       type(materials_t), intent(in) :: materials !! its materials
       type(incidence_t), intent(in) :: incidence !! the elements at each node
       integer, parameter :: most_growths = 2
-      integer :: first, growth
+      integer :: element, first, growth, i, k
       logical :: is_determined
 
       first = list%n + 1
@@ -694,7 +684,15 @@ contains
          call add_elements_at(list, first, table%node(patch), materials, incidence, materials%of_element(first_element))
          n_near = list%n - first + 1
          do growth = 0, most_growths
-            if (growth > 0) call grow_patch(list, first, mesh, materials, incidence)
+            if (growth > 0) then
+               do i = first, list%n
+                  ! A copy: the list may move to a larger place as it grows.
+                  element = list%item(i)
+                  do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+                     call add_elements_at(list, first, mesh%node(k), materials, incidence, materials%of_element(element))
+                  end do
+               end do
+            end if
             call place_patch(frame, is_determined, mesh, table%samples, list%item(first:list%n), n_near)
             if (is_determined) return
          end do
@@ -725,24 +723,6 @@ contains
          end associate
       end do
    end subroutine add_elements_at
-
-   !> Adds the elements around a patch.
-   pure subroutine grow_patch(list, first, mesh, materials, incidence)
-      type(integer_list_t), intent(inout) :: list !! elements of patches, those of this one last
-      integer, intent(in) :: first !! where these begin
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      type(incidence_t), intent(in) :: incidence !! the elements at each node
-      integer :: i, k, element
-
-      do i = first, list%n
-         ! A copy: the list may move to a larger place as it grows.
-         element = list%item(i)
-         do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
-            call add_elements_at(list, first, mesh%node(k), materials, incidence, materials%of_element(element))
-         end do
-      end do
-   end subroutine grow_patch
 
    !> The patch of a corner of an element.
    pure integer function patch_table_at_corner(self, element, corner) result(patch)

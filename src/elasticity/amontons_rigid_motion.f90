@@ -57,8 +57,8 @@ contains
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp) :: gram(3, 3), values(3), frame(2, 2)
-      integer :: axis, i, info
+      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3)
+      integer :: axis, i, info, k
 
       motions%is_whole = size(motions%node) == mesh%n_nodes
       associate (lowest => minval(mesh%coordinates(:, motions%node), dim=2), &
@@ -72,7 +72,10 @@ contains
             frame = constraints%frame(node)
             do axis = 1, 2
                if (constraints%is_free(axis, node)) cycle
-               call add_square(gram, matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node))))
+               row = matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node)))
+               do k = 1, 3
+                  gram(:, k) = gram(:, k) + row*row(k)
+               end do
             end do
          end associate
       end do
@@ -87,17 +90,6 @@ contains
       motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
       motions%mode = gram(:, :motions%n_free)
    end subroutine find_motions
-
-   !> Adds the square of a row to a Gram matrix.
-   pure subroutine add_square(gram, row)
-      real(dp), intent(inout) :: gram(3, 3) !! the matrix
-      real(dp), intent(in) :: row(3) !! the row
-      integer :: i
-
-      do i = 1, 3
-         gram(:, i) = gram(:, i) + row*row(i)
-      end do
-   end subroutine add_square
 
    !> Adds the directions that the springs of a side resist, whatever their stiffness.
    pure subroutine add_springs(gram, springs, motions, mesh)

@@ -75,7 +75,9 @@ contains
       integer, allocatable :: n_elements(:)
       integer :: color, element, field, i, k
 
-      to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
+      do k = 1, size(element_names)
+         to_nodes(:, :, k) = extrapolation(k, n_element_points(k, materials%list(1)%is_axisymmetric))
+      end do
       node = 0.0_dp
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
@@ -202,17 +204,6 @@ contains
          end do
       end do
    end subroutine carry_to_nodes
-
-   !> The weights of `extrapolation` for every kind of element (node, point, kind) [-].
-   pure function extrapolations(is_axisymmetric) result(weights)
-      logical, intent(in) :: is_axisymmetric !! whether the elements belong to a body of revolution
-      real(dp) :: weights(max_nodes, max_points, size(element_names))
-      integer :: kind
-
-      do kind = 1, size(element_names)
-         weights(:, :, kind) = extrapolation(kind, n_element_points(kind, is_axisymmetric))
-      end do
-   end function extrapolations
 
    !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
    !> 1, x, y (and x y in a quadrilateral) that fits them with least squares (node, point) [-].

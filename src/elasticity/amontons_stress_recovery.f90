@@ -1,6 +1,6 @@
 !> Superconvergent patch recovery: a stress field one order more accurate than that of the displacements (Zienkiewicz
-!> and Zhu, Int. J. Num. Meth. Eng. 33, 1992), and the error of the stresses estimated from it, in the norm of the strain
-!> energy (Zienkiewicz and Zhu, Int. J. Num. Meth. Eng. 24, 1987).
+!> and Zhu, Int. J. Num. Meth. Eng. 33, 1992), and the error of the stresses estimated from it, in the norm of the
+!> strain energy (Zienkiewicz and Zhu, Int. J. Num. Meth. Eng. 24, 1987).
 !>
 !> The elements of one material around a corner node are its patch. A polynomial of the order of the displacements is
 !> fitted to the stresses at the points of the patch where they are most accurate, and to the tractions that are known

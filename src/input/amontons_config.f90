@@ -1,6 +1,6 @@
 !> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
-!> reads it, writes it as a deck again and documents what a deck may hold. Materials, supports and loads may come from the mesh
-!> file; names of sets and regions are checked against the mesh all at once.
+!> reads it, writes it as a deck again and documents what a deck may hold. Materials, supports and loads may come from
+!> the mesh file; names of sets and regions are checked against the mesh all at once.
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
@@ -306,11 +306,20 @@ contains
    subroutine describe_config(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case
+      integer :: group, i
 
       call describe_case(visitor, config)
       call describe_problem(visitor, config%reduced)
       if (config%reduced%is_given) then
-         call refuse_body(visitor)
+         do i = 1, size(body_groups)
+            group = 0
+            do
+               group = visitor%deck%next_group(trim(body_groups(i)%name), group)
+               if (group == 0) exit
+               call visitor%deck%fault(group, '', '&'//trim(body_groups(i)%name)// &
+                  " does not go with &problem kind = 'reduced'")
+            end do
+         end do
       else
          call describe_body(visitor, config)
       end if
@@ -396,22 +405,6 @@ contains
       end associate
    end subroutine begin_body
 
-   !> Refuses the groups that describe a body.
-   subroutine refuse_body(visitor)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      integer :: i, group
-
-      do i = 1, size(body_groups)
-         group = 0
-         do
-            group = visitor%deck%next_group(trim(body_groups(i)%name), group)
-            if (group == 0) exit
-            call visitor%deck%fault(group, '', '&'//trim(body_groups(i)%name)// &
-               " does not go with &problem kind = 'reduced'")
-         end do
-      end do
-   end subroutine refuse_body
-
    !> Describes `&solver`: method, its options, factorization.
    subroutine describe_solver(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -475,7 +468,12 @@ contains
       do i = 1, size(config%loads)
          call check_set(config%loads(i)%origin, config%loads(i)%set, mesh, faults)
          call check_region(config%loads(i)%origin, config%loads(i)%region, mesh, faults)
-         if (config%accuracy%n_refinements > 0) call check_point_forces(config%loads(i), mesh, faults)
+         associate (load => config%loads(i))
+            if (config%accuracy%n_refinements == 0 .or. load%target /= load_on_nodes .or. len(load%set) == 0) cycle
+            if (mesh%find_set(load%set) == 0 .or. mesh%find_node_set(load%set) > 0) cycle
+            call faults%add(0, load%origin//"refinements: the force on every node of '"//load%set// &
+               "' would grow with the number of nodes; give a traction")
+         end associate
       end do
       do i = 1, size(config%contacts)
          call check_set(config%contacts(i)%origin, config%contacts(i)%set, mesh, faults)
@@ -517,17 +515,5 @@ contains
       call mesh%region_elements(name, elements, fault)
       if (allocated(fault)) call faults%add(0, origin//fault%message)
    end subroutine check_region
-
-   !> Records a force on every node of a boundary set, which would grow with the number of nodes from mesh to mesh.
-   subroutine check_point_forces(load, mesh, faults)
-      type(load_t), intent(in) :: load !! the load
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(fault_list_t), intent(inout) :: faults !! gains one if so
-
-      if (load%target /= load_on_nodes .or. len(load%set) == 0) return
-      if (mesh%find_set(load%set) == 0 .or. mesh%find_node_set(load%set) > 0) return
-      call faults%add(0, load%origin//"refinements: the force on every node of '"//load%set// &
-         "' would grow with the number of nodes; give a traction")
-   end subroutine check_point_forces
 
 end module amontons_config

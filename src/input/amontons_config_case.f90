@@ -58,7 +58,8 @@ contains
       class(case_label_t), intent(inout) :: label !! what the case is called; its file is set
       ! File names end at 255 characters; temporary ones add up to 30 to the name.
       integer, parameter :: longest_name = 200
-      integer :: last_point
+      character, parameter :: blank = ' '
+      integer :: i, last_point
       logical :: has_units
 
       if (.not. allocated(label%name)) then
@@ -78,7 +79,8 @@ contains
       call visitor%close_group()
       call visitor%require(.not. has_units .or. are_units(label%units), 'units', &
          "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
-      if (len_trim(label%name) == 0 .or. len(label%name) > longest_name .or. has_unusable_character(label%name)) then
+      if (len_trim(label%name) == 0 .or. len(label%name) > longest_name .or. &
+         any([(label%name(i:i) < blank .or. label%name(i:i) == '/', i=1, len(label%name))])) then
          call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
             to_text(longest_name)//" characters without '/' and control characters")
       end if
@@ -98,15 +100,6 @@ contains
       end do
       are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
    end function are_units
-
-   !> Whether a name has a character that file names or decks cannot have.
-   pure logical function has_unusable_character(name)
-      character(*), intent(in) :: name !! the name
-      character, parameter :: blank = ' '
-      integer :: i
-
-      has_unusable_character = any([(name(i:i) < blank .or. name(i:i) == '/', i=1, len(name))])
-   end function has_unusable_character
 
    !> Describes `&accuracy`.
    subroutine describe_accuracy(visitor, accuracy, has_many_cases)

@@ -1,5 +1,5 @@
-!> A load history: loads, prescribed displacements, obstacles and friction that change over a pseudo-time; and the groups
-!> of a deck that describe it.
+!> A load history: loads, prescribed displacements, obstacles and friction that change over a pseudo-time; and the
+!> groups of a deck that describe it.
 !>
 !> Between the times of the history everything changes linearly; of a table, between its own times.
 module amontons_history
@@ -479,35 +479,22 @@ contains
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
       n_given = count(has_values)
       call visitor%require((n_given > 0) .neqv. visitor%has('table'), '', '&steps needs either values or table')
-      if (allocated(steps%table)) call judge_table(visitor, steps%target, steps%table)
-      if (allocated(steps%values)) call judge_motion(visitor, size(steps%values, 2), has_values)
+      if (allocated(steps%table)) then
+         associate (table => steps%table)
+            call visitor%require(all(table(1, 2:) > table(1, :size(table, 2) - 1)), 'table', &
+               'table must have times that increase from row to row')
+            call visitor%require(steps%target /= stepped_friction .or. all(table(2:, :) >= 0.0_dp), 'table', &
+               'table must not have a negative friction_factor')
+         end associate
+      end if
+      if (allocated(steps%values)) then
+         do i = first_shift, last_shift
+            if (.not. has_values(i)) cycle
+            call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
+               size(steps%values, 2), trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
+         end do
+      end if
    end subroutine judge_steps
-
-   !> Judges the table of a `&steps`.
-   subroutine judge_table(visitor, target, table)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      integer, intent(in) :: target !! what changes
-      real(dp), intent(in) :: table(:, :) !! a time and its numbers in each column
-
-      call visitor%require(all(table(1, 2:) > table(1, :size(table, 2) - 1)), 'table', &
-         'table must have times that increase from row to row')
-      call visitor%require(target /= stepped_friction .or. all(table(2:, :) >= 0.0_dp), 'table', &
-         'table must not have a negative friction_factor')
-   end subroutine judge_table
-
-   !> Judges whether the lists of a motion are equally long.
-   subroutine judge_motion(visitor, n_values, has_values)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      integer, intent(in) :: n_values !! how many values are kept of each list
-      logical, intent(in) :: has_values(:) !! which of `value_keys` are given
-      integer :: i
-
-      do i = first_shift, last_shift
-         if (.not. has_values(i)) cycle
-         call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
-            n_values, trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
-      end do
-   end subroutine judge_motion
 
    !> What takes a number, for messages.
    pure function owners(number) result(text)
@@ -560,7 +547,8 @@ contains
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       character(:), allocatable :: thing
-      integer :: k
+      integer :: i, k
+      logical :: is_same
 
       associate (last => steps(size(steps)))
          if (.not. knows_names(visitor, last%target)) return
@@ -568,8 +556,9 @@ contains
          call visitor%require(has_target(last, loads, supports, contacts), thing, &
             missing(last%target)//" '"//last%name//"'")
          do k = 1, size(steps) - 1
-            call visitor%require(.not. change_the_same(steps(k), last, contacts), thing, &
-               thing//" '"//last%name//"' has &steps already")
+            is_same = steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
+               any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))]))
+            call visitor%require(.not. is_same, thing, thing//" '"//last%name//"' has &steps already")
          end do
       end associate
    end subroutine check_name
@@ -607,17 +596,6 @@ contains
             .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
       end select
    end function has_target
-
-   !> Whether two changes are of the same thing.
-   pure logical function change_the_same(first, second, contacts)
-      type(steps_t), intent(in) :: first !! a change
-      type(steps_t), intent(in) :: second !! another change
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      integer :: i
-
-      change_the_same = first%target == second%target .and. (first%name == second%name .or. &
-         any([(second%acts_on(contacts(i)) .and. first%acts_on(contacts(i)), i=1, size(contacts))]))
-   end function change_the_same
 
    !> How a message says that there is nothing of a name.
    pure function missing(target) result(text)

@@ -281,33 +281,24 @@ contains
       type(sweep_axis_t), intent(in) :: axes(:) !! the quantity, and those before it
       type(load_t), intent(in) :: loads(:) !! the loads
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      character(:), allocatable :: names
+      integer :: i
 
       associate (axis => axes(size(axes)))
          if (axis%target /= swept_load) then
             if (visitor%deck%knows('contact', 'set')) call check_contacts(visitor, axis, contacts)
          else if (visitor%deck%knows('load', 'name')) then
-            call check_load(visitor, axis, loads)
+            names = ''
+            do i = 1, size(loads)
+               if (len(loads(i)%name) > 0) names = names//', '//loads(i)%name
+            end do
+            call visitor%require(any([(len(loads(i)%name) > 0 .and. loads(i)%name == axis%name, &
+               i=1, size(loads))]), 'load', &
+               "no load has the name '"//axis%name//"'"//list('named loads', names))
          end if
       end associate
       call check_combination(visitor, axes, contacts)
    end subroutine check_axis
-
-   !> Checks that there is a load of the name that a quantity multiplies.
-   subroutine check_load(visitor, axis, loads)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the quantity
-      type(sweep_axis_t), intent(in) :: axis !! the quantity
-      type(load_t), intent(in) :: loads(:) !! the loads
-      character(:), allocatable :: names
-      integer :: i
-
-      names = ''
-      do i = 1, size(loads)
-         if (len(loads(i)%name) == 0) cycle
-         if (loads(i)%name == axis%name) return
-         names = names//', '//loads(i)%name
-      end do
-      call visitor%require(.false., 'load', "no load has the name '"//axis%name//"'"//list('named loads', names))
-   end subroutine check_load
 
    !> Checks that there are contact sets whose friction a quantity can be.
    subroutine check_contacts(visitor, axis, contacts)

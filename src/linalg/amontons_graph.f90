@@ -125,24 +125,16 @@ contains
                next(h) = next(h) + 1
             end do
          end do
-         if (pass == 1) call start_lists(graph, next)
+         if (pass == 2) cycle
+         allocate (graph%start(graph%n + 1))
+         graph%start(1) = 1
+         do g = 1, graph%n
+            graph%start(g + 1) = graph%start(g) + next(g)
+         end do
+         next = graph%start
+         allocate (graph%neighbor(graph%start(graph%n + 1) - 1))
       end do
    end subroutine list_neighbors
-
-   !> Turns the numbers of neighbors into the places where the lists start.
-   pure subroutine start_lists(graph, next)
-      type(graph_t), intent(inout) :: graph !! the graph
-      integer(int64), intent(inout) :: next(:) !! number of neighbors of each, then where its list starts (n + 1)
-      integer :: g
-
-      allocate (graph%start(graph%n + 1))
-      graph%start(1) = 1
-      do g = 1, graph%n
-         graph%start(g + 1) = graph%start(g) + next(g)
-      end do
-      next = graph%start
-      allocate (graph%neighbor(graph%start(graph%n + 1) - 1))
-   end subroutine start_lists
 
    !> Turns an order of the supervariables into the order of the unknowns.
    pure subroutine graph_expand(self, graph_order, order)

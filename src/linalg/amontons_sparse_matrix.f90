@@ -89,11 +89,16 @@ contains
       integer, intent(in) :: element(:) !! the elements of each unknown
       integer, intent(out) :: status !! 0, or memory ran out
       integer, allocatable :: last_seen(:), row(:)
-      integer(int64) :: at, n_rows
+      integer(int64) :: at, most_entries, n_rows
       integer :: i, j, k, p
 
-      allocate (last_seen(matrix%n), matrix%column_start(matrix%n + 1), row(most_entries(matrix%n, list_start)), &
-         stat=status)
+      ! Most entries of a lower triangle: the diagonal, and every pair of unknowns of an element.
+      most_entries = matrix%n
+      do k = 1, size(list_start) - 1
+         n_rows = list_start(k + 1) - list_start(k)
+         most_entries = most_entries + n_rows*(n_rows - 1)/2
+      end do
+      allocate (last_seen(matrix%n), matrix%column_start(matrix%n + 1), row(most_entries), stat=status)
       if (status /= 0) return
       last_seen = 0
       at = 0
@@ -142,20 +147,6 @@ contains
       if (n == 0 .or. last - first /= n) return
       is_like_last = all(element(first:first + n - 1) == element(last:last + n - 1))
    end function is_like_last
-
-   !> How many entries the lower triangle can have at most: as if no two elements shared a pair of unknowns.
-   pure integer(int64) function most_entries(n, list_start)
-      integer, intent(in) :: n !! number of unknowns
-      integer, intent(in) :: list_start(:) !! where each element starts in the list of unknowns (n_elements + 1)
-      integer(int64) :: m
-      integer :: e
-
-      most_entries = n
-      do e = 1, size(list_start) - 1
-         m = list_start(e + 1) - list_start(e)
-         most_entries = most_entries + m*(m - 1)/2
-      end do
-   end function most_entries
 
    !> Adds a small symmetric block. Calls that touch disjoint unknowns may run at the same time.
    pure subroutine sparse_matrix_add_element(self, unknowns, block)

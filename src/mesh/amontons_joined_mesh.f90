@@ -44,12 +44,26 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
       type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
-      integer :: i
+      type(parents_t) :: behind
+      integer, allocatable :: tags(:)
+      integer :: i, last_tag
 
       call append_sets(mesh, other, error)
       if (allocated(error)) return
-      call append_tags(mesh, other)
-      call append_parents(mesh, other)
+      if (allocated(mesh%node_tag) .or. allocated(other%node_tag)) then
+         tags = tags_of(mesh)
+         last_tag = maxval(tags)
+         tags = [tags, tags_of(other)]
+         where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = last_tag + tags(mesh%n_nodes + 1:)
+         call move_alloc(tags, mesh%node_tag)
+      end if
+      if (allocated(mesh%parents) .or. allocated(other%parents)) then
+         behind = parents_of(other)
+         mesh%parents = parents_of(mesh)
+         mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + behind%start(2:)]
+         mesh%parents%node = [mesh%parents%node, mesh%n_nodes + behind%node]
+         mesh%parents%weight = [mesh%parents%weight, behind%weight]
+      end if
       mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
       mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]
       mesh%node = [mesh%node, mesh%n_nodes + other%node]
@@ -131,35 +145,6 @@ contains
       if (.not. allocated(mesh%node_sets)) allocate (mesh%node_sets(0))
       if (.not. allocated(mesh%regions)) allocate (mesh%regions(0))
    end subroutine complete_sets
-
-   !> Appends the numbers that nodes have in files; a mesh without a file has its own, a node of refinement has none.
-   pure subroutine append_tags(mesh, other)
-      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes still alone
-      type(mesh_t), intent(in) :: other !! the mesh to append
-      integer, allocatable :: tags(:)
-      integer :: before
-
-      if (.not. (allocated(mesh%node_tag) .or. allocated(other%node_tag))) return
-      tags = tags_of(mesh)
-      before = maxval(tags)
-      tags = [tags, tags_of(other)]
-      where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = before + tags(mesh%n_nodes + 1:)
-      call move_alloc(tags, mesh%node_tag)
-   end subroutine append_tags
-
-   !> Appends the parents of nodes of refinement.
-   pure subroutine append_parents(mesh, other)
-      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes still alone
-      type(mesh_t), intent(in) :: other !! the mesh to append
-      type(parents_t) :: behind
-
-      if (.not. (allocated(mesh%parents) .or. allocated(other%parents))) return
-      behind = parents_of(other)
-      mesh%parents = parents_of(mesh)
-      mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + behind%start(2:)]
-      mesh%parents%node = [mesh%parents%node, mesh%n_nodes + behind%node]
-      mesh%parents%weight = [mesh%parents%weight, behind%weight]
-   end subroutine append_parents
 
    !> The parents of the nodes of a mesh, whether refined or not.
    pure function parents_of(mesh) result(parents)

@@ -1,8 +1,9 @@
-!> How the elements of a mesh hang together: which elements meet at each corner node, which lie on either side of each side,
-!> pieces that share no nodes, and colors of elements that can be worked on in parallel.
+!> How the elements of a mesh hang together: which elements meet at each corner node, which lie on either side of each
+!> side, pieces that share no nodes, and colors of elements that can be worked on in parallel.
 !>
-!> Chunks of one color share no node. Elements in a row are a chunk, since what they have in common stays in the cache. Where
-!> the elements of a mesh are numbered at random, so that all chunks touch each other, every element is a chunk of its own.
+!> Chunks of one color share no node. Elements in a row are a chunk, since what they have in common stays in the cache.
+!> Where the elements of a mesh are numbered at random, so that all chunks touch each other, every element is a chunk of
+!> its own.
 module amontons_mesh_topology
    use amontons_element, only: n_corners
    use amontons_integer_list, only: fill_bins

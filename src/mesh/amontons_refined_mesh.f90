@@ -31,7 +31,9 @@ module amontons_refined_mesh
 
 contains
 
-   !> Refines a mesh several times.
+   !> Refines a mesh several times, cutting every element in four. The nodes keep their numbers, the new ones come
+   !> behind them; element e becomes the elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts,
+   !> sets of nodes stay as they are.
    subroutine refine_mesh(mesh, n_times, error)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
       integer, intent(in) :: n_times !! how often every element is cut in four
@@ -40,6 +42,8 @@ contains
       real(dp), parameter :: most_nodes = 2.0_dp**27
       ! Mesh and assembled stiffness alone.
       real(dp), parameter :: node_bytes = 500.0_dp
+      type(mesh_t) :: parent, quadratic
+      integer, allocatable :: kinds(:)
       real(dp) :: n_nodes, megabytes, available
       integer :: i
 
@@ -56,28 +60,18 @@ contains
       end if
       if (allocated(error)) return
       do i = 1, n_times
-         call refine_once(mesh)
+         kinds = mesh%element_kind
+         parent = mesh
+         ! The nodes that become corners of parts are those of quadratic elements.
+         quadratic = mesh
+         call raise_order(quadratic, merge(merge(tri6, quad9, is_triangle(kinds)), kinds, &
+            n_element_nodes(kinds) == n_corners(kinds)))
+         call cut_elements(mesh, quadratic)
+         call raise_order(mesh, [spread(kinds, 1, n_parts)])
+         call place_nodes(mesh, parent)
+         call refine_sets(mesh)
       end do
    end subroutine refine_mesh
-
-   !> Cuts every element in four. The nodes keep their numbers, the new ones come behind them; element e becomes the
-   !> elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, sets of nodes stay as they are.
-   pure subroutine refine_once(mesh)
-      type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
-      type(mesh_t) :: parent, quadratic
-      integer, allocatable :: kinds(:)
-
-      kinds = mesh%element_kind
-      parent = mesh
-      ! The nodes that become corners of parts are those of quadratic elements.
-      quadratic = mesh
-      call raise_order(quadratic, merge(merge(tri6, quad9, is_triangle(kinds)), kinds, &
-         n_element_nodes(kinds) == n_corners(kinds)))
-      call cut_elements(mesh, quadratic)
-      call raise_order(mesh, [spread(kinds, 1, n_parts)])
-      call place_nodes(mesh, parent)
-      call refine_sets(mesh)
-   end subroutine refine_once
 
    !> Replaces the elements of a mesh by the linear ones that its quadratic ones are cut into. The centers of eight-node
    !> elements become nodes, which are not placed yet.

@@ -1,5 +1,5 @@
-!> Columns of the contact points, made of a result: NAME.contact.csv writes all columns, the listing and the grids
-!> those that are for them. Behind them, in the grid of the contact line, the lines of the masters of contact pairs; and how
+!> Columns of the contact points, made of a result: NAME.contact.csv writes all columns, the listing and the grids those
+!> that are for them. Behind them, in the grid of the contact line, the lines of the masters of contact pairs; and how
 !> the displacements of contact points are made up of those of either side.
 module amontons_contact_table
    use amontons_body, only: body_t
@@ -146,6 +146,7 @@ contains
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      real(dp), parameter :: known_share = 1.0e-2_dp
       real(dp) :: at_points(2*body%zone%n_points), length, slip_scales(size(slip_keys))
       integer :: i
 
@@ -172,9 +173,13 @@ contains
             load_case%slip_bound, zone%area), 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
-         slip_scales = scales_of_slips(length, maxval(abs(force)), maxval(abs(force(:m)/zone%area)))
+         ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
+         ! largest one, where numbers agree to 1e-8 of their scale.
+         slip_scales = [length, length, known_share*length*[maxval(abs(force)), maxval(abs(force(:m)/zone%area))], &
+            spread(0.0_dp, 1, size(slip_keys) - 4)]
       end associate
-      do i = 1, n_slip_columns(result)
+      if (.not. allocated(result%slip_record)) return
+      do i = 1, size(result%slip_record, 2)
          call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
             slip_scales(i), .true.)
       end do
@@ -198,26 +203,6 @@ contains
       end subroutine add
 
    end subroutine contact_columns
-
-   !> What rounding errors of the columns of a load history are measured by. Works and integrals have those of forces,
-   !> which are known to about 1e-10 of the largest one, where numbers agree to 1e-8 of their scale.
-   pure function scales_of_slips(length, force, pressure) result(scales)
-      real(dp), intent(in) :: length !! the scale of displacements [L]
-      real(dp), intent(in) :: force !! the largest force on a point [F]
-      real(dp), intent(in) :: pressure !! the largest pressure [F/L^2]
-      real(dp) :: scales(size(slip_keys))
-      real(dp), parameter :: known_share = 1.0e-2_dp
-
-      scales = [length, length, known_share*length*[force, pressure], spread(0.0_dp, 1, size(slip_keys) - 4)]
-   end function scales_of_slips
-
-   !> How many columns a load history adds.
-   pure integer function n_slip_columns(result) result(n)
-      type(result_t), intent(in) :: result !! the result
-
-      n = 0
-      if (allocated(result%slip_record)) n = size(result%slip_record, 2)
-   end function n_slip_columns
 
    !> A quantity of the contact points at nodes: 0 at those that no point is made of, and the mean of several points by
    !> their shares in the node (nodes).

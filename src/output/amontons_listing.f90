@@ -190,7 +190,9 @@ contains
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      integer :: i, n_free
+      ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      integer :: i, n_free, p
 
       text = ''
       associate (zone => body%zone)
@@ -219,28 +221,14 @@ contains
          text = text//guided_text(body, units)
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
-         text = text//overlap_text(body, load_case, units)
+         p = minloc(load_case%gap, dim=1)
+         if (p == 0) return
+         if (.not. -load_case%gap(p) > rounding*maxval(abs(body%mesh%coordinates))) return
+         text = text//labeled('Note', trim(merge('the bodies overlap            ', 'the body overlaps the obstacle', &
+            zone%pairs(zone%set(p))%is_set()))//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')// &
+            ' at the start')
       end associate
    end function notes_text
-
-   !> A note on the initial overlap, where it is larger than the rounding errors of coordinates.
-   pure function overlap_text(body, load_case, units) result(text)
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-      ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
-      real(dp), parameter :: rounding = 1.0e-12_dp
-      integer :: p
-
-      text = ''
-      p = minloc(load_case%gap, dim=1)
-      if (p == 0) return
-      if (.not. -load_case%gap(p) > rounding*maxval(abs(body%mesh%coordinates))) return
-      text = 'the body overlaps the obstacle'
-      if (body%zone%pairs(body%zone%set(p))%is_set()) text = 'the bodies overlap'
-      text = labeled('Note', text//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')//' at the start')
-   end function overlap_text
 
    !> Notes on the nodes that slave and master of a pair share at an end of the slave.
    pure function joined_text(positions, units) result(text)
@@ -616,6 +604,7 @@ contains
       character(:), allocatable :: text
       integer, parameter :: width = 13
       character(200 + len(units)) :: rows(0:size(list))
+      character(8) :: order
       integer :: i
 
       rows(0) = repeat(' ', 22)//flush_right('finest mesh', width)//flush_right('+-', width)// &
@@ -625,9 +614,11 @@ contains
       do i = 1, size(list)
          associate (quantity => list(i)%quantity, judged => list(i)%convergence)
             rows(i) = quantity%label
+            order = '-'
+            if (judged%order > 0.0_dp) write (order, '(f8.2)') min(judged%order, 99.0_dp)
             rows(i)(23:) = flush_right(short_text(quantity%value), width)// &
                flush_right(scientific(judged%bar), width)// &
-               flush_right(short_text(judged%extrapolated), width)//flush_right(order_text(judged%order), 8)//'  '// &
+               flush_right(short_text(judged%extrapolated), width)//adjustr(order)//'  '// &
                verdict_names(judged%verdict)//repeat(' ', 8)//unit_of(units, trim(quantity%dimension))
          end associate
       end do
@@ -635,17 +626,5 @@ contains
          ', each of half the element size)')// &
          as_lines(rows)
    end function convergence_text
-
-   !> An order of convergence with two decimals; a dash where there is none.
-   pure function order_text(order) result(text)
-      real(dp), intent(in) :: order !! the order, 0 for none [-]
-      character(:), allocatable :: text
-      character(6) :: digits
-
-      text = '-'
-      if (.not. order > 0.0_dp) return
-      write (digits, '(f6.2)') min(order, 99.0_dp)
-      text = trim(adjustl(digits))
-   end function order_text
 
 end module amontons_listing

@@ -1,5 +1,5 @@
-!> NAME.summary.json, the result in numbers that a script reads; and members of a JSON object, a line each, that the summaries
-!> of decks, sweeps and reduced problems have in common.
+!> NAME.summary.json, the result in numbers that a script reads; and members of a JSON object, a line each, that the
+!> summaries of decks, sweeps and reduced problems have in common.
 module amontons_summary
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
@@ -44,6 +44,8 @@ contains
       character(*), intent(in) :: method !! the contact method
       character(*), intent(in) :: outcome !! what became of it, a word of `amontons_outcome_words`
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
+      character(:), allocatable :: text
+      integer :: i
 
       summary%ending = '.summary.json'
       call summary%add('{'//newline//member('case', json_string(label%name))//member('title', &
@@ -52,22 +54,13 @@ contains
       call summary%add(member('method', json_string(trim(method))))
       call summary%add(member('outcome', json_string(outcome))//member('converged', &
          json_logical(has_converged(outcome))))
-      call summary%add(member('warnings', warnings_array(warnings)))
-   end subroutine add_head
-
-   !> Warnings as a JSON array of texts.
-   pure function warnings_array(warnings) result(text)
-      type(warning_list_t), intent(in) :: warnings !! the warnings
-      character(:), allocatable :: text
-      integer :: i
-
-      text = '['
+      text = ''
       do i = 1, warnings%n()
          if (i > 1) text = text//', '
          text = text//json_string(warnings%item(i))
       end do
-      text = text//']'
-   end function warnings_array
+      call summary%add(member('warnings', '['//text//']'))
+   end subroutine add_head
 
    !> What the method spent, and what it reached.
    pure function effort_members(solution) result(text)

@@ -1,20 +1,20 @@
-!> The grids of a case for ParaView and meshio, unstructured grids in VTK's XML format with every array in base64 where it
-!> belongs, the form that all readers of such files know.
+!> The grids of a case for ParaView and meshio, unstructured grids in VTK's XML format with every array in base64 where
+!> it belongs, the form that all readers of such files know.
 !>
-!> NAME.vtu: mesh, displacements, stresses and contact quantities. NAME.contact.vtu: the contact line alone, as a grid of line
-!> segments, and of vertices where a point has no neighbor; behind it the lines of the masters of pairs, with what is
-!> transmitted to them.
+!> NAME.vtu: mesh, displacements, stresses and contact quantities. NAME.contact.vtu: the contact line alone, as a grid
+!> of line segments, and of vertices where a point has no neighbor; behind it the lines of the masters of pairs, with
+!> what is transmitted to them.
 module amontons_vtu
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_base64, only: encode_base64
    use amontons_body, only: body_t
-   use amontons_collection, only: collection_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_contact_table, only: at_nodes, column_t, contact_columns, master_line_t, new_master_line, side_rows
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_listing_text, only: unit_of
+   use amontons_manifest, only: collection_t
    use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_result, only: result_t
    use amontons_stress_field, only: von_mises

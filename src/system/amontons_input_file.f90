@@ -1,6 +1,6 @@
-!> Files read into memory: whole ones, and standard input, byte by byte as they are; tables of numbers, a row a line, numbers
-!> separated by blanks, commas, semicolons or tabs; and files read from their beginning to their end, number by number, with
-!> the place of the first fault.
+!> Files read into memory: whole ones, and standard input, byte by byte as they are; tables of numbers, a row a line,
+!> numbers separated by blanks, commas, semicolons or tabs; and files read from their beginning to their end, number by
+!> number, with the place of the first fault.
 !>
 !> The first fault stays with the file, and every number taken after it is 0: a reader need not ask after each.
 module amontons_input_file
@@ -181,7 +181,7 @@ contains
       character(6), parameter :: counts(4) = [character(6) :: 'one', 'two', 'three', 'four']
       character(:), allocatable :: text, numbers
       real(dp), allocatable :: rows(:, :), row(:)
-      integer :: first, last, line, n_rows, start
+      integer :: first, last, line, n_lines, n_rows, start
       logical :: is_empty, is_row, may_be_headings
 
       call read_text_file(file, text, error)
@@ -189,7 +189,11 @@ contains
       allocate (row(2))
       if (present(n_columns)) row = spread(0.0_dp, 1, n_columns)
       numbers = trim(counts(size(row)))//' numbers'
-      allocate (rows(size(row), count_lines(text)))
+      n_lines = 1
+      do first = 1, len(text)
+         if (text(first:first) == newline) n_lines = n_lines + 1
+      end do
+      allocate (rows(size(row), n_lines))
       n_rows = 0
       first = 1
       line = 0
@@ -212,17 +216,6 @@ contains
       table = rows(:, :n_rows)
       if (n_rows < 2) call new_error(error, input_refused, file//': expected at least two rows of '//numbers)
    end subroutine read_number_table
-
-   !> Number of lines of a text.
-   pure integer function count_lines(text)
-      character(*), intent(in) :: text !! the text
-      integer :: i
-
-      count_lines = 1
-      do i = 1, len(text)
-         if (text(i:i) == newline) count_lines = count_lines + 1
-      end do
-   end function count_lines
 
    !> Reads a line of numbers.
    pure subroutine read_row(line, row, is_row, is_empty)

@@ -92,12 +92,17 @@ contains
       character(*), intent(in) :: path !! final name
       logical, intent(in) :: is_binary !! whether bytes are written rather than lines
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
+      character(4096) :: buffer
       character(256) :: reason
-      integer :: status
+      integer :: code, status
 
       file%path = path
-      call create_temporary(path, file%temporary_path, error)
-      if (allocated(error)) return
+      code = int(c_create_temporary(path//c_null_char, buffer, len(buffer, c_int)))
+      if (code /= 0) then
+         call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
+         return
+      end if
+      file%temporary_path = buffer(:index(buffer, c_null_char) - 1)
       reason = ''
       open (newunit=file%unit, file=file%temporary_path, status='old', action='write', access='stream', &
          form=trim(merge('unformatted', 'formatted  ', is_binary)), iostat=status, iomsg=reason)
@@ -175,29 +180,23 @@ contains
          !! why they are not complete, if they are not: they are then discarded; or why one cannot be renamed
       type(file_name_t), intent(in), optional :: earlier(:) !! files to remove, and their directories if then empty
       type(file_lock_t) :: lock
-      integer :: i
+      integer :: i, k
 
       call hold_signals()
       if (.not. allocated(error)) call lock_directory(lock, files(1)%path(:index(files(1)%path, '/', back=.true.)))
       do i = 1, size(files)
-         if (i == size(files) .and. present(earlier) .and. .not. allocated(error)) call remove_files(earlier)
+         if (i == size(files) .and. present(earlier) .and. .not. allocated(error)) then
+            do k = 1, size(earlier)
+               call remove_file(earlier(k)%text)
+               call remove_directory(earlier(k)%text(:index(earlier(k)%text, '/', back=.true.)))
+            end do
+         end if
          if (.not. allocated(error)) call put_in_place(files(i), lock%file, error)
          if (allocated(error)) call files(i)%discard()
       end do
       call lock%release()
       call release_signals()
    end subroutine commit_files
-
-   !> Removes files, and the directories that hold nothing more.
-   subroutine remove_files(files)
-      type(file_name_t), intent(in) :: files(:) !! the files
-      integer :: i
-
-      do i = 1, size(files)
-         call remove_file(files(i)%text)
-         call remove_directory(files(i)%text(:index(files(i)%text, '/', back=.true.)))
-      end do
-   end subroutine remove_files
 
    !> Gives the finished file its final name.
    subroutine output_file_commit(self, error)
@@ -237,22 +236,6 @@ contains
       call c_forget_temporary(self%temporary_path//c_null_char)
       deallocate (self%temporary_path)
    end subroutine output_file_discard
-
-   !> Makes an empty file beside a final name. A signal that ends the program removes it, until it is forgotten.
-   subroutine create_temporary(path, name, error)
-      character(*), intent(in) :: path !! the final name
-      character(:), allocatable, intent(out) :: name !! name of the file, not to be foreseen; not allocated on failure
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be made
-      character(4096) :: buffer
-      integer :: code
-
-      code = int(c_create_temporary(path//c_null_char, buffer, len(buffer, c_int)))
-      if (code == 0) then
-         name = buffer(:index(buffer, c_null_char) - 1)
-      else
-         call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
-      end if
-   end subroutine create_temporary
 
    !> Removes the temporary grids that a run which was killed has left in its folder.
    subroutine remove_temporaries(folder)

@@ -1,9 +1,9 @@
-!> The times of the phases of a run, and what the program and the shell that started it exchange: standard streams, signals,
-!> and the line on a terminal that shows what a long run is doing, or its lines in a log.
+!> The times of the phases of a run, and what the program and the shell that started it exchange: standard streams,
+!> signals, and the line on a terminal that shows what a long run is doing, or its lines in a log.
 !>
 !> A program opens and closes the line. Between the two it is drawn anew each second, from the end of the first one on;
-!> `print_line` removes it, until more work is noted. A log gets a line of
-!> its own after 1, 2, 4 ... 64 seconds and each minute from then on. Where no program has opened it, nothing is shown.
+!> `print_line` removes it, until more work is noted. A log gets a line of its own after 1, 2, 4 ... 64 seconds and each
+!> minute from then on. Where no program has opened it, nothing is shown.
 module amontons_terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure

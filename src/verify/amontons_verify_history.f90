@@ -3,7 +3,6 @@
 !> these steps; the files of the last one are restored and judged on the full model like those of a case. Where the
 !> history ended early, the step that has no equilibrium is tried again.
 module amontons_verify_history
-   use amontons_collection, only: case_entries
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
@@ -12,12 +11,13 @@ module amontons_verify_history
    use amontons_error, only: error_t
    use amontons_history, only: is_shown
    use amontons_history_files, only: read_start
-   use amontons_history_report, only: describe_history
    use amontons_history_model, only: history_model_t, instant_t
+   use amontons_history_report, only: describe_history
    use amontons_history_table, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
       number_alone, of_grids, of_states, table_rows
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
+   use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, worst_step_t

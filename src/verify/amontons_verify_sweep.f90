@@ -5,7 +5,6 @@
 !> restored, and all that they show, and the row of the case, are computed again.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_collection, only: case_entries
    use amontons_collection_check, only: compare_collection
    use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
@@ -14,6 +13,7 @@ module amontons_verify_sweep
    use amontons_error, only: error_t
    use amontons_key_results, only: body_peaks, lengths_t, new_lengths
    use amontons_kinds, only: dp
+   use amontons_manifest, only: case_entries
    use amontons_quantity, only: expanded, quantity_t, scales
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points

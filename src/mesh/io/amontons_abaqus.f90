@@ -1,10 +1,9 @@
 !> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand materials, supports
 !> and loads; everything else is ignored, with a warning where it matters.
 module amontons_abaqus
-   use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
-   use amontons_abaqus_material, only: finish_materials, finish_temperatures
-   use amontons_abaqus_model, only: read_model_keyword
-   use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
+   use amontons_abaqus_lines, only: abaqus_scope_t, find_parameter, get_set, is_at_line_end, next_data_line, &
+      next_keyword, read_set, read_surface, resolve_elements, take_comma
+   use amontons_abaqus_model, only: finish_materials, finish_temperatures, read_model_keyword
    use amontons_element, only: quad4, quad8, tri3, tri6
    use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
    use amontons_input_file, only: input_file_t, printable
@@ -317,16 +316,9 @@ contains
       self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
       self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)
       self%is_readable(use_loads) = self%is_readable(use_loads) .or. any(load_keywords == keyword)
-      if (carries_physics(keyword)) self%warned = self%warned//name
+      if (any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. any(load_keywords == keyword) &
+         .or. any(other_keywords == keyword)) self%warned = self%warned//name
    end subroutine ignored_keywords_add
-
-   !> Whether a keyword changes what a computation gives.
-   pure logical function carries_physics(keyword)
-      character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
-
-      carries_physics = any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. &
-         any(load_keywords == keyword) .or. any(other_keywords == keyword)
-   end function carries_physics
 
    !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
    pure subroutine ignored_keywords_tell(self, raw)

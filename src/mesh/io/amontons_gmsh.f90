@@ -1,18 +1,553 @@
-!> Meshes in Gmsh's MSH format, versions 2.2 and 4.1, text and binary.
+!> Meshes in Gmsh's MSH format, versions 2.2 and 4.1, text and binary: types of elements, and which of them are read;
+!> physical groups, which cells belong to which and their names; entities, nodes and elements.
 module amontons_gmsh
-   use amontons_gmsh_groups, only: gmsh_groups_t
-   use amontons_gmsh_sections, only: read_elements_2, read_elements_4, read_entities_4, read_nodes_2, read_nodes_4
+   use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
    use amontons_input_file, only: input_file_t
-   use amontons_integer_list, only: new_tag_map, tag_map_t
+   use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: raw_mesh_t
-   use amontons_text, only: ends_word, to_text
+   use amontons_raw_mesh, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
+   use amontons_text, only: counted, ends_word, to_text
    implicit none (type, external)
    private
 
    public :: read_gmsh
 
+   !> Kind of cell of each of Gmsh's first types, `no_cell` where it is not read.
+   integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, no_cell, no_cell, no_cell, no_cell, line3, tri6, &
+      quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
+
+   !> The groups of one dimension.
+   type :: dimension_t
+      type(integer_list_t) :: named_tag !! number of each physical group that has a name, positive
+      type(integer_list_t) :: named_group !! its set in the raw mesh; a name without members is still a set
+      type(integer_list_t) :: entity !! numbers of entities, not negative
+      type(integer_list_t) :: entity_tag !! number of a physical group that each belongs to
+      type(integer_list_t) :: run_owner !! what a run of cells belongs to: an entity or a physical group
+      type(integer_list_t) :: run_first !! first cell of the run
+      type(integer_list_t) :: run_last !! last cell of the run
+   end type dimension_t
+
+   !> What a file says about its physical groups, dimension by dimension: points, curves, surfaces.
+   type :: gmsh_groups_t
+      logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
+      type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
+   contains
+      procedure :: add_run => gmsh_groups_add_run
+      procedure :: put => gmsh_groups_put
+   end type gmsh_groups_t
+
+   !> Bytes that a number of version 4.1 takes at least: in text a digit and a blank, in a binary file more.
+   integer, parameter :: least_bytes = 2
+   !> A node has three coordinates and up to three parameters.
+   integer, parameter :: most_numbers = 6
+
+   !> Bytes that a node of a text of version 2.2 takes at least: `1 0 0 0` and the end of the line.
+   integer, parameter :: least_node_text = 8
+   !> Bytes that a node of a binary file of version 2.2 takes: an integer and three reals.
+   integer, parameter :: least_node_bytes = 28
+   !> Bytes that an element of version 2.2 takes at least: in text `1 15 0 1` and the end of the line; in binary two
+   !> integers.
+   integer, parameter :: least_element = 8
+   !> More tags of an element are refused: physical group, entity and partitions are a few.
+   integer, parameter :: most_tags = 1000
+
+   !> What precedes the elements in a binary file, and each of them in a text.
+   type :: element_header_t
+      integer :: kind = 0 !! kind of the cell
+      integer :: n_tags = 0 !! number of tags
+      integer :: n_left = 0 !! number of elements that the header still holds for
+   end type element_header_t
+
 contains
+
+   !> Notes that consecutive cells belong to an entity or a group.
+   pure subroutine gmsh_groups_add_run(self, dimension, owner, first, last)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      integer, intent(in) :: dimension !! dimension of the cells
+      integer, intent(in) :: owner !! number of the entity or of the physical group
+      integer, intent(in) :: first !! first of the cells
+      integer, intent(in) :: last !! last of the cells
+
+      associate (all => self%of_dimension(dimension))
+         if (all%run_last%n > 0) then
+            if (all%run_last%item(all%run_last%n) == first - 1 .and. all%run_owner%item(all%run_owner%n) == owner) then
+               all%run_last%item(all%run_last%n) = last
+               return
+            end if
+         end if
+         call all%run_owner%append(owner)
+         call all%run_first%append(first)
+         call all%run_last%append(last)
+      end associate
+   end subroutine gmsh_groups_add_run
+
+   !> Makes the groups sets of a raw mesh. Where there are physical surfaces, the body consists of them.
+   pure subroutine gmsh_groups_put(self, raw, input)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
+      type(input_file_t), intent(inout) :: input !! the file
+      integer :: dimension
+      logical :: has_surfaces
+
+      has_surfaces = .false.
+      do dimension = 0, 2
+         call put_dimension(self%of_dimension(dimension), self%has_entities, raw, input, has_surfaces)
+      end do
+      if (has_surfaces) call drop_others(raw)
+   end subroutine gmsh_groups_put
+
+   !> Makes the groups of one dimension sets of a raw mesh.
+   pure subroutine put_dimension(groups, has_entities, raw, input, has_any)
+      type(dimension_t), intent(in) :: groups !! the groups
+      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      logical, intent(out) :: has_any !! whether any cell belongs to a group
+      type(integer_list_t) :: tag, run
+      type(tag_map_t) :: map, names
+      integer :: cell, first, group, i, place, named
+
+      call list_pairs(groups, has_entities, raw, input, tag, run)
+      call new_tag_map(map, tag%items())
+      call new_tag_map(names, groups%named_tag%items())
+      has_any = tag%n > 0
+      first = 0
+      do place = 1, tag%n
+         if (map%tag(place) /= first) then
+            first = map%tag(place)
+            named = names%find(first)
+            if (named > 0) group = groups%named_group%item(named)
+            if (named == 0) call raw%get_group(input, to_text(first), group)
+         end if
+         i = run%item(map%item(place))
+         call raw%expect_members(input, groups%run_last%item(i) - groups%run_first%item(i) + 1)
+         if (allocated(input%error)) return
+         do cell = groups%run_first%item(i), groups%run_last%item(i)
+            call raw%groups(group)%cell%append(cell)
+            call raw%groups(group)%side%append(0)
+         end do
+      end do
+   end subroutine put_dimension
+
+   !> Lists the physical groups and the runs that belong to them.
+   pure subroutine list_pairs(groups, has_entities, raw, input, tag, run)
+      type(dimension_t), intent(in) :: groups !! the groups
+      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      type(integer_list_t), intent(out) :: tag !! numbers of physical groups
+      type(integer_list_t), intent(out) :: run !! a run that belongs to each
+      type(tag_map_t) :: entities
+      integer :: i, place
+
+      if (.not. has_entities) then
+         tag = groups%run_owner
+         call run%append_all([(i, i=1, tag%n)])
+         return
+      end if
+      call new_tag_map(entities, groups%entity%items())
+      do i = 1, groups%run_owner%n
+         do place = entities%first(groups%run_owner%item(i)), size(entities%tag)
+            if (entities%tag(place) /= groups%run_owner%item(i)) exit
+            call tag%append(groups%entity_tag%item(entities%item(place)))
+            call run%append(i)
+            call raw%expect_members(input, 1)
+            if (allocated(input%error)) return
+         end do
+      end do
+   end subroutine list_pairs
+
+   !> Takes the elements that belong to no set out of the body.
+   pure subroutine drop_others(raw)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      logical, allocatable :: is_kept(:)
+      integer :: cell, group, n_dropped
+
+      allocate (is_kept(raw%cell_kind%n), source=.false.)
+      do group = 1, raw%n_groups
+         is_kept(raw%groups(group)%cell%items()) = .true.
+      end do
+      n_dropped = 0
+      do cell = 1, size(is_kept)
+         if (is_kept(cell) .or. raw%cell_kind%item(cell) < 0) cycle
+         raw%cell_kind%item(cell) = no_cell
+         n_dropped = n_dropped + 1
+      end do
+      if (n_dropped > 0) call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
+   end subroutine drop_others
+
+   !> Takes the type of an element; refuses those that are not read.
+   pure subroutine take_cell_kind(input, kind)
+      type(input_file_t), intent(inout) :: input !! the file, at the type
+      integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
+      integer :: type, place
+
+      place = input%position
+      call input%take_integer(type, 'the type of an element')
+      kind = no_cell
+      if (type >= 1 .and. type <= size(kind_of_type)) kind = kind_of_type(type)
+      if (kind /= no_cell) return
+      select case (type)
+      case (4:7, 11:14, 17:19, 29:33)
+         call input%refuse('3-D mesh: found a '//solid_name(type)//' (Gmsh type '//to_text(type)// &
+            '), expected plane elements', place)
+      case (20:28, 36:40)
+         call input%refuse('elements of third or higher order (Gmsh type '//to_text(type)//') are not supported; '// &
+            'mesh with -order 1 or 2', place)
+      case default
+         call input%refuse('elements of Gmsh type '//to_text(type)//' are not supported: expected points (15), '// &
+            'lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', place)
+      end select
+   end subroutine take_cell_kind
+
+   !> What a type of solid elements is called.
+   pure function solid_name(type) result(name)
+      integer, intent(in) :: type !! number of the type
+      character(:), allocatable :: name
+
+      select case (type)
+      case (4, 11, 29:31)
+         name = 'tetrahedron'
+      case (5, 12, 17)
+         name = 'hexahedron'
+      case (6, 13, 18)
+         name = 'prism'
+      case (7, 14, 19)
+         name = 'pyramid'
+      case default
+         name = 'solid element'
+      end select
+   end function solid_name
+
+   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for elements.
+   elemental integer function dimension_of(kind)
+      integer, intent(in) :: kind !! the kind
+
+      dimension_of = merge(0, 1, kind == point1)
+      if (kind > 0) dimension_of = 2
+   end function dimension_of
+
+   !> Reads the section of the entities, of which only their physical groups matter.
+   pure subroutine read_entities_4(groups, input)
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
+      integer :: n(0:3), dimension, entity
+
+      call input%start_record()
+      do dimension = 0, 3
+         call input%take_size(n(dimension), 'the number of entities of dimension '//to_text(dimension))
+      end do
+      do dimension = 0, 3
+         call input%check_count(n(dimension), least_bytes, 'entities')
+      end do
+      call input%end_record()
+      do dimension = 0, 3
+         do entity = 1, n(dimension)
+            call read_entity(groups, input, dimension)
+            if (allocated(input%error)) return
+         end do
+      end do
+   end subroutine read_entities_4
+
+   !> Reads an entity: its number, its place or box, its physical groups, and what it is bounded by.
+   pure subroutine read_entity(groups, input, dimension)
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: dimension !! dimension of the entity
+      integer :: entity, group, i, n
+      real(dp) :: x
+
+      call input%start_record()
+      call input%take_integer(entity, 'the number of an entity')
+      if (entity < 0) call input%refuse('the number of an entity is negative')
+      do i = 1, merge(3, 6, dimension == 0)
+         call input%take_real(x, 'a coordinate of an entity')
+      end do
+      call input%take_size(n, 'the number of physical groups of an entity')
+      call input%check_count(n, least_bytes, 'physical groups')
+      do i = 1, n
+         call input%take_integer(group, 'a physical group')
+         if (allocated(input%error)) return
+         if (dimension == 3 .or. group == 0) cycle
+         call groups%of_dimension(dimension)%entity%append(entity)
+         call groups%of_dimension(dimension)%entity_tag%append(abs(group))
+      end do
+      if (dimension > 0) then
+         call input%take_size(n, 'the number of entities that bound an entity')
+         call input%check_count(n, least_bytes, 'bounding entities')
+         do i = 1, n
+            call input%take_integer(entity, 'a bounding entity')
+            if (allocated(input%error)) return
+         end do
+      end if
+      call input%end_record()
+   end subroutine read_entity
+
+   !> Reads the section of the nodes.
+   pure subroutine read_nodes_4(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
+      integer :: block, n_blocks, n_left
+
+      call take_section_header(input, n_blocks, n_left, 'nodes')
+      if (allocated(input%error)) return
+      do block = 1, n_blocks
+         call read_node_block(raw, input, n_left)
+         if (allocated(input%error)) return
+      end do
+      call check_none_left(input, n_left, 'nodes')
+   end subroutine read_nodes_4
+
+   !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things.
+   pure subroutine take_section_header(input, n_blocks, n, things)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(out) :: n_blocks !! number of blocks
+      integer, intent(out) :: n !! number of things
+      character(*), intent(in) :: things !! what the things are
+      integer :: least, greatest
+
+      call input%start_record()
+      call input%take_size(n_blocks, 'the number of blocks of '//things)
+      call input%take_size(n, 'the number of '//things)
+      call input%take_size(least, 'the least number of all '//things)
+      call input%take_size(greatest, 'the greatest number of all '//things)
+      call input%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
+      call input%check_count(n, 2*least_bytes, things)
+      call input%end_record()
+   end subroutine take_section_header
+
+   !> Refuses a section whose blocks hold fewer things than it announced.
+   pure subroutine check_none_left(input, n_left, things)
+      type(input_file_t), intent(inout) :: input !! the file, behind the section
+      integer, intent(in) :: n_left !! number of things announced that no block held
+      character(*), intent(in) :: things !! what the things are
+
+      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer '//things//' than announced', &
+         input%position - 1)
+   end subroutine check_none_left
+
+   !> Takes the number of things in a block, the last of its header.
+   pure subroutine take_block_size(input, n, n_left, things)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(out) :: n !! number of things in the block
+      integer, intent(inout) :: n_left !! number of things that the section still has to hold
+      character(*), intent(in) :: things !! what the things are
+
+      call input%take_size(n, 'the number of '//things//' of a block')
+      if (n > n_left) call input%refuse('the blocks hold more '//things//' than the section announced')
+      call input%end_record()
+      if (allocated(input%error)) n = 0
+      n_left = n_left - n
+   end subroutine take_block_size
+
+   !> Reads a block of nodes: their numbers, then their coordinates and the parameters on their entity.
+   pure subroutine read_node_block(raw, input, n_left)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file, at the block's header
+      integer, intent(inout) :: n_left !! number of nodes that the section still has to hold
+      integer, allocatable :: tags(:), places(:)
+      integer :: dimension, entity, i, has_parameters, n, n_numbers, node
+      real(dp) :: x(most_numbers)
+
+      call input%start_record()
+      call input%take_integer(dimension, 'the dimension of an entity')
+      call input%take_integer(entity, 'the number of an entity')
+      call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
+      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
+         'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
+      call take_block_size(input, n, n_left, 'nodes')
+      n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
+      allocate (tags(n), places(n))
+      do node = 1, n
+         call input%start_record()
+         places(node) = input%position
+         call input%take_size(tags(node), 'the number of a node')
+      end do
+      do node = 1, n
+         call input%start_record()
+         do i = 1, n_numbers
+            call input%take_real(x(i), 'a coordinate or parameter of a node')
+         end do
+         call input%end_record()
+         if (allocated(input%error)) return
+         call raw%add_node(tags(node), places(node), x(:3))
+      end do
+   end subroutine read_node_block
+
+   !> Reads the section of the elements.
+   pure subroutine read_elements_4(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
+      integer :: block, n_blocks, n_left
+
+      call take_section_header(input, n_blocks, n_left, 'elements')
+      if (allocated(input%error)) return
+      do block = 1, n_blocks
+         call read_element_block(raw, groups, input, n_left)
+         if (allocated(input%error)) return
+      end do
+      call check_none_left(input, n_left, 'elements')
+   end subroutine read_elements_4
+
+   !> Reads a block of elements of one type on one entity.
+   pure subroutine read_element_block(raw, groups, input, n_left)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file, at the block's header
+      integer, intent(inout) :: n_left !! number of elements that the section still has to hold
+      integer :: dimension, element, entity, first, i, kind, n, nodes(max_nodes), place, tag
+
+      call input%start_record()
+      call input%take_integer(dimension, 'the dimension of an entity')
+      call input%take_integer(entity, 'the number of an entity')
+      call take_cell_kind(input, kind)
+      if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
+         to_text(dimension)//', which is not their own')
+      call take_block_size(input, n, n_left, 'elements')
+      first = raw%cell_tag%n + 1
+      do element = 1, n
+         call input%start_record()
+         place = input%position
+         call input%take_size(tag, 'the number of an element')
+         do i = 1, n_cell_nodes(kind)
+            call input%take_size(nodes(i), 'a node of an element')
+         end do
+         call input%end_record()
+         if (allocated(input%error)) return
+         call raw%add_cell(kind, tag, place, nodes(:n_cell_nodes(kind)))
+      end do
+      if (n > 0) call groups%add_run(dimension, entity, first, raw%cell_tag%n)
+   end subroutine read_element_block
+
+   !> Reads the section of the nodes.
+   pure subroutine read_nodes_2(raw, input, is_parametric)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file, at the number of nodes
+      logical, intent(in) :: is_parametric !! whether entity and parameters follow the coordinates
+      integer :: dimension, entity, i, n, node, tag, place
+      real(dp) :: parameter, x(3)
+
+      call input%take_count(n, 'nodes')
+      call input%check_count(n, merge(least_node_bytes, least_node_text, input%is_binary), 'nodes')
+      if (allocated(input%error)) return
+      do node = 1, n
+         call input%start_record()
+         place = input%position
+         call input%take_integer(tag, 'the number of a node')
+         do i = 1, 3
+            call input%take_real(x(i), 'a coordinate')
+         end do
+         if (is_parametric) then
+            call input%take_integer(dimension, "the dimension of a node's entity")
+            call input%take_integer(entity, "the number of a node's entity")
+            ! Nodes in volumes have no parameters here.
+            if (dimension > 2) dimension = 0
+            do i = 1, dimension
+               call input%take_real(parameter, 'a parameter of a node')
+            end do
+         end if
+         call input%end_record()
+         if (allocated(input%error)) return
+         call raw%add_node(tag, place, x)
+      end do
+   end subroutine read_nodes_2
+
+   !> Reads the section of the elements.
+   pure subroutine read_elements_2(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file, at the number of elements
+      type(element_header_t) :: header
+      integer :: element, group, i, n, place, tag, tag_of_element
+
+      call input%take_count(n, 'elements')
+      call input%check_count(n, least_element, 'elements')
+      if (allocated(input%error)) return
+      do element = 1, n
+         call input%start_record()
+         place = input%position
+         if (input%is_binary) then
+            if (header%n_left == 0) call take_header(input, header, n - element + 1)
+            call input%take_integer(tag, 'the number of an element')
+         else
+            call input%take_integer(tag, 'the number of an element')
+            call take_header(input, header, n - element + 1)
+         end if
+         header%n_left = header%n_left - 1
+         group = 0
+         do i = 1, header%n_tags
+            call input%take_integer(tag_of_element, 'a tag of an element')
+            ! The first is its physical group; reversed ones have a minus.
+            if (i == 1) group = abs(tag_of_element)
+         end do
+         call take_element(raw, groups, input, header%kind, tag, group, place)
+         call input%end_record()
+         if (allocated(input%error)) return
+      end do
+   end subroutine read_elements_2
+
+   !> Takes the type, in a binary file the number of elements of it, and the number of tags.
+   pure subroutine take_header(input, header, n_left)
+      type(input_file_t), intent(inout) :: input !! the file
+      type(element_header_t), intent(inout) :: header !! the header
+      integer, intent(in) :: n_left !! number of elements that are still to come
+      integer :: place
+
+      call take_cell_kind(input, header%kind)
+      header%n_left = 1
+      place = input%position
+      if (input%is_binary) call input%take_integer(header%n_left, 'the number of elements of a type')
+      if (header%n_left < 1 .or. header%n_left > n_left) call input%refuse( &
+         'the elements of this type are more than those announced, or none', place)
+      place = input%position
+      call input%take_integer(header%n_tags, 'the number of tags of an element')
+      if (header%n_tags < 0 .or. header%n_tags > most_tags) call input%refuse( &
+         'the number of tags of an element is out of range', place)
+      if (allocated(input%error)) header%n_tags = 0
+   end subroutine take_header
+
+   !> Takes the nodes of an element.
+   pure subroutine take_element(raw, groups, input, kind, tag, group, place)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: kind !! kind of the element
+      integer, intent(in) :: tag !! its number
+      integer, intent(in) :: group !! its physical group, 0 for none
+      integer, intent(in) :: place !! where the file gives it
+      integer :: nodes(n_cell_nodes(kind)), cell, i
+
+      do i = 1, size(nodes)
+         call input%take_integer(nodes(i), 'a node of an element')
+      end do
+      if (allocated(input%error)) return
+      cell = raw%cell_tag%n
+      if (.not. is_twin(raw, cell, kind, nodes)) then
+         cell = cell + 1
+         call raw%add_cell(kind, tag, place, nodes)
+      end if
+      if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
+   end subroutine take_element
+
+   !> Whether an element is the one before once more: the format repeats it for every physical group it belongs to.
+   pure logical function is_twin(raw, cell, kind, nodes)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
+      integer, intent(in) :: cell !! the element before, 0 for none
+      integer, intent(in) :: kind !! kind of the element
+      integer, intent(in) :: nodes(:) !! its nodes
+      integer :: i
+
+      is_twin = .false.
+      if (cell == 0) return
+      if (raw%cell_kind%item(cell) /= kind) return
+      associate (twin => raw%cell_nodes(cell))
+         do i = 1, size(twin)
+            if (all(nodes /= twin(i))) return
+         end do
+      end associate
+      is_twin = .true.
+   end function is_twin
 
    !> Reads a mesh section by section. Faults go to the input.
    pure subroutine read_gmsh(raw, input)
@@ -28,12 +563,29 @@ contains
          call input%skip_white()
          if (input%position > len(input%text) .or. allocated(input%error)) exit
          call take_section_name(input, name)
-         if (version == 0) call check_first(input, name)
+         ! Older versions of the format begin otherwise.
+         if (version == 0 .and. name /= 'MeshFormat' .and. name /= 'Comments') call input%refuse( &
+            'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
          select case (name)
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
             if (index(seen, ' '//name//' ') > 0) call input%refuse('a second section $'//name)
             seen = seen//name//' '
-            call read_section(raw, groups, input, name, version)
+            call input%end_line()
+            select case (name)
+            case ('MeshFormat')
+               call read_format(input, version)
+               groups%has_entities = version == 4
+            case ('PhysicalNames')
+               call read_names(raw, groups, input)
+            case ('Entities')
+               call read_entities_4(groups, input)
+            case ('Nodes', 'ParametricNodes')
+               if (version == 4) call read_nodes_4(raw, input)
+               if (version == 2) call read_nodes_2(raw, input, name == 'ParametricNodes')
+            case default
+               if (version == 4) call read_elements_4(raw, groups, input)
+               if (version == 2) call read_elements_2(raw, groups, input)
+            end select
             call end_section(input, name)
          case ('PartitionedEntities')
             call input%refuse('a partitioned mesh; save it as one')
@@ -47,15 +599,6 @@ contains
          'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
       if (.not. allocated(input%error)) call groups%put(raw, input)
    end subroutine read_gmsh
-
-   !> Refuses everything but comments before the format; older versions of it begin otherwise.
-   pure subroutine check_first(input, name)
-      type(input_file_t), intent(inout) :: input !! the file, behind the name
-      character(*), intent(in) :: name !! name of a section
-
-      if (name /= 'MeshFormat' .and. name /= 'Comments') call input%refuse( &
-         'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
-   end subroutine check_first
 
    !> Takes the name of a section.
    pure subroutine take_section_name(input, name)
@@ -106,32 +649,6 @@ contains
          call end_section(input, name)
       end if
    end subroutine skip_section
-
-   !> Reads the contents of a section.
-   pure subroutine read_section(raw, groups, input, name, version)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(input_file_t), intent(inout) :: input !! the file, behind the name of the section
-      character(*), intent(in) :: name !! name of the section
-      integer, intent(inout) :: version !! 2 or 4
-
-      call input%end_line()
-      select case (name)
-      case ('MeshFormat')
-         call read_format(input, version)
-         groups%has_entities = version == 4
-      case ('PhysicalNames')
-         call read_names(raw, groups, input)
-      case ('Entities')
-         call read_entities_4(groups, input)
-      case ('Nodes', 'ParametricNodes')
-         if (version == 4) call read_nodes_4(raw, input)
-         if (version == 2) call read_nodes_2(raw, input, name == 'ParametricNodes')
-      case default
-         if (version == 4) call read_elements_4(raw, groups, input)
-         if (version == 2) call read_elements_2(raw, groups, input)
-      end select
-   end subroutine read_section
 
    !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
    pure subroutine read_format(input, version)

@@ -1,19 +1,28 @@
-!> Makes a mesh of a raw mesh: what can be put right is, with a note; the rest is refused.
+!> Makes a mesh of a raw mesh: harmless defects are repaired, with a note; the rest is refused.
+!>
+!> A mesh comes apart at slits and at hanging nodes, which lie in the side of an element without belonging to it. At a
+!> hanging node the elements on both sides have the ends of the long side in common, and nothing holds the nodes
+!> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_defects, only: find_hanging_node, find_slits
-   use amontons_mesh_sets, only: name_sets, renumbering_t
    use amontons_mesh_topology, only: new_side_table, number_pieces, side_element, side_place, side_table_t
-   use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes
+   use amontons_raw_mesh, only: n_cell_nodes, name_sets, raw_mesh_t, renumbering_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
    public :: new_clean_mesh
+
+   !> Sides of the boundary by the corner they lead to.
+   type :: incoming_sides_t
+      integer, allocatable :: start(:) !! corner that each side comes from (sides)
+      integer, allocatable :: before(:) !! side filed before it at the corner it leads to, 0 for none (sides)
+      integer, allocatable :: last(:) !! last side filed at each corner, 0 for none (nodes)
+   end type incoming_sides_t
 
    !> The body may leave its plane by this much of its size, as rounding does.
    real(dp), parameter :: flatness = 1.0e-9_dp
@@ -22,6 +31,118 @@ module amontons_mesh_cleanup
 
 contains
 
+   !> Finds an element with a hanging node in one of its sides: shorter sides lead from one end of that side to the
+   !> other along it. A slit, with nodes on both faces, is none, nor is its tip.
+   pure subroutine find_hanging_node(mesh, table, element, node)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of its elements
+      integer, intent(out) :: element !! the first element with a hanging node, 0 where there is none
+      integer, intent(out) :: node !! the node, 0 for none
+      type(incoming_sides_t) :: incoming
+      integer :: corners(3), number, side
+
+      call collect_incoming(incoming, mesh, table)
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         corners = mesh%side(side_element(number), side_place(number))
+         call follow(incoming, mesh%coordinates, corners(1), corners(2), node)
+         if (node == 0) cycle
+         element = side_element(number)
+         return
+      end do
+      element = 0
+      node = 0
+   end subroutine find_hanging_node
+
+   !> Counts the ends of slits: nodes from which on two sides of the boundary run along each other, the body left and
+   !> right of them. A crack is a slit; so is the line between parts that touch without having their nodes in common.
+   pure subroutine find_slits(mesh, table, n_ends, node)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of its elements
+      integer, intent(out) :: n_ends !! number of the ends
+      integer, intent(out) :: node !! the first of them, 0 for none
+      ! Directions that differ by no more than this angle are one; less is left of them by the digits of a file [-].
+      real(dp), parameter :: same = 1.0e-4_dp
+      type(incoming_sides_t) :: incoming
+      integer :: corners(3), number, other, side
+      real(dp) :: along(2), way(2)
+
+      call collect_incoming(incoming, mesh, table)
+      n_ends = 0
+      node = 0
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         corners = mesh%side(side_element(number), side_place(number))
+         along = mesh%coordinates(:, corners(2)) - mesh%coordinates(:, corners(1))
+         other = incoming%last(corners(1))
+         do while (other > 0)
+            way = mesh%coordinates(:, incoming%start(other)) - mesh%coordinates(:, corners(1))
+            other = incoming%before(other)
+            if (abs(way(1)*along(2) - way(2)*along(1)) > same*dot_product(way, along)) cycle
+            n_ends = n_ends + 1
+            if (node == 0) node = corners(1)
+         end do
+      end do
+   end subroutine find_slits
+
+   !> Files the sides of the boundary by the corner they lead to.
+   pure subroutine collect_incoming(incoming, mesh, table)
+      type(incoming_sides_t), intent(out) :: incoming !! the sides
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of its elements
+      integer :: corners(3), number, side
+
+      allocate (incoming%start(table%n_sides), incoming%before(table%n_sides), source=0)
+      allocate (incoming%last(mesh%n_nodes), source=0)
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         corners = mesh%side(side_element(number), side_place(number))
+         incoming%start(side) = corners(1)
+         incoming%before(side) = incoming%last(corners(2))
+         incoming%last(corners(2)) = side
+      end do
+   end subroutine collect_incoming
+
+   !> Goes from one corner of a side to the other along shorter sides of the elements opposite, against their
+   !> direction.
+   pure subroutine follow(incoming, coordinates, from, to, node)
+      type(incoming_sides_t), intent(in) :: incoming !! the sides of the boundary
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, nodes) [L]
+      integer, intent(in) :: from !! the corner to come from
+      integer, intent(in) :: to !! the corner to go to
+      integer, intent(out) :: node !! the first node on the way, 0 if the way does not lead there
+      ! Nodes of a curved interface lie beside the chord, by far less than this share of it; but on the element's own
+      ! side by no more than what the digits of a file leave: across a thin body there may be a way as well.
+      real(dp), parameter :: outer_width = 0.02_dp, inner_width = 1.0e-4_dp
+      real(dp) :: along(2), reached, way(2)
+      integer :: at, side
+
+      node = 0
+      along = (coordinates(:, to) - coordinates(:, from))/sum((coordinates(:, to) - coordinates(:, from))**2)
+      reached = 0.0_dp
+      at = from
+      do
+         side = incoming%last(at)
+         do while (side > 0)
+            way = coordinates(:, incoming%start(side)) - coordinates(:, from)
+            ! Along the side, and off it to the right, where no element should be; in parts of the side.
+            way = [dot_product(way, along), way(1)*along(2) - way(2)*along(1)]
+            if (incoming%start(side) == to) exit
+            if (way(1) > reached .and. way(1) < 1.0_dp .and. way(2) > -inner_width .and. way(2) < outer_width) exit
+            side = incoming%before(side)
+         end do
+         if (side == 0) exit
+         at = incoming%start(side)
+         if (at == to) return
+         if (node == 0) node = at
+         reached = way(1)
+      end do
+      node = 0
+   end subroutine follow
+
    !> Makes a mesh of a raw mesh. Faults go to the input, notes to the raw mesh.
    pure subroutine new_clean_mesh(mesh, raw, input)
       type(mesh_t), intent(out) :: mesh !! the mesh
@@ -29,8 +150,8 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       type(renumbering_t) :: renumbering
       type(side_table_t) :: table
-      integer, allocatable :: cell_of(:)
-      integer :: element
+      integer, allocatable :: cell_of(:), piece(:)
+      integer :: element, n_ends, n_pieces, node
 
       call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
@@ -46,8 +167,12 @@ contains
       if (allocated(input%error)) return
       call check_neighbors(mesh, raw, input, cell_of, table)
       if (allocated(input%error)) return
-      call warn_of_pieces(mesh)
-      call warn_of_slits(mesh, table)
+      call number_pieces(mesh, piece, n_pieces)
+      if (n_pieces > 1) call mesh%warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no nodes')
+      call find_slits(mesh, table, n_ends, node)
+      if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
+         to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
+         ': from there on, elements touch without sharing their nodes')
       allocate (renumbering%element(raw%cell_tag%n), source=0)
       renumbering%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, raw, input, table, renumbering)
@@ -196,7 +321,8 @@ contains
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
       real(dp) :: x(2, 4)
-      integer :: element, first, n
+      integer :: element, first, i, n
+      logical :: is_sound
 
       allocate (is_turned(mesh%n_elements))
       do element = 1, mesh%n_elements
@@ -208,8 +334,11 @@ contains
             call turn(mesh%node(first:mesh%node_start(element + 1) - 1), n)
             x(:, 2:n) = x(:, n:2:-1)
          end if
-         if (.not. doubled_area(x(:, :n)) > 0.0_dp .or. (n == n_element_nodes(mesh%element_kind(element)) &
-            .and. .not. is_convex(x(:, :n)))) then
+         is_sound = doubled_area(x(:, :n)) > 0.0_dp
+         ! To the left at each corner.
+         if (n == n_element_nodes(mesh%element_kind(element))) is_sound = is_sound .and. all([(cross( &
+            x(:, mod(i, n) + 1) - x(:, i), x(:, mod(i + 1, n) + 1) - x(:, mod(i, n) + 1)) > 0.0_dp, i=1, n)])
+         if (.not. is_sound) then
             call refuse_cell(input, raw, cell_of(element), &
                'is degenerate: its corners must go round a convex area')
             return
@@ -234,19 +363,6 @@ contains
          doubled_area = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
       end if
    end function doubled_area
-
-   !> Whether corners go round a convex area, to the left at each of them.
-   pure logical function is_convex(x)
-      real(dp), intent(in) :: x(:, :) !! coordinates of the corners (2, corners) [L]
-      integer :: i, n
-
-      n = size(x, 2)
-      is_convex = .true.
-      do i = 1, n
-         is_convex = is_convex .and. &
-            cross(x(:, mod(i, n) + 1) - x(:, i), x(:, mod(i + 1, n) + 1) - x(:, mod(i, n) + 1)) > 0.0_dp
-      end do
-   end function is_convex
 
    !> The component of a cross product that is normal to the plane.
    pure real(dp) function cross(a, b)
@@ -301,28 +417,5 @@ contains
          return
       end do
    end subroutine check_neighbors
-
-   !> Warns that a body is not one: pieces that touch without sharing a node do not hold together.
-   pure subroutine warn_of_pieces(mesh)
-      type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
-      integer, allocatable :: piece(:)
-      integer :: n_pieces
-
-      call number_pieces(mesh, piece, n_pieces)
-      if (n_pieces > 1) call mesh%warnings%add( &
-         'the body consists of '//to_text(n_pieces)//' pieces that share no nodes')
-   end subroutine warn_of_pieces
-
-   !> Warns where elements touch without sharing nodes.
-   pure subroutine warn_of_slits(mesh, table)
-      type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
-      type(side_table_t), intent(in) :: table !! the sides of the elements
-      integer :: n_ends, node
-
-      call find_slits(mesh, table, n_ends, node)
-      if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
-         to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
-         ': from there on, elements touch without sharing their nodes')
-   end subroutine warn_of_slits
 
 end module amontons_mesh_cleanup

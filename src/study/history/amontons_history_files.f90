@@ -7,7 +7,6 @@ module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
-   use amontons_collection, only: case_entries, collection_t, collection_tail
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t
@@ -15,7 +14,7 @@ module amontons_history_files
    use amontons_history_walk, only: history_walk_t
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
-   use amontons_manifest, only: manifest_t
+   use amontons_manifest, only: case_entries, collection_t, collection_tail, manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_system, only: make_directory

@@ -3,7 +3,6 @@
 !> NAME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
 module amontons_history_table
    use amontons_body, only: body_t
-   use amontons_collection, only: collection_head
    use amontons_cycle_watch, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names
    use amontons_document, only: field, status_runs
    use amontons_friction_law, only: status_names
@@ -12,6 +11,7 @@ module amontons_history_table
    use amontons_history_walk, only: history_walk_t
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
+   use amontons_manifest, only: collection_head
    use amontons_stepper, only: step_state_t
    use amontons_text, only: as_lines, comma_separated, longest_decimal, newline, to_text
    implicit none (type, external)

@@ -5,12 +5,11 @@
 module amontons_sweep_fields
    use amontons_body, only: body_t
    use amontons_case_error, only: estimate_error
-   use amontons_collection, only: collection_t, new_collection
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_load_case, only: recover_displacement
-   use amontons_manifest, only: manifest_t
+   use amontons_manifest, only: collection_t, manifest_t, new_collection
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_stress_field, only: new_stress_field
