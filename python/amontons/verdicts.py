@@ -10,6 +10,8 @@ from amontons.numerals import scientific
 SENTENCES = {
     "equilibrium": "forces at some node do not balance",
     "penetration": "the body penetrates the obstacle",
+    "penetration_outside": "the boundary outside the contact sets penetrates an obstacle or another body: enlarge the "
+        "sets so that they contain all that may touch",
     "tension": "the obstacle pulls at the body",
     "friction_excess": "friction exceeds its bound",
     "complementarity": "there is a contact force across a gap",
@@ -46,6 +48,10 @@ def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
     is_certified = bool(found_violations) and summary["certificate"]["passed"]
     faults = [SENTENCES.get(name, f"{name.replace('_', ' ')} is too large")
               for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
+    steps = summary.get("load_history", {})
+    if is_certified and steps.get("violation", 0.0) > summary["certificate"]["limit"]:
+        is_certified, largest = False, max(largest, steps["violation"])
+        faults = [f"step {steps['violation_step']} violates a condition by {scientific(steps['violation'], 2)}"]
     found = f"On {what}: {'; '.join(faults)}. " if faults else ""
     if "sweep" in summary and not (is_certified and summary["sweep"]["solved"] == summary["sweep"]["cases"]):
         return _verdict_of_sweep(summary["sweep"], is_certified, found)
@@ -54,8 +60,8 @@ def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
         color = "amber" if summary.get("warnings") else "green"
         return color, f"Solved and certified: largest relative error on {what} {scientific(largest, 2)} " \
             f"(limit {scientific(summary['certificate']['limit'], 2)}){which}."
-    if not summary.get("load_history", {}).get("complete", True):
-        return "amber", f"Incomplete: {summary['load_history']['end']}. What is shown is the last state, " + \
+    if not steps.get("complete", True):
+        return "amber", f"Incomplete: {steps['end']}. What is shown is the last state, " + \
             ("certified." if is_certified else "not certified. " + found)
     if not summary["converged"]:
         residual_text = "not a number" if residual is None else scientific(residual, 2)
@@ -64,6 +70,9 @@ def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
     if residual is not None and max(residual, largest) <= USABLE:
         return "amber", found + f"No error exceeds {scientific(USABLE, 2)} of its scale: good enough to look at, not " \
             "to cite. Raise max_iterations, or use method = 'auto'."
+    if summary["converged"] and all(name == "penetration_outside" for name, value in found_violations.items()
+           if value > summary["certificate"]["limit"]):
+        return "red", found + "Do not use these numbers."
     if summary["converged"]:
         return "red", found + "Do not use these numbers. The stiffness may be ill-conditioned: look for slivers in " \
             "the mesh, for moduli that differ by many powers of ten, and for a Poisson's ratio close to 0.5."

@@ -3,6 +3,7 @@ module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_contact_rows, only: turned
+   use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: max_corners, n_corners
@@ -22,22 +23,27 @@ module amontons_result_warnings
 
    !> What is doubtful about a case of a sweep, as its row names it.
    character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &
-      'few_points', 'pressure_jump', 'large_strain']
+      'few_points', 'pressure_jump', 'large_strain', 'end_of_set']
    !> The same as a sentence, on rigid obstacles.
    character(99), parameter :: case_warning_sentences(size(case_warning_names)) = [character(99) :: &
       "displacement of contact points above 5 % of the body's size; the theory is for small displacements", &
       'nothing touches the obstacle', &
       'fewer than 3 contact points closed: the mesh is too coarse for the pressure there', &
       'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it', &
-      "contact pressure above 2 % of Young's modulus; the theory is for small strains"]
+      "contact pressure above 2 % of Young's modulus; the theory is for small strains", &
+      'the contact reaches an end of its set and the boundary goes on: enlarge the set']
 
    !> Their number.
    integer, parameter, public :: n_case_warnings = size(case_warning_names)
-   !> Which of them tell that displacements or strains are too large for the theory.
-   logical, parameter, public :: is_limit_of_theory(n_case_warnings) = [.true., .false., .false., .false., .true.]
+   !> Which of them say that theory or model do not hold: displacements or strains that are too large, or a set that is
+   !> too small.
+   logical, parameter, public :: is_limit_of_model(n_case_warnings) = [.true., .false., .false., .false., .true., &
+      .true.]
 
    !> Number of the one that nothing touches.
    integer, parameter :: no_contact = 2
+   !> Number of the one that contact reaches the end of a set.
+   integer, parameter, public :: end_of_set = 6
 
    !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
@@ -48,10 +54,15 @@ contains
    subroutine add_result_warnings(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
+      integer, allocatable :: reached(:)
+      integer :: peak
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
       call add_size_warnings(result%warnings, body, result%displacement)
+      reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
+         result%load_case%gap, result%solution%status)
+      call add_reached_ends(result, body, reached)
       associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
          lacks => lacks_points(result%solution%status))
          if (lacks(1)) then
@@ -62,9 +73,11 @@ contains
                '; refine it there, or see with --refine 2 what converges')
          else if (zone%n_points > 2) then
             associate (pressure => result%solution%force(:zone%n_points)/zone%area)
-               if (jump_at(zone, pressure) > 0) then
+               peak = jump_at(zone, pressure)
+               ! The pressure grows at an end because the set ends there, not because the mesh is coarse.
+               if (peak > 0 .and. .not. is_at_end(body, reached, peak)) then
                   call add_pressure_jump(result, body, pressure)
-               else
+               else if (peak == 0) then
                   call add_mesh_warnings(result, body)
                end if
             end associate
@@ -76,6 +89,31 @@ contains
       call add_lost_friction(result, body)
       call add_couples(result, body)
    end subroutine add_result_warnings
+
+   !> Warns of contact that reaches an end of its set beyond which body and obstacle go on.
+   subroutine add_reached_ends(result, body, reached)
+      type(result_t), intent(inout) :: result !! the result; gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: reached(:) !! these ends, places in the body's free boundary
+      character(:), allocatable :: set
+      real(dp) :: depth
+      integer :: i, deepest
+
+      call body%free_boundary%penetration(result%load_case%contacts, result%load_case%lies_outside, &
+         body%mesh%coordinates, result%displacement, depth, deepest)
+      do i = 1, size(reached)
+         associate (set_end => body%free_boundary%ends(reached(i)))
+            set = result%load_case%contacts(set_end%set)%set
+            if (set_end%is_of_master) set = result%load_case%contacts(set_end%set)%pairing%against
+            call result%warnings%add('the contact reaches the end of its set at '// &
+               result%warnings%place(set_end%position)//" and the boundary goes on: enlarge the set '"//set//"'")
+         end associate
+      end do
+      if (deepest > 0) call result%warnings%add('the boundary outside the contact sets penetrates the obstacle '// &
+         'or the other body by '//result%warnings%number(depth, 'L')//' at '//result%warnings%place( &
+         body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets so that they '// &
+         'contain all that may touch, or end the obstacle')
+   end subroutine add_reached_ends
 
    !> What is doubtful about a case of a sweep as a sentence.
    pure function case_warning_sentence(kind, zone) result(sentence)
@@ -206,23 +244,42 @@ contains
    end subroutine add_couples
 
    !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
-   pure subroutine find_case_warnings(is_raised, zone, size_of_body, young, solution)
+   pure subroutine find_case_warnings(is_raised, body, size_of_body, contacts, gap, solution)
       logical, intent(out) :: is_raised(size(case_warning_names)) !! which of the warnings it deserves
-      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
-      real(dp), intent(in) :: young !! the largest Young's modulus of the body [F/L^2]
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
+      real(dp), intent(in) :: gap(:) !! distances of the points before any displacement (m) [L]
       type(contact_solution_t), intent(in) :: solution !! the solution
-      integer :: m
+      integer, allocatable :: reached(:)
+      integer :: m, peak
 
-      m = zone%n_points
+      m = body%zone%n_points
       is_raised = .false.
       if (m == 0) return
       is_raised(1) = maxval(hypot(solution%displacement(:m), solution%displacement(m + 1:))) &
          > large_displacement*size_of_body
       is_raised(2:3) = lacks_points(solution%status)
-      is_raised(5) = maxval(solution%force(:m)/zone%area) > large_strain*young
-      if (m > 2 .and. .not. any(is_raised(2:3))) is_raised(4) = jump_at(zone, solution%force(:m)/zone%area) > 0
+      is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young)
+      reached = body%free_boundary%reached_ends(contacts, body%mesh%coordinates, gap, solution%status)
+      is_raised(end_of_set) = size(reached) > 0
+      if (m <= 2 .or. any(is_raised(2:3))) return
+      peak = jump_at(body%zone, solution%force(:m)/body%zone%area)
+      is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak)
    end subroutine find_case_warnings
+
+   !> Whether a point is next to an end of a set that contact reaches, or beside such a point.
+   pure logical function is_at_end(body, reached, point)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: reached(:) !! these ends, places in the body's free boundary
+      integer, intent(in) :: point !! the point, 0 for none
+
+      is_at_end = .false.
+      if (point == 0) return
+      associate (at_ends => body%free_boundary%ends(reached)%point, next => body%zone%next)
+         is_at_end = any(at_ends == point .or. next(at_ends) == point .or. at_ends == next(point))
+      end associate
+   end function is_at_end
 
    !> Whether of contact points none is closed, and whether too few of them are for a pressure.
    pure function lacks_points(status) result(lacks)

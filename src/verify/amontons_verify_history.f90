@@ -19,6 +19,7 @@ module amontons_verify_history
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, result_t
+   use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, worst_step_t
    use amontons_stepper, only: step_state_t, take_step
@@ -163,6 +164,8 @@ contains
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history where it begins; gains the steps
       type(cache_t), intent(inout) :: cache !! the body
+      type(result_t) :: step
+      type(error_t), allocatable :: error
       integer :: row, i, n_faults
 
       n_faults = case%faults%n
@@ -181,6 +184,16 @@ contains
             end select
          end do
          if (case%faults%n > n_faults) return
+         associate (result => again%result, number => again%result%walk%n_steps)
+            ! The run certified it, as it did those with grids.
+            if (result%last_warned(end_of_set) == number .and. &
+               .not. is_shown(number, again%model%history%fields_every)) then
+               call new_step_result(step, cache, again%model, result%walk, error)
+               ! not raised: the numbers of the step were finite
+               if (allocated(error)) return
+               call again%result%note_certificate(step%certificate%largest())
+            end if
+         end associate
       end do
       do i = 2, size(again%tables)
          associate (table => again%tables(i))

@@ -15,7 +15,7 @@ module amontons_surface
    implicit none (type, external)
    private
 
-   public :: cross_product, meshed_body_t, new_surface, side_order, surface_place_t, surface_t
+   public :: cross_product, join_sides, meshed_body_t, new_surface, side_order, surface_place_t, surface_t
 
    !> A mesh with its materials and supports.
    type :: meshed_body_t
@@ -84,15 +84,27 @@ contains
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
       type(error_t), allocatable, intent(out) :: error !! there is no such set
+      integer, allocatable :: sides(:, :)
+
+      call body%mesh%set_sides(set, sides, error)
+      if (allocated(error)) return
+      call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
+      call mirror_ends(surface, body)
+   end subroutine new_surface
+
+   !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry, too.
+   pure subroutine join_sides(surface, body, sides)
+      type(surface_t), intent(out) :: surface !! the surface
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer, intent(in) :: sides(:, :)
+         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(surface_place_t) :: place
       real(dp) :: begin
       integer :: i, k
 
-      call body%mesh%set_sides(set, surface%side, error)
-      if (allocated(error)) return
-      surface%side = surface%side(:, side_order(surface%side, line, body%mesh%n_nodes))
-      surface%n_sides = size(surface%side, 2)
+      surface%side = sides
+      surface%n_sides = size(sides, 2)
       surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
       allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
          surface%arc_length(surface%n_sides))
@@ -113,8 +125,7 @@ contains
          end do
       end do
       call average_normals(surface, body%mesh%n_nodes)
-      call mirror_ends(surface, body)
-   end subroutine new_surface
+   end subroutine join_sides
 
    !> Gives nodes between two sides the mean of their normals, unless these differ too much.
    pure subroutine average_normals(surface, n_nodes)

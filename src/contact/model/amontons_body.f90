@@ -15,6 +15,7 @@ module amontons_body
    use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, new_contact_zone
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_graph, only: half_bandwidth
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
@@ -52,6 +53,7 @@ module amontons_body
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
       type(contact_zone_t) :: zone !! the contact points
+      type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
@@ -111,6 +113,7 @@ contains
          bonds(body%ties))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
+      call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       call integrate_ties(body)
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)

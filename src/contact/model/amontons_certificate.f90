@@ -20,6 +20,8 @@ module amontons_certificate
       real(dp) :: equilibrium = 0.0_dp
          !! |K u - f_th - f + C^T lambda| on the unknowns / size of the forces, or more [-]
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
+      real(dp) :: penetration_outside = 0.0_dp
+         !! the same of the free boundary beyond the ends of contact sets [-]
       real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
       real(dp) :: complementarity = 0.0_dp
@@ -218,8 +220,8 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_points), largest_displacement
-      real(dp) :: at_points(2*body%zone%n_points)
-      integer :: m
+      real(dp) :: at_points(2*body%zone%n_points), depth
+      integer :: m, deepest
 
       m = body%zone%n_points
       at_points = body%checked_rows%displacement(displacement)
@@ -227,6 +229,9 @@ contains
       where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
       slip = at_points(m + 1:) - load_case%anchor
       largest_displacement = maxval(abs(displacement))
+      call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
+         displacement, depth, deepest)
+      certificate%penetration_outside = relative(depth, largest_displacement)
       associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale)
@@ -408,6 +413,7 @@ contains
 
       list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), &
          quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+         quantity_t('penetration_outside', 'Penetration outside the sets', self%penetration_outside, 1.0_dp), &
          quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
          quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
          quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &

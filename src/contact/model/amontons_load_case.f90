@@ -44,6 +44,8 @@ module amontons_load_case
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
+      logical, allocatable :: lies_outside(:)
+         !! which nodes of the free boundary lie outside what they face, from `new_load_case` (free nodes)
       real(dp), allocatable :: friction(:)
          !! Coulomb coefficient phi of the forces, that of the stresses where both act on the same area (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
@@ -83,6 +85,8 @@ contains
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
+      load_case%lies_outside = body%free_boundary%lies_outside(contacts, body%mesh%coordinates, body%zone, &
+         load_case%gap)
       load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)

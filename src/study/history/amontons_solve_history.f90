@@ -7,7 +7,7 @@ module amontons_solve_history
    use amontons_error, only: error_t, new_error
    use amontons_history, only: is_shown
    use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
-   use amontons_history_model, only: history_model_t, new_history_model
+   use amontons_history_model, only: history_model_t, moved_contacts, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
@@ -16,8 +16,8 @@ module amontons_solve_history
    use amontons_manifest, only: manifest_t
    use amontons_report, only: study_files_t
    use amontons_result, only: result_t
-   use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, find_case_warnings, &
-      is_limit_of_theory, n_case_warnings
+   use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
+      is_limit_of_model, n_case_warnings
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
@@ -250,8 +250,12 @@ contains
             if (walk%n_steps == n_kept) exit
             call result%note_step(cache%body, model)
             call files%add_step(model, cache%body, walk)
-            if (is_shown(walk%n_steps, history%fields_every)) call add_fields(cache, model, files, result, &
-               error)
+            ! Where contact reaches the end of a set, the boundary beyond it is looked at.
+            if (is_shown(walk%n_steps, history%fields_every)) then
+               call certify_step(cache, model, result, error, files)
+            else if (result%last_warned(end_of_set) == walk%n_steps) then
+               call certify_step(cache, model, result, error)
+            end if
             if (allocated(error)) return
             ! A step may take microseconds, or seconds.
             is_due = files%checkpoint%is_due()
@@ -280,8 +284,8 @@ contains
          call self%residual%note(state%solution%residual, walk%n_steps)
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
-         call find_case_warnings(is_warned, body%zone, model%size_of_body, maxval(body%materials%list%young), &
-            state%solution)
+         call find_case_warnings(is_warned, body, model%size_of_body, &
+            moved_contacts(model%fixed%contacts, state%instant%motions), state%instant%gap, state%solution)
          where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
          where (is_warned) self%last_warned = walk%n_steps
          self%n_warned = self%n_warned + merge(1, 0, is_warned)
@@ -317,28 +321,29 @@ contains
             ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
             'there; most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
          do i = 1, n_case_warnings
-            if (.not. is_limit_of_theory(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
+            if (.not. is_limit_of_model(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
             call warnings%add(to_text(self%n_warned(i))//' of '//to_text(n_steps)//' steps, step '// &
                to_text(self%warned_step(i))//' the first: '//case_warning_sentence(i, body%zone))
          end do
       end associate
    end subroutine history_result_add_warnings
 
-   !> Certifies the present step and writes its grids.
-   subroutine add_fields(cache, model, files, result, error)
+   !> Certifies the present step, and writes its grids where they are asked for.
+   subroutine certify_step(cache, model, result, error, files)
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
-      type(history_files_t), intent(inout) :: files !! gain the grids
       type(history_result_t), intent(inout) :: result !! gains the violation
-      type(error_t), allocatable, intent(out) :: error !! the grids cannot be written
+      type(error_t), allocatable, intent(out) :: error !! the numbers are not finite, or the grids cannot be written
+      type(history_files_t), intent(inout), optional :: files !! gain the grids
       type(result_t) :: step
 
       step%wants_error_estimate = result%last%wants_error_estimate
       call new_step_result(step, cache, model, result%walk, error)
       if (allocated(error)) return
       call result%note_certificate(step%certificate%largest())
-      call files%add_fields(cache%body, result%walk%n_steps, to_text(result%walk%state%instant%time), step, error)
-   end subroutine add_fields
+      if (present(files)) call files%add_fields(cache%body, result%walk%n_steps, &
+         to_text(result%walk%state%instant%time), step, error)
+   end subroutine certify_step
 
    !> Makes the result of a step: displacements of all nodes, and their certificate.
    subroutine new_step_result(step, cache, model, walk, error)

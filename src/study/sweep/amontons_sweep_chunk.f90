@@ -247,6 +247,7 @@ contains
       type(newton_t) :: newton
       real(dp), allocatable :: amounts(:)
       type(error_t), allocatable :: error
+      integer, allocatable :: reached(:)
       integer :: n_iterations
       logical :: is_solved, has_equilibrium
 
@@ -277,8 +278,14 @@ contains
       kept%force_error = force_error(problem, solution, &
          task%model%largest_force(task%sweep%values(number)))
       kept%n_iterations = solution%n_iterations + merge(0, n_iterations, is_solved)
-      if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, &
-         task%model%size_of_body, maxval(body%materials%list%young), solution)
+      if (.not. solution%is_converged) return
+      associate (fixed => task%model%fixed)
+         call find_case_warnings(kept%is_warned, body, task%model%size_of_body, fixed%contacts, fixed%gap, solution)
+         ! What lies beyond an end of a set bears no force: that of the end is in doubt.
+         reached = body%free_boundary%reached_ends(fixed%contacts, body%mesh%coordinates, fixed%gap, solution%status)
+         kept%force_error = max(kept%force_error, max(0.0_dp, maxval(solution%force( &
+            body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
+      end associate
    end subroutine solve_one
 
    !> Solves a case from rest, if the loads have an equilibrium.

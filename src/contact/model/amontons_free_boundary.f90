@@ -1,0 +1,531 @@
+!> The free boundary beyond the ends of contact sets: its nodes, on which no contact force acts, may move into the
+!> obstacle of the set or into the other body of a pair.
+!>
+!> From each end of a set the boundary is followed, past corners, up to the next contact set or tie. Distances are
+!> measured as at contact points: along the normals of the boundary, for small displacements. A corner is measured along
+!> the normals of both its sides.
+module amontons_free_boundary
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_error, only: error_t
+   use amontons_friction_law, only: open_point
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_mortar_segments, only: meet_master, meeting_t, sides_near
+   use amontons_obstacle, only: steepest_cosine, unit_vector
+   use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
+   use amontons_surface, only: join_sides, meshed_body_t, surface_place_t, surface_t
+   implicit none (type, external)
+   private
+
+   public :: free_boundary_t, new_free_boundary
+
+   !> A node of the free boundary, with a direction along which it may meet an obstacle or another body.
+   type :: free_node_t
+      integer :: node = 0 !! number of the node
+      integer :: set = 0 !! the contact set whose obstacle or pair it may meet
+      real(dp) :: normal(2) = 0.0_dp !! unit outward normal of the body, or the set's given direction [-]
+      integer :: facing(3) = 0
+         !! first corner, second corner, middle or 0 of the side of the other body that it faces; 0 with an obstacle
+      real(dp) :: share(3) = 0.0_dp !! shape functions of these nodes at the place that it faces [-]
+      real(dp) :: distance = 0.0_dp !! distance to this place along the normal; 0 with an obstacle [L]
+   end type free_node_t
+
+   !> An end of a contact set beyond which the boundary of the body goes on without a corner.
+   type :: set_end_t
+      integer :: set = 0 !! number of the contact set
+      logical :: is_of_master = .false. !! whether it is the set of the other body of the pair that ends
+      integer :: point = 0 !! the contact point next to the end
+      integer :: beyond = 0 !! the first node beyond it, its place in `free_boundary_t`
+      real(dp) :: position(2) = 0.0_dp !! where the set ends [L]
+   end type set_end_t
+
+   !> The free boundary beyond the ends of all contact sets of a body.
+   type :: free_boundary_t
+      type(free_node_t), allocatable :: nodes(:) !! its nodes, a corner twice
+      type(set_end_t), allocatable :: ends(:) !! the ends of sets beyond which it goes on
+   contains
+      procedure, private :: add_end => free_boundary_add_end
+      procedure :: lies_outside => free_boundary_lies_outside
+      procedure :: penetration => free_boundary_penetration
+      procedure :: reached_ends => free_boundary_reached_ends
+      procedure, private :: add_obstacle => free_boundary_add_obstacle
+      procedure, private :: add_pair => free_boundary_add_pair
+   end type free_boundary_t
+
+   !> The sides of the boundary of a mesh.
+   type :: outline_t
+      integer, allocatable :: side(:, :)
+         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
+      integer, allocatable :: from(:) !! the side that begins at each node, 0 for none or several (nodes)
+      integer, allocatable :: to(:) !! the side that ends there, 0 for none or several (nodes)
+      logical, allocatable :: is_taken(:) !! whether a side belongs to a contact set or tie (sides)
+      logical, allocatable :: is_taken_node(:) !! whether a node belongs to one (nodes)
+   end type outline_t
+
+   !> A boundary set with the boundary beyond its ends.
+   type :: extended_set_t
+      type(surface_t) :: surface !! the sides of the set, and those beyond its ends
+      integer :: n_own = 0 !! number of the former
+      integer, allocatable :: end_side(:) !! the sides of the set at its ends (ends)
+      integer, allocatable :: beyond(:) !! the sides that follow beyond them (ends)
+   end type extended_set_t
+
+contains
+
+   !> Follows the boundary beyond the ends of all contact sets.
+   subroutine new_free_boundary(boundary, body, contacts, zone, ties)
+      type(free_boundary_t), intent(out) :: boundary !! the free boundary
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(contact_zone_t), intent(in) :: zone !! their points
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      type(outline_t) :: outline
+      integer :: i
+
+      allocate (boundary%nodes(0), boundary%ends(0))
+      if (size(contacts) == 0) return
+      call new_outline(outline, body%mesh)
+      do i = 1, size(contacts)
+         call take_set(outline, body%mesh, contacts(i)%set)
+         if (contacts(i)%pairing%is_pair()) call take_set(outline, body%mesh, contacts(i)%pairing%against)
+      end do
+      do i = 1, size(ties)
+         call take_set(outline, body%mesh, ties(i)%set)
+         call take_set(outline, body%mesh, ties(i)%against)
+      end do
+      do i = 1, size(contacts)
+         if (contacts(i)%pairing%is_pair()) then
+            call boundary%add_pair(i, contacts(i), outline, body, zone)
+         else
+            call boundary%add_obstacle(i, contacts(i), outline, body, zone)
+         end if
+      end do
+   end subroutine new_free_boundary
+
+   !> Lists the sides of the boundary of a mesh.
+   pure subroutine new_outline(outline, mesh)
+      type(outline_t), intent(out) :: outline !! the sides, none of them taken
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t) :: table
+      integer :: n_from(mesh%n_nodes), n_to(mesh%n_nodes), overlapping(2), number, i, n
+
+      call new_side_table(table, mesh, overlapping)
+      allocate (outline%side(4, count([(table%boundary(i) > 0, i=1, table%n_sides)])))
+      allocate (outline%from(mesh%n_nodes), outline%to(mesh%n_nodes), source=0)
+      n_from = 0
+      n_to = 0
+      n = 0
+      do i = 1, table%n_sides
+         number = table%boundary(i)
+         if (number == 0) cycle
+         n = n + 1
+         outline%side(:3, n) = mesh%side(side_element(number), side_place(number))
+         outline%side(4, n) = side_element(number)
+         outline%from(outline%side(1, n)) = n
+         outline%to(outline%side(2, n)) = n
+         n_from(outline%side(1, n)) = n_from(outline%side(1, n)) + 1
+         n_to(outline%side(2, n)) = n_to(outline%side(2, n)) + 1
+      end do
+      ! Where parts of a body meet in a single node the boundary branches.
+      where (n_from > 1) outline%from = 0
+      where (n_to > 1) outline%to = 0
+      allocate (outline%is_taken(n), outline%is_taken_node(mesh%n_nodes), source=.false.)
+   end subroutine new_outline
+
+   !> Marks the sides of a boundary set as taken.
+   subroutine take_set(outline, mesh, set)
+      type(outline_t), intent(inout) :: outline !! the sides of the boundary
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      character(*), intent(in) :: set !! name of the boundary set
+      integer, allocatable :: sides(:, :)
+      integer :: i
+
+      sides = sides_of(mesh, set)
+      do i = 1, size(sides, 2)
+         outline%is_taken_node(pack(sides(:3, i), sides(:3, i) > 0)) = .true.
+         associate (from => outline%from(sides(1, i)), to => outline%to(sides(2, i)))
+            if (from > 0) outline%is_taken(from) = outline%is_taken(from) .or. outline%side(2, from) == sides(2, i)
+            if (to > 0) outline%is_taken(to) = outline%is_taken(to) .or. outline%side(1, to) == sides(1, i)
+         end associate
+      end do
+   end subroutine take_set
+
+   !> The sides of a boundary set: first corner, second corner, middle or 0, element; none of a set that the mesh lacks
+   !> (4, sides).
+   pure function sides_of(mesh, set) result(sides)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      character(*), intent(in) :: set !! name of the boundary set
+      integer, allocatable :: sides(:, :)
+      type(error_t), allocatable :: error
+
+      call mesh%set_sides(set, sides, error)
+      if (allocated(error)) allocate (sides(4, 0))
+   end function sides_of
+
+   !> Extends a boundary set beyond its ends, along the boundary that no set has.
+   pure subroutine extend_set(extended, set, outline, body)
+      type(extended_set_t), intent(out) :: extended !! the set with the boundary beyond it
+      character(*), intent(in) :: set !! name of the boundary set
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer, allocatable :: sides(:, :)
+      integer :: place(size(outline%side, 2)), side, first, i, k, n
+      logical :: continues(body%mesh%n_nodes, 2)
+
+      sides = sides_of(body%mesh, set)
+      extended%n_own = size(sides, 2)
+      continues = .false.
+      do k = 1, 2
+         continues(sides(3 - k, :), k) = .true.
+      end do
+      allocate (extended%end_side(0), extended%beyond(0))
+      place = 0
+      n = extended%n_own
+      do i = 1, extended%n_own
+         do k = 1, 2
+            if (continues(sides(k, i), k)) cycle
+            first = next_side(outline, sides(:, i), k)
+            side = first
+            do while (side > 0)
+               if (outline%is_taken(side) .or. place(side) > 0) exit
+               n = n + 1
+               place(side) = n
+               side = next_side(outline, outline%side(:, side), k)
+            end do
+            if (first == 0) cycle
+            if (place(first) == 0) cycle
+            extended%end_side = [extended%end_side, i]
+            extended%beyond = [extended%beyond, place(first)]
+         end do
+      end do
+      sides = reshape([sides, spread([0, 0, 0, 0], 2, n - extended%n_own)], [4, n])
+      do i = 1, size(place)
+         if (place(i) > 0) sides(:, place(i)) = outline%side(:, i)
+      end do
+      call join_sides(extended%surface, body, sides)
+   end subroutine extend_set
+
+   !> The side of the boundary beyond an end of a side, 0 for none.
+   pure integer function next_side(outline, side, k)
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      integer, intent(in) :: side(:) !! the nodes of the side
+      integer, intent(in) :: k !! its end, 1 or 2
+
+      next_side = merge(outline%to(side(1)), outline%from(side(2)), k == 1)
+   end function next_side
+
+   !> Lists the places of an extended set that no contact force acts on: nodes beyond the set that supports leave free
+   !> along the normal, a corner for each of its normals.
+   pure subroutine find_free_places(extended, first, outline, constraints, side, corner)
+      type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
+      integer, intent(in) :: first !! the first side to look at; nodes of the set itself count, too
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, allocatable, intent(out) :: side(:) !! the side of each place
+      integer, allocatable, intent(out) :: corner(:) !! first corner, second corner or middle of it, 1 to 3
+      ! What rounding leaves of the cosine of an angle of 0.
+      real(dp), parameter :: same = 1.0_dp - 1.0e-12_dp
+      real(dp) :: seen(2, size(outline%from))
+      integer :: i, k, n
+
+      associate (surface => extended%surface)
+         allocate (side(3*surface%n_sides), corner(3*surface%n_sides))
+         seen = 0.0_dp
+         n = 0
+         do i = first, surface%n_sides
+            do k = 1, 3
+               associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
+                  if (node == 0) cycle
+                  if (i > extended%n_own .and. outline%is_taken_node(node)) cycle
+                  if (dot_product(seen(:, node), normal) > same) cycle
+                  seen(:, node) = normal
+                  if (.not. constraints%leaves_free(node, normal)) cycle
+                  n = n + 1
+                  side(n) = i
+                  corner(n) = k
+               end associate
+            end do
+         end do
+      end associate
+      side = side(:n)
+      corner = corner(:n)
+   end subroutine find_free_places
+
+   !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
+   pure subroutine free_boundary_add_obstacle(self, set, contact, outline, body, zone)
+      class(free_boundary_t), intent(inout) :: self !! the free boundary
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(extended_set_t) :: extended
+      integer, allocatable :: side(:), corner(:)
+      real(dp) :: normal(2)
+      integer :: i, n
+
+      call extend_set(extended, contact%set, outline, body)
+      call find_free_places(extended, extended%n_own + 1, outline, body%constraints, side, corner)
+      n = size(self%nodes)
+      self%nodes = [self%nodes, [(free_node_t(), i=1, size(side))]]
+      do i = 1, size(side)
+         associate (outward => extended%surface%normal(:, corner(i), side(i)))
+            normal = outward
+            if (any(abs(contact%direction) > 0.0_dp)) normal = unit_vector(contact%direction)
+            if (dot_product(normal, outward) < steepest_cosine) cycle
+            n = n + 1
+            self%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), set, normal)
+         end associate
+      end do
+      self%nodes = self%nodes(:n)
+      do i = 1, size(extended%beyond)
+         call self%add_end(set, .false., extended, i, zone)
+      end do
+   end subroutine free_boundary_add_obstacle
+
+   !> Adds the nodes of both bodies of a pair that face the other one where no contact force acts: those beyond the ends
+   !> of both sets, and those of the slave that face the boundary beyond the master's ends.
+   pure subroutine free_boundary_add_pair(self, set, contact, outline, body, zone)
+      class(free_boundary_t), intent(inout) :: self !! the free boundary
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(extended_set_t) :: slave, master
+      real(dp) :: least
+      integer :: i, p
+
+      call extend_set(slave, contact%set, outline, body)
+      call extend_set(master, contact%pairing%against, outline, body)
+      ! Polygons that stand for curves overlap before any load; so may these.
+      least = 0.0_dp
+      if (contact%pairing%has_mesh_gap()) then
+         do p = 1, zone%n_points
+            associate (range => zone%quadrature%start(p:p + 1) - [0, 1])
+               if (zone%set(p) == set) least = min(least, minval(zone%quadrature%gap(range(1):range(2))))
+            end associate
+         end do
+      end if
+      call add_facing(self, set, slave, 1, master, outline, body%constraints, zone%pairs(set)%search, least)
+      do i = 1, size(slave%beyond)
+         call self%add_end(set, .false., slave, i, zone)
+      end do
+      do i = 1, size(master%beyond)
+         call self%add_end(set, .true., master, i, zone)
+      end do
+      call add_facing(self, set, master, master%n_own + 1, slave, outline, body%constraints, zone%pairs(set)%search, &
+         least)
+   end subroutine free_boundary_add_pair
+
+   !> Adds the nodes of one body of a pair that face the other one, unless both sets have the place.
+   pure subroutine add_facing(boundary, set, extended, first, other, outline, constraints, search, least)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
+      integer, intent(in) :: set !! number of the contact set
+      type(extended_set_t), intent(in) :: extended !! the boundary of the one body
+      integer, intent(in) :: first !! its first side to look at
+      type(extended_set_t), intent(in) :: other !! the boundary of the other body
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp), intent(in) :: search !! how far a distance may reach, either way [L]
+      real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
+      ! What the digits of mesh files leave of a distance of 0, over the longest side.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
+      type(meeting_t) :: meeting
+      type(surface_place_t) :: foot
+      integer, allocatable :: side(:), corner(:), near(:)
+      integer :: i, n
+
+      call find_free_places(extended, first, outline, constraints, side, corner)
+      n = size(boundary%nodes)
+      boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, size(side))]]
+      do i = 1, size(side)
+         near = sides_near(extended%surface, side(i), other%surface, search)
+         meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), search)
+         if (meeting%side == 0) cycle
+         if (side(i) <= extended%n_own .and. meeting%side <= other%n_own) cycle
+         ! What lies behind is the far side of the other body.
+         if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
+         foot = other%surface%place(meeting%side, meeting%xi)
+         n = n + 1
+         boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), set, &
+            extended%surface%normal(:, corner(i), side(i)), other%surface%side(:3, meeting%side), foot%values, &
+            max(least, meeting%gap))
+      end do
+      boundary%nodes = boundary%nodes(:n)
+   end subroutine add_facing
+
+   !> Adds an end of a set if the boundary goes on there without a corner, and without a support that holds it.
+   pure subroutine free_boundary_add_end(self, set, is_of_master, extended, i, zone)
+      class(free_boundary_t), intent(inout) :: self !! the free boundary, with the nodes beyond the end
+      integer, intent(in) :: set !! number of the contact set
+      logical, intent(in) :: is_of_master !! whether the set of the other body of the pair ends
+      type(extended_set_t), intent(in) :: extended !! the set that ends, with the boundary beyond it
+      integer, intent(in) :: i !! which of its ends
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(set_end_t) :: added
+      integer :: nodes(3), first, k, p
+      real(dp) :: normal(2)
+
+      associate (surface => extended%surface, last => extended%end_side(i), next => extended%beyond(i))
+         k = merge(1, 2, surface%side(1, last) == surface%side(2, next))
+         normal = surface%normal(:, k, last)
+         if (any(abs(surface%normal(:, 3 - k, next) - normal) > 0.0_dp)) return
+         added = set_end_t(set, is_of_master, position=surface%corner(:, k, last))
+         nodes = surface%side(:3, next)
+         if (is_of_master) then
+            added%beyond = nearest_facing(self%nodes, extended, set, added%position, zone%pairs(set)%slave%longest)
+         else
+            first = merge(nodes(3), nodes(k), nodes(3) > 0)
+            ! A corner of the body is there for each of its normals.
+            added%beyond = maxloc([(dot_product(self%nodes(p)%normal, normal), p=1, size(self%nodes))], dim=1, &
+               mask=self%nodes%set == set .and. self%nodes%node == first)
+         end if
+      end associate
+      if (added%beyond == 0) return
+      added%point = minloc(hypot(zone%position(1, :) - added%position(1), zone%position(2, :) - added%position(2)), &
+         dim=1, mask=zone%set == set)
+      if (added%point > 0) self%ends = [self%ends, added]
+   end subroutine free_boundary_add_end
+
+   !> The node of a slave that faces the boundary beyond an end of the master next to it; 0 if none does within a side.
+   pure integer function nearest_facing(nodes, master, set, position, within) result(nearest)
+      type(free_node_t), intent(in) :: nodes(:) !! the free nodes
+      type(extended_set_t), intent(in) :: master !! the master with the boundary beyond it
+      integer, intent(in) :: set !! number of the contact set
+      real(dp), intent(in) :: position(2) !! where the master ends [L]
+      real(dp), intent(in) :: within !! how far away the place that it faces may be [L]
+      real(dp) :: distance, least
+      integer :: i, side
+
+      nearest = 0
+      least = within
+      associate (surface => master%surface)
+         do i = 1, size(nodes)
+            if (nodes(i)%set /= set) cycle
+            side = findloc(surface%side(1, :) == nodes(i)%facing(1), .true., dim=1)
+            if (side <= master%n_own) cycle
+            distance = norm2(matmul(surface%corner(:, :, side), nodes(i)%share) - position)
+            if (distance > least) cycle
+            least = distance
+            nearest = i
+         end do
+      end associate
+   end function nearest_facing
+
+   !> The distance of a node to what it faces, before any displacement.
+   pure subroutine measure_node(node, contact, position, gap, is_met)
+      type(free_node_t), intent(in) :: node !! the node
+      type(contact_t), intent(in) :: contact !! its contact set, the obstacle where it is now
+      real(dp), intent(in) :: position(2) !! where the node is [L]
+      real(dp), intent(out) :: gap !! the distance, negative inside [L]
+      logical, intent(out) :: is_met !! whether its normal meets the obstacle or the other body
+      real(dp) :: cosine
+
+      if (node%facing(1) > 0) then
+         gap = node%distance
+         if (.not. contact%pairing%has_mesh_gap()) gap = max(0.0_dp, gap)
+         is_met = .true.
+      else
+         call contact%obstacle%measure(position, node%normal, gap, is_met, cosine)
+      end if
+      gap = gap + contact%extra_gap
+   end subroutine measure_node
+
+   !> Which nodes do not lie deeper in their obstacles than the points of their set: what does is meant to, as where a
+   !> plane stands for a short flank.
+   pure function free_boundary_lies_outside(self, contacts, coordinates, zone, gap) result(lies_outside)
+      class(free_boundary_t), intent(in) :: self !! the free boundary
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles at rest
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: gap(:) !! their distances to the obstacle (m) [L]
+      logical, allocatable :: lies_outside(:)
+      ! What the digits of mesh files leave of a distance of 0, over the coordinates.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      real(dp) :: least(size(contacts)), distance
+      integer :: i
+
+      least = [(min(0.0_dp, minval(gap, mask=zone%set == i)), i=1, size(contacts))] &
+         - rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
+      allocate (lies_outside(size(self%nodes)))
+      do i = 1, size(self%nodes)
+         associate (node => self%nodes(i))
+            call measure_node(node, contacts(node%set), coordinates(:, node%node), distance, lies_outside(i))
+            lies_outside(i) = lies_outside(i) .and. distance >= least(node%set)
+         end associate
+      end do
+   end function free_boundary_lies_outside
+
+   !> How deep the displacements take a node of the free boundary into an obstacle or another body at most.
+   pure subroutine free_boundary_penetration(self, contacts, lies_outside, coordinates, displacement, depth, deepest)
+      class(free_boundary_t), intent(in) :: self !! the free boundary
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
+      logical, intent(in) :: lies_outside(:) !! which nodes count (n)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(out) :: depth !! the depth, 0 if none penetrates [L]
+      integer, intent(out) :: deepest !! this node, its place in `nodes`; 0 if none penetrates
+      ! What rounding leaves of a distance of 0, over the coordinates.
+      real(dp), parameter :: noise = 1.0e-14_dp
+      real(dp) :: way(2), overlap, gap
+      logical :: is_met
+      integer :: i, k
+
+      depth = noise*maxval(abs(coordinates))
+      deepest = 0
+      do i = 1, size(self%nodes)
+         if (.not. lies_outside(i)) cycle
+         associate (node => self%nodes(i), contact => contacts(self%nodes(i)%set))
+            way = displacement(:, node%node)
+            do k = 1, 3
+               if (node%facing(k) > 0) way = way - node%share(k)*displacement(:, node%facing(k))
+            end do
+            call measure_node(node, contact, coordinates(:, node%node), gap, is_met)
+            overlap = dot_product(node%normal, way) - gap
+            if (.not. (is_met .and. overlap > depth)) cycle
+            ! Where the obstacle is no plane, a node that slides along it does not enter it.
+            if (node%facing(1) == 0) then
+               call measure_node(node, contact, coordinates(:, node%node) + way, gap, is_met)
+               overlap = merge(min(overlap, -gap), 0.0_dp, is_met)
+            end if
+            if (.not. overlap > depth) cycle
+            depth = overlap
+            deepest = i
+         end associate
+      end do
+      if (deepest == 0) depth = 0.0_dp
+   end subroutine free_boundary_penetration
+
+   !> The ends of sets that the contact reaches: the point next to the end is closed, and what it touches goes on along
+   !> the boundary, too.
+   pure function free_boundary_reached_ends(self, contacts, coordinates, gap, status) result(reached)
+      class(free_boundary_t), intent(in) :: self !! the free boundary
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: gap(:) !! distances of the contact points before any displacement (m) [L]
+      integer, intent(in) :: status(:) !! statuses of the contact points (m)
+      integer, allocatable :: reached(:)
+      ! The tangent of 40 degrees: surfaces at a larger angle part at a corner.
+      real(dp), parameter :: steep = 0.839_dp
+      logical :: is_reached(size(self%ends)), is_met
+      real(dp) :: distance
+      integer :: i
+
+      do i = 1, size(self%ends)
+         associate (set_end => self%ends(i), node => self%nodes(self%ends(i)%beyond))
+            is_reached(i) = status(set_end%point) /= open_point
+            if (.not. is_reached(i)) cycle
+            call measure_node(node, contacts(set_end%set), coordinates(:, node%node), distance, is_met)
+            is_reached(i) = is_met .and. distance - gap(set_end%point) &
+               < steep*norm2(coordinates(:, node%node) - set_end%position)
+         end associate
+      end do
+      reached = pack([(i, i=1, size(is_reached))], is_reached)
+   end function free_boundary_reached_ends
+
+end module amontons_free_boundary

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""Contact that runs past the end of its set: the boundary that goes on bears no force, so it goes through obstacles and
+other bodies. A warning names the end; what penetrates fails the certificate."""
+import json
+import math
+import unittest
+
+from cut_meshes import block_mesh
+from harness import ProgramTest
+from verification import Verification
+
+WHOLE = (-math.inf, math.inf)
+UPPER = {"top": ("top", *WHOLE), "symmetry": ("left", *WHOLE)}
+LOWER = {"base": ("bottom", *WHOLE)}
+HELD = """&material young = 1000.0  poisson = 0.3 /
+&support set = '{0}symmetry'  ux = 0.0 /
+"""
+REACHED = "the contact reaches the end of its set at ({}) and the boundary goes on: enlarge the set '{}'"
+NAMED = "pressure = 5.0  name = 'press'"
+ABOVE, BELOW = "set = 'upper.bottom'  against = 'lower.top'", "set = 'lower.top'  against = 'upper.bottom'"
+INSIDE = "the boundary outside the contact sets penetrates the obstacle or the other body by "
+
+
+class SetEnds(Verification, ProgramTest):
+    """Blocks whose contact sets end within their sides."""
+
+    def run_deck(self, deck, status, name="case"):
+        """Runs a deck; its warnings and the part of the boundary that penetrates, as the certificate has it."""
+        self.run_program("--output", "results", self.write(f"{name}.nml", deck), status=status)
+        self.summary = json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))
+        return self.summary["warnings"], self.summary["certificate"]["penetration_outside"]
+
+    def expect_end(self, deck, *ends):
+        """Checks that contact runs past ends of sets, and how large the penetration is."""
+        warnings, inside = self.run_deck(deck, 4)
+        found = [warning for warning in warnings if warning.startswith("the contact reaches")]
+        self.assertEqual(found, [REACHED.format(*end) for end in ends])
+        self.assertEqual(len([warning for warning in warnings if warning.startswith(INSIDE)]), 1, warnings)
+        self.assertGreater(inside, 1e-3)
+        self.assertFalse(self.summary["certificate"]["passed"])
+        self.run_program("--verify", "results", status=4)
+
+    def expect_sound(self, deck):
+        """Checks that no end is reached, and nothing penetrates."""
+        warnings, inside = self.run_deck(deck, 0)
+        self.assertEqual([warning for warning in warnings if "set at" in warning or warning.startswith(INSIDE)], [])
+        self.assertEqual(inside, 0.0)
+        self.run_program("--verify", "results")
+
+    def on_obstacle(self, end, obstacle, pressure=5.0, **mesh):
+        """A block on an obstacle, its contact set from 0 to an end."""
+        self.write("body.msh", block_mesh({**UPPER, "bottom": ("bottom", 0.0, end)}, **mesh))
+        return f"&mesh kind = 'file'  file = 'body.msh' /\n{HELD.format('')}" \
+            f"&load set = 'top'  pressure = {pressure} /\n&contact set = 'bottom'  {obstacle} /\n"
+
+    def on_body(self, upper_end, lower_end, contact, bottom=lambda x: x*x/100, is_quadratic=False):
+        """A block on another one, 2 wider, their contact sets from 0 to an end each."""
+        self.write("upper.msh", block_mesh({**UPPER, "bottom": ("bottom", 0.0, upper_end)}, bottom=bottom,
+                                           is_quadratic=is_quadratic))
+        self.write("lower.msh", block_mesh({**LOWER, "top": ("top", 0.0, lower_end)}, size=(6.0, 3.0), cells=(48, 8),
+                                           corner=(0.0, -3.0), is_quadratic=is_quadratic))
+        return "&mesh name = 'upper'  kind = 'file'  file = 'upper.msh' /\n" \
+            "&mesh name = 'lower'  kind = 'file'  file = 'lower.msh' /\n" + HELD.format("upper.") + \
+            "&support set = 'lower.base'  ux = 0.0  uy = 0.0 /\n&load set = 'upper.top'  pressure = 5.0 /\n" \
+            f"&contact {contact}  search = 3.0 /\n"
+
+    def test_circle_wider_than_the_set(self):
+        for is_quadratic in (False, True):
+            for radius in (50.0, 200.0):
+                with self.subTest(radius=radius, is_quadratic=is_quadratic):
+                    obstacle = f"obstacle = 'circle'  radius = {radius}"
+                    self.expect_end(self.on_obstacle(0.8, obstacle, is_quadratic=is_quadratic), ("0.8, 0.0", "bottom"))
+                    self.expect_sound(self.on_obstacle(4.0, obstacle, is_quadratic=is_quadratic))
+
+    def test_set_that_ends_early_in_a_pair(self):
+        of_upper, of_lower = ("0.8, 0.0064", "upper.bottom"), ("0.75, 0.0", "lower.top")
+        for is_quadratic in (False, True):
+            for contact in (ABOVE, BELOW):
+                with self.subTest(contact=contact, is_quadratic=is_quadratic):
+                    self.expect_end(self.on_body(0.8, 6.0, contact, is_quadratic=is_quadratic), of_upper)
+                    self.expect_end(self.on_body(4.0, 0.75, contact, is_quadratic=is_quadratic), of_lower)
+                    self.expect_sound(self.on_body(4.0, 6.0, contact, is_quadratic=is_quadratic))
+            self.expect_end(self.on_body(0.8, 0.75, ABOVE, is_quadratic=is_quadratic), of_upper, of_lower)
+
+    def test_sets_that_end_at_a_corner(self):
+        # The block ends at x = 4: it covers a part of the lower one, whose set may end beside it.
+        for ends in ((4.0, 6.0), (4.0, 4.0)):
+            for contact in (ABOVE, BELOW):
+                self.expect_sound(self.on_body(*ends, contact, bottom=lambda x: 0.0))
+        self.expect_sound(self.on_obstacle(4.0, "obstacle = 'plane'"))
+
+    def test_half_of_a_flat_block(self):
+        self.expect_end(self.on_obstacle(2.0, "obstacle = 'plane'"), ("2.0, 0.0", "bottom"))
+        self.expect_end(self.on_body(2.0, 6.0, ABOVE, bottom=lambda x: 0.0), ("2.0, 0.0", "upper.bottom"))
+
+    def test_obstacle_that_ends_with_the_set(self):
+        self.write("pad.csv", "-4.0, -1.0\n-4.0, 0.0\n2.0, 0.0\n2.0, -1.0\n-4.0, -1.0\n")
+        self.expect_sound(self.on_obstacle(2.0, "obstacle = 'polyline'  line = 'pad.csv'"))
+        self.expect_sound(self.on_obstacle(4.0, "obstacle = 'polyline'  line = 'pad.csv'"))
+
+    def test_body_that_reaches_below_its_plane(self):
+        # The plane stands for a pad under the raised part of the bottom: what lies beside and below never touches it.
+        self.expect_sound(self.on_obstacle(2.0, "obstacle = 'plane'", bottom=lambda x: 0.0 if x < 2.05 else -0.5))
+
+    def test_axisymmetric_body(self):
+        deck = self.on_obstacle(0.8, "obstacle = 'circle'  radius = 50.0", pressure=50.0).replace(
+            "poisson = 0.3", "poisson = 0.3  hypothesis = 'axisymmetric'")
+        self.expect_end(deck, ("0.8, 0.0", "bottom"))
+
+    def test_constant_multipliers(self):
+        self.expect_end(self.on_obstacle(0.8, "obstacle = 'circle'  radius = 50.0  multipliers = 'constant'"),
+                        ("0.8, 0.0", "bottom"))
+
+    def test_interference(self):
+        # The obstacle is what loads the block.
+        deck = self.on_obstacle(0.8, "obstacle = 'circle'  radius = 50.0  extra_gap = -0.02", pressure=0.0).replace(
+            "&load set = 'top'  pressure = 0.0 /", "&support set = 'top'  uy = 0.0 /")
+        self.expect_end(deck, ("0.8, 0.0", "bottom"))
+
+    def test_cases_of_a_sweep(self):
+        deck = self.on_obstacle(0.8, "obstacle = 'circle'  radius = 50.0").replace("pressure = 5.0", NAMED)
+        deck += "&sweep load = 'press'  factor = 0.05, 1.0, 0.5 /\n"
+        warnings, inside = self.run_deck(deck, 4)
+        self.assertIn("2 of 3 cases, case 2 the first: the contact reaches an end of its set and the boundary goes on: "
+                      "enlarge the set", warnings)
+        self.assertEqual(self.summary["certificate"]["case"], 2)
+        self.assertGreater(inside, 1e-3)
+        rows = (self.directory/"results"/"case.sweep.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(["end_of_set" in row for row in rows], [False, False, True, True])
+
+    def test_steps_of_a_history(self):
+        # The load reaches its peak in the middle; an obstacle that moves does the same.
+        deck = self.on_obstacle(0.8, "obstacle = 'circle'  radius = 50.0").replace("pressure = 5.0", NAMED)
+        history = "&history times = 0.0, 1.0, 2.0 /\n"
+        pressed = deck + history + "&steps load = 'press'  factor = 0.0, 1.0, 0.01 /\n"
+        moved = deck.replace(f"&load set = 'top'  {NAMED} /", "&support set = 'top'  uy = 0.0 /") + history \
+            + "&steps obstacle = 'bottom'  shift_y = 0.0, 0.02, 0.0001 /\n"
+        for text in (pressed, moved):
+            warnings, _ = self.run_deck(text, 4)
+            found, = [warning for warning in warnings if "end" in warning]
+            self.assertIn("the contact reaches an end of its set and the boundary goes on: enlarge the set", found)
+            self.assertGreater(self.summary["load_history"]["violation"], 1e-3)
+            self.run_program("--verify", "results", status=4)
+
+
+if __name__ == "__main__":
+    unittest.main()
