@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Runs the benchmarks of tests/verification/benchmarks.txt on the meshes of doc/verification.md and prints their
-# tables, in Markdown. Installs and builds what is missing. Usage: verify.sh [--update] [BENCHMARK...]
-#   --update    writes what it prints into doc/verification.md, between the markers
+# Runs the benchmarks of tests/verification/benchmarks.txt on fine meshes and prints their tables with every row, in
+# Markdown; they stay in build/verification/all.md. Installs and builds what is missing.
+# Usage: verify.sh [--update] [BENCHMARK...]
+#   --update    writes the tables, shortened, into doc/verification.md, between the markers
 # Exit status: 0 if every row keeps its tolerance.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -30,7 +31,7 @@ mkdir -p "$tables"
 export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
 # shellcheck disable=SC2016 # expanded by the shell that xargs starts
 printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -n 1 bash -c '
-   python3 -B "tests/verification/test_$1.py" --print >"$tables/$1.md" 2>"$tables/$1.log" ||
+   python3 -B "tests/verification/test_$1.py" --print --digest="$tables/$1.digest" >"$tables/$1.md" 2>"$tables/$1.log" ||
       touch "$tables/$1.failed"' verify
 
 status=0
@@ -43,13 +44,17 @@ for benchmark in "${benchmarks[@]}"; do
       cat "$tables/$benchmark.log" >&2
       status=1
    fi
-done >"$tables/all"
-echo >>"$tables/all"
-cat "$tables/all"
+done >"$tables/all.md"
+cat "$tables/all.md"
 ((status == 0)) || { echo 'FAILED: a row misses its tolerance, or a page has no table' >&2; exit 1; }
 
 document=doc/verification.md
 if $is_update; then
+   for benchmark in "${benchmarks[@]}"; do
+      echo
+      cat "$tables/$benchmark.digest"
+   done >"$tables/digest.md"
+   echo >>"$tables/digest.md"
    # Everything after the first marker and before the second is replaced.
-   sed -i -e "/<!-- verify.sh -->/r $tables/all" -e '/<!-- verify.sh -->/,/<!-- end -->/{/<!--/!d}' "$document"
+   sed -i -e "/<!-- verify.sh -->/r $tables/digest.md" -e '/<!-- verify.sh -->/,/<!-- end -->/{/<!--/!d}' "$document"
 fi

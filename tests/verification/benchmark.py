@@ -1,11 +1,13 @@
-"""Benchmarks: tests on decks whose results stand in doc/verification.md.
+"""Benchmarks: tests on decks whose results are in doc/verification.md.
 
 A benchmark is a file test_NAME.py, named in benchmarks.txt, with its decks in decks/. Its docstring is its text in the
 document: the first line the heading, the rest what is computed, the formula or source, and the tolerances.
 
     python3 test_NAME.py           the test: coarse meshes, seconds
-    python3 test_NAME.py --print   on the meshes of the document; prints its section in Markdown
+    python3 test_NAME.py --print   on fine meshes; prints its section with every row, in Markdown
+    python3 test_NAME.py --print --digest=FILE   and writes the section of the document into a file
 """
+import argparse
 import re
 import sys
 import unittest
@@ -102,22 +104,28 @@ def written(value):
 
 
 def main():
-    """Runs the tests of the calling script; with --print its section of the document follows on standard output."""
+    """Runs the tests of the calling script; with --print its section follows on standard output."""
     module = sys.modules["__main__"]
-    arguments = sys.argv[1:]
-    Benchmark.is_printing = "--print" in arguments
-    program = unittest.main(module, argv=[sys.argv[0], *(a for a in arguments if a != "--print")], exit=False)
-    if Benchmark.is_printing:
-        print(section(module.__doc__))
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--print", action="store_true")
+    parser.add_argument("--digest", type=Path)
+    options, others = parser.parse_known_args()
+    Benchmark.is_printing = options.print
+    program = unittest.main(module, argv=[sys.argv[0], *others], exit=False)
+    if options.print:
+        print(section(module.__doc__, [table.markdown() for table in Benchmark.tables]))
+    if options.digest:
+        text = section(module.__doc__, [table.digest() for table in Benchmark.tables])
+        options.digest.write_text(text + "\n", encoding="utf-8")
     sys.exit(not program.result.wasSuccessful())
 
 
-def section(text):
-    """The section of the document on a benchmark: its text, its files, its tables."""
+def section(text, tables):
+    """The section on a benchmark: its text, its files, its tables in Markdown."""
     heading, _, body = text.strip().partition("\n")
     script = Path(sys.argv[0]).name
     files = [f"[{script}](../tests/verification/{script})"]
     files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
     parts = [f"## {heading.rstrip('.')}", body.strip(), "Files: " + ", ".join(files) + ".",
-             *(table.markdown() for table in Benchmark.tables)]
+             *tables]
     return "\n\n".join(part for part in parts if part)

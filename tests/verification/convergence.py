@@ -11,6 +11,8 @@ ORDER_ALLOWANCE = 0.1
 EFFECTIVITY = (0.8, 1.25)
 # Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
 ROUNDOFF = 1e-4
+# Tables of values with more rows are shortened in the page.
+FEW_ROWS = 6
 
 
 def observed_order(coarse, fine):
@@ -29,8 +31,11 @@ class Table:
 
     def markdown(self):
         """The table with its caption."""
-        lines = [self.headings, ["---"]*len(self.headings), *self.rows]
-        return "\n".join([self.caption, "", *("| " + " | ".join(map(str, line)) + " |" for line in lines)])
+        return written_table(self.caption, self.headings, self.rows)
+
+    def digest(self):
+        """The table with its caption, as short as a page has room for: the rows that tell most."""
+        return self.markdown()
 
     def judge(self, is_right, text, row):
         """The text of a cell, marked, and a fault noted, where it is wrong."""
@@ -38,6 +43,23 @@ class Table:
             return text
         self.faults.append(f"{self.caption} {' '.join(map(str, row))}: {text}")
         return f"**{text}, FAILED**"
+
+
+def written_table(caption, headings, rows):
+    """A table in Markdown below its caption."""
+    lines = [headings, ["---"]*len(headings), *rows]
+    return "\n".join([caption, "", *("| " + " | ".join(map(str, line)) + " |" for line in lines)])
+
+
+def distinct(values):
+    """The different ones of some values, in their order."""
+    return list(dict.fromkeys(values))
+
+
+def varied(rows, labels):
+    """The values that each label has in some rows."""
+    return "; ".join(f"{label} {', '.join(map(str, distinct(row[column] for row in rows)))}"
+                     for column, label in enumerate(labels))
 
 
 class ConvergenceTable(Table):
@@ -82,6 +104,11 @@ class ConvergenceTable(Table):
                                           f"{ratio:.2f}", row[:2]))
                 self.rows.append(row)
 
+    def digest(self):
+        """The finest mesh of each kind."""
+        finest = {row[0]: row for row in self.rows}
+        return written_table(self.caption + ", finest mesh", self.headings, finest.values())
+
     def coarser(self, kind, number):
         """The mesh before a mesh, as (h, error) of each quantity; nothing before the first."""
         if number == 0:
@@ -95,11 +122,15 @@ class ValueTable(Table):
 
     def __init__(self, caption, labels):
         super().__init__(caption, [*labels, "computed", "reference", "deviation", "allowed"])
+        self.shares = []
+        self.largest_allowance = 0.0
 
     def add(self, *labels, computed, reference, allowed):
         """Adds a value that may deviate by a part of the reference."""
         deviation = (computed - reference)/abs(reference)
         is_right = abs(deviation) <= allowed
+        self.shares.append(abs(deviation)/allowed)
+        self.largest_allowance = max(self.largest_allowance, allowed)
         if allowed >= ROUNDOFF:
             cells = [self.judge(is_right, f"{deviation:+.2%}", labels), f"{allowed:.2%}"]
         else:
@@ -108,11 +139,29 @@ class ValueTable(Table):
         self.rows.append([*labels, f"{computed:.5g}", f"{reference:.5g}", *cells])
 
 
+    def digest(self):
+        """The rows where there are few; a sentence where all are exact; else, for each value of the first label, the row
+        furthest off."""
+        if len(self.rows) <= FEW_ROWS:
+            return self.markdown()
+        if self.largest_allowance < ROUNDOFF and not self.faults:
+            return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all {len(self.rows)} rows "
+                    f"({varied(self.rows, self.headings[:-4])}).")
+        groups = distinct(row[0] for row in self.rows)
+        rows = []
+        for group in groups:
+            members = [(share, row) for share, row in zip(self.shares, self.rows) if row[0] == group]
+            rows.append([*max(members, key=lambda member: member[0])[1], len(members)])
+        return written_table(self.caption + ": the row that is furthest off", [*self.headings, "of rows"], rows)
+
+
 class RoundoffTable(Table):
     """Errors of what must be exact but for rounding; all but their bound changes with the machine."""
 
     def __init__(self, caption, labels, quantities, bound):
         super().__init__(caption, [*labels, *(f"error of {quantity}" for quantity in quantities)])
+        self.labels = labels
+        self.quantities = quantities
         self.bound = bound
 
     def add(self, *labels, errors):
@@ -123,3 +172,10 @@ class RoundoffTable(Table):
             text = f"< {self.bound:.0e}" if is_right else f"{error:.1e}"
             cells.append(self.judge(is_right, text, labels))
         self.rows.append([*labels, *cells])
+
+    def digest(self):
+        """A sentence: what was varied, and that all errors are below the bound; all rows if one is not."""
+        if self.faults:
+            return self.markdown()
+        return (f"{self.caption}: the errors of {', '.join(self.quantities)} are below {self.bound:.0e} in all "
+                f"{len(self.rows)} rows ({varied(self.rows, self.labels)}).")

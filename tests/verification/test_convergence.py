@@ -43,6 +43,38 @@ class Tables(unittest.TestCase):
         table.add("one", errors=[0.0])
         self.assertEqual(table.markdown(), "Caption\n\n| case | error of quantity |\n| --- | --- |\n| one | < 1e-11 |")
 
+    def test_digest_keeps_the_finest_mesh_of_each_kind(self):
+        table = ConvergenceTable("Caption", ["quantity"], {"tri3": (2,), "quad4": (2,)})
+        for kind in ("tri3", "quad4"):
+            for h, error in ((0.5, 4.0), (0.25, 1.0)):
+                table.add(kind, h, error)
+        table.close()
+        lines = table.digest().splitlines()
+        self.assertEqual(lines[0], "Caption, finest mesh")
+        self.assertEqual([line.split(" | ")[:2] for line in lines[4:]], [["| tri3", "0.25"], ["| quad4", "0.25"]])
+
+    def test_digest_keeps_the_value_furthest_off_what_is_allowed(self):
+        table = ValueTable("Caption", ["case", "number"])
+        for number in range(4):
+            table.add("loose", number, computed=1.0 + 0.01*number, reference=1.0, allowed=1.0)
+            table.add("tight", number, computed=1.0 - 0.001*number, reference=1.0, allowed=0.01)
+        lines = table.digest().splitlines()[4:]
+        self.assertEqual([line.split(" | ")[:2] for line in lines], [["| loose", "3"], ["| tight", "3"]])
+        self.assertTrue(all(line.endswith("| 4 |") for line in lines), lines)
+
+    def test_digest_of_exact_values_is_a_sentence(self):
+        table = ValueTable("Caption", ["case"])
+        for case in range(7):
+            table.add(case, computed=1.0, reference=1.0, allowed=1e-9)
+        self.assertEqual(table.digest(), "Caption: within 1e-09 of the references in all 7 rows (case 0, 1, 2, 3, 4, 5, 6).")
+
+    def test_digest_of_rounding_errors_hides_no_fault(self):
+        table = RoundoffTable("Caption", ["case"], ["quantity"], 1e-11)
+        table.add("one", errors=[0.0])
+        self.assertEqual(table.digest(), "Caption: the errors of quantity are below 1e-11 in all 1 rows (case one).")
+        table.add("two", errors=[1.0])
+        self.assertIn("FAILED", table.digest())
+
 
 class ShapeFunctions(unittest.TestCase):
     """The functions that the error norm interpolates with."""
