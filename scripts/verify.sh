@@ -22,7 +22,7 @@ for benchmark in "${benchmarks[@]}"; do
       { echo "verify.sh: unknown benchmark '$benchmark'" >&2; exit 1; }
 done
 
-scripts/setup.sh build >&2
+scripts/setup.sh build adapt >&2
 scripts/build.sh release
 
 tables=build/verification

@@ -44,7 +44,6 @@ module amontons_recovery_tables
       procedure :: add_loads => known_tractions_add_loads
       procedure :: forget => known_tractions_forget
       procedure :: add_nodal => known_tractions_add_nodal
-      procedure, private :: place_of => known_tractions_place_of
    end type known_tractions_t
 
    !> Terms of the largest polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2.
@@ -146,7 +145,7 @@ contains
       end do
       do i = 1, size(springs)
          call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
-         tractions%side(tractions%place_of(left))%is_known = .false.
+         tractions%side(place_of(tractions, left))%is_known = .false.
       end do
    end subroutine new_boundary_sides
 
@@ -169,7 +168,7 @@ contains
    end subroutine known_tractions_add_loads
 
    !> Which of the sides one of an element is.
-   pure integer function known_tractions_place_of(self, number) result(place)
+   pure integer function place_of(self, number) result(place)
       class(known_tractions_t), intent(in) :: self !! the sides
       integer, intent(in) :: number !! its number, by `side_number`
       integer :: last, middle
@@ -184,7 +183,7 @@ contains
             last = middle
          end if
       end do
-   end function known_tractions_place_of
+   end function place_of
 
    !> Places a side of an element.
    pure subroutine place_side(traction, mesh, element, place)
@@ -237,7 +236,7 @@ contains
 
       associate (set => mesh%sets(mesh%find_set(load%set)))
          do i = 1, size(set%element)
-            associate (side => tractions%side(tractions%place_of(side_number(set%element(i), set%side(i)))))
+            associate (side => tractions%side(place_of(tractions, side_number(set%element(i), set%side(i)))))
                do k = 1, 3
                   associate (x => side%position(:, k))
                      side%traction(:, k) = side%traction(:, k) + factor*(load%traction &
@@ -263,7 +262,7 @@ contains
 
       associate (set_sides => mesh%sets(mesh%find_set(set)))
          do i = 1, size(set_sides%element)
-            associate (side => self%side(self%place_of(side_number(set_sides%element(i), set_sides%side(i)))))
+            associate (side => self%side(place_of(self, side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
                at_places(:, 1) = traction(:, side%corner(1))
                at_places(:, 3) = traction(:, side%corner(2))
