@@ -12,7 +12,7 @@ module amontons_loads
    implicit none (type, external)
    private
 
-   public :: load_t, load_vector, new_load, sum_thermal_strain
+   public :: load_t, load_vector, new_load, spread_total_force, sum_thermal_strain
 
    !> What a load acts on: the sides of a set.
    integer, parameter, public :: load_on_sides = 1
@@ -33,6 +33,8 @@ module amontons_loads
       real(dp) :: traction_slope(2, 2) = 0.0_dp !! its change per length: (:, 1) along x, (:, 2) along y [F/L^3]
       real(dp) :: pressure = 0.0_dp !! force per area against the outward normal, at the origin [F/L^2]
       real(dp) :: pressure_slope(2) = 0.0_dp !! its change per length along x and y [F/L^3]
+      real(dp) :: total_force(2) = 0.0_dp
+         !! resultant of a uniform traction on the set, x and y, over the thickness or all around the axis; 0, 0 for none [F]
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
       real(dp) :: force(2) = 0.0_dp !! point force on the node, or on each node of the set, x and y [F]
       real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
@@ -90,19 +92,53 @@ contains
       end do
    end subroutine load_vector
 
+   !> Makes the total force of a load the uniform traction that it is the resultant of.
+   subroutine spread_total_force(load, mesh, materials, error)
+      type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(error_t), allocatable, intent(out) :: error !! no such set, or one without area
+      type(side_geometry_t) :: geometry
+      integer, allocatable :: sides(:, :)
+      real(dp) :: area
+      integer :: i, point
+
+      if (.not. any(abs(load%total_force) > 0.0_dp)) return
+      call mesh%set_sides(load%set, sides, error)
+      if (allocated(error)) return
+      area = 0.0_dp
+      do i = 1, size(sides, 2)
+         call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
+         associate (material => materials%list(materials%of_element(sides(4, i))))
+            do point = 1, size(geometry%along, 2)
+               area = area + norm2(geometry%along(:, point))*material%depth(geometry%position(1, point))
+            end do
+         end associate
+      end do
+      if (area > 0.0_dp) then
+         load%traction = load%total_force/area
+      else
+         call new_error(error, input_refused, "total_force: set '"//load%set//"' lies on the axis of revolution and "// &
+            'has no area')
+      end if
+   end subroutine spread_total_force
+
    !> Adds the nodal forces of a traction and a pressure on the sides of a set.
-   subroutine add_side_forces(forces, mesh, materials, load, error)
+   subroutine add_side_forces(forces, mesh, materials, given, error)
       real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(load_t), intent(in) :: load !! the load
-      type(error_t), allocatable, intent(out) :: error !! no such set
+      type(load_t), intent(in) :: given !! the load
+      type(error_t), allocatable, intent(out) :: error !! no such set, or a total force on one without area
+      type(load_t) :: load
       integer, allocatable :: sides(:, :)
       type(side_geometry_t) :: geometry
       real(dp) :: force(2)
       integer :: i, k, point
 
-      call mesh%set_sides(load%set, sides, error)
+      load = given
+      call spread_total_force(load, mesh, materials, error)
+      if (.not. allocated(error)) call mesh%set_sides(load%set, sides, error)
       if (allocated(error)) return
       do i = 1, size(sides, 2)
          call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)

@@ -191,15 +191,15 @@ contains
       call visitor%open_group(load_group)
       call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
          default='none', is_filled=.true., also='label'), load%name, has_name)
-      call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
+      call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or boundary set of'// &
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
          also='elset'), load%region, has_region)
       call describe_tractions(visitor, load, is_given(load_on_sides))
-      call visitor%reals(key_t('force', 'a force on the node at `point`, or on every node of `set`', 'F', &
-         also='f fx fy cload'), load%force, on_nodes)
+      call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
+         ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
       is_given(load_on_nodes) = on_nodes
       call describe_body_force(visitor, load, is_given(load_on_region))
       call describe_temperature(visitor, load, is_given(load_by_temperature))
@@ -215,9 +215,10 @@ contains
       type(load_t), intent(inout) :: load !! the load
       logical, intent(out) :: is_given !! whether it has any of them
       real(dp) :: slopes(4)
-      logical :: has(4)
+      logical :: has(4), has_total
 
-      has = load%target == load_on_sides
+      has_total = load%target == load_on_sides .and. any(abs(load%total_force) > 0.0_dp)
+      has = load%target == load_on_sides .and. .not. has_total
       slopes = reshape(load%traction_slope, [4])
       call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
          also='t trac stress shear'), load%traction, has(1))
@@ -226,8 +227,12 @@ contains
       call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
          ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
       call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, has(4))
+      call visitor%reals(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
+         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, has_total)
       load%traction_slope = reshape(slopes, [2, 2])
-      is_given = any(has)
+      is_given = any(has) .or. has_total
+      call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
+         'give either total_force, or traction and pressure')
    end subroutine describe_tractions
 
    !> Describes the keys of forces per volume.
@@ -291,17 +296,18 @@ contains
       logical, intent(in) :: is_given(:) !! whether it has keys of each target
 
       if (.not. visitor%is_judging()) return
-      call visitor%require(any(is_given), '', '&load needs traction, pressure, force, body_force, gravity, '// &
-         'angular_speed or temperature')
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, force, body_force, '// &
+         'gravity, angular_speed or temperature')
       call visitor%require(count(is_given) <= 1, '', &
-         'traction and pressure, force, body forces, and temperature need a &load for each')
+         'traction and pressure or total_force, force, body forces, and temperature need a &load for each')
       if (count(is_given) /= 1) return
-      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure or force')
+      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
       call visitor%only('point', load%target == load_on_nodes, 'force')
       call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
       call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
       call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
-      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', 'traction and pressure need set')
+      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
+         'traction, pressure and total_force need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
          'force', 'force needs either set or point')
       if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')

@@ -71,6 +71,7 @@ contains
       mesh%n_nodes = mesh%n_nodes + other%n_nodes
       mesh%n_elements = mesh%n_elements + other%n_elements
       mesh%source = mesh%source//'; '//other%source
+      mesh%has_pieces = mesh%has_pieces .or. other%has_pieces
       if (mesh%hypothesis == '') mesh%hypothesis = other%hypothesis
       do i = 1, other%files%n()
          call mesh%files%add(other%files%item(i))

@@ -53,6 +53,7 @@ module amontons_mesh
       character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of a rectangle
       type(warning_list_t) :: files !! names of the files it was read from
       type(warning_list_t) :: warnings !! what is doubtful about the file it was read from
+      logical :: has_pieces = .false. !! whether a file that it was read from has pieces that share no nodes
       character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains
       procedure :: check => mesh_check

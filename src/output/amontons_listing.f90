@@ -12,6 +12,7 @@ module amontons_listing
    use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_document, only: document_t
    use amontons_element, only: quad4
+   use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
@@ -20,6 +21,7 @@ module amontons_listing
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
+   use amontons_mesh, only: mesh_t
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: mean_length
    use amontons_mortar_pair, only: mortar_pair_t
@@ -89,7 +91,7 @@ contains
       end do
       text = text//notes_text(body, load_case, units)
       do i = 1, size(load_case%loads)
-         text = text//labeled('Load', load_text(load_case%loads(i), units))
+         text = text//labeled('Load', load_text(load_case%loads(i), body%mesh, units))
       end do
    end function model_text
 
@@ -290,10 +292,13 @@ contains
    end function guided_text
 
    !> A load: its place, and tractions, forces, temperature or volume forces.
-   pure function load_text(load, units) result(text)
+   pure function load_text(load, mesh, units) result(text)
       type(load_t), intent(in) :: load !! the load
+      type(mesh_t), intent(in) :: mesh !! the mesh of the body
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
+      integer, allocatable :: nodes(:)
+      type(error_t), allocatable :: error
 
       text = ''
       if (len(load%name) > 0) text = load%name//': '
@@ -301,6 +306,8 @@ contains
       if (len(load%region) > 0) text = text//"region '"//load%region//"', "
       select case (load%target)
       case (load_on_sides)
+         if (any(abs(load%total_force) > 0.0_dp)) text = text//'total force '// &
+            with_unit(pair_text(load%total_force), units, 'F')//', '
          text = text//'traction '//with_unit(pair_text(load%traction), units, 'F/L^2')// &
             ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
          if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
@@ -309,6 +316,10 @@ contains
       case (load_on_nodes)
          if (len(load%set) == 0) text = text//'point '//with_unit(pair_text(load%point), units, 'L')//', '
          text = text//'force '//with_unit(pair_text(load%force), units, 'F')
+         if (len(load%set) == 0) return
+         call mesh%set_nodes(load%set, nodes, error)
+         text = text//' on each of '//counted(size(nodes), 'node')//', '// &
+            with_unit(pair_text(size(nodes)*load%force), units, 'F')//' in all'
       case (load_by_temperature)
          if (allocated(load%temperature_table)) then
             text = text//'temperature from '//load%temperature_file

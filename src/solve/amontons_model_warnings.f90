@@ -1,15 +1,17 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
    use amontons_axis_warning, only: add_free_axis
-   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_body, only: body_t, bonds_of, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_error, only: error_t
    use amontons_element, only: element_names, quad4, tri3
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
+   use amontons_listing_text, only: pair_text, short_text
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
+   use amontons_mesh_topology, only: number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: obstacle_t
    use amontons_self_crossing, only: find_self_crossing
@@ -82,6 +84,8 @@ contains
          call add_pair_warnings(warnings, body%ties(i))
       end do
       call add_shared_places(warnings, body, load_case)
+      call add_repeated_forces(warnings, body, load_case)
+      call add_loose_pieces(warnings, body)
       call add_free_axis(warnings, body)
    end subroutine add_model_warnings
 
@@ -119,6 +123,41 @@ contains
             warnings, 'load', body%mesh%coordinates, load_case%loads(i)%point)
       end do
    end subroutine add_shared_places
+
+   !> Warns of forces that act on each node of a boundary set: their sum grows with the number of nodes.
+   pure subroutine add_repeated_forces(warnings, body, load_case)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      integer, allocatable :: nodes(:)
+      type(error_t), allocatable :: error
+      integer :: i
+
+      do i = 1, size(load_case%loads)
+         associate (load => load_case%loads(i))
+            if (load%target /= load_on_nodes .or. len(load%set) == 0) cycle
+            if (body%mesh%find_node_set(load%set) > 0) cycle
+            call body%mesh%set_nodes(load%set, nodes, error)
+            if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
+               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; total_force gives the sum')
+         end associate
+      end do
+   end subroutine add_repeated_forces
+
+   !> Warns where parts of a mesh share no nodes and no contact or tie joins them.
+   pure subroutine add_loose_pieces(warnings, body)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(body_t), intent(in) :: body !! the body
+      integer, allocatable :: piece(:)
+      integer :: n_pieces
+
+      if (.not. body%mesh%has_pieces) return
+      associate (bonds => [bonds_of(body%ties), bonds_of(body%zone%pairs)])
+         call number_pieces(body%mesh, piece, n_pieces, reshape(bonds, [2, size(bonds)/2]))
+      end associate
+      if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no nodes '// &
+         'and that no pair of contact sets or tie joins')
+   end subroutine add_loose_pieces
 
    !> Warns of a support or load at a point where bodies that are not joined both have a node.
    pure subroutine add_shared_place(warnings, what, coordinates, point)

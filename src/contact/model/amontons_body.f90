@@ -38,7 +38,7 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, condense_body, estimate_body, estimate_t, new_body, poor_inf_sup
+   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, new_body, poor_inf_sup
 
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
@@ -110,7 +110,7 @@ contains
       if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
-         bonds(body%ties))
+         bonds_of(body%ties))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
@@ -140,22 +140,23 @@ contains
       end do
    end subroutine integrate_ties
 
-   !> Nodes that ties hold together: one of either body for each segment (2, segments).
-   pure function bonds(ties)
-      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+   !> Nodes of surfaces that face each other: one of either body for each segment (2, segments).
+   pure function bonds_of(pairs) result(bonds)
+      type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
       integer, allocatable :: bonds(:, :)
       integer :: i, k
 
       allocate (bonds(2, 0))
-      do i = 1, size(ties)
-         do k = 1, size(ties(i)%segments)
-            associate (segment => ties(i)%segments(k))
-               bonds = reshape([bonds, ties(i)%slave%side(1, segment%slave), &
-                  ties(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
+      do i = 1, size(pairs)
+         if (.not. pairs(i)%is_set()) cycle
+         do k = 1, size(pairs(i)%segments)
+            associate (segment => pairs(i)%segments(k))
+               bonds = reshape([bonds, pairs(i)%slave%side(1, segment%slave), &
+                  pairs(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
             end associate
          end do
       end do
-   end function bonds
+   end function bonds_of
 
    !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
    !> cannot tell apart.

@@ -10,7 +10,7 @@ module amontons_load_case
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text
-   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
+   use amontons_loads, only: load_t, load_vector, spread_total_force, sum_thermal_strain
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
@@ -66,6 +66,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! supports, contacts or loads do not fit the body
       type(constraints_t) :: constraints
       real(dp) :: prescribed(2*body%zone%n_points)
+      integer :: i
 
       call check_shear(body%zone, contacts, error)
       if (allocated(error)) return
@@ -90,7 +91,13 @@ contains
       load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
-      call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+      do i = 1, size(loads)
+         call spread_total_force(load_case%loads(i), body%mesh, body%materials, error)
+         if (.not. allocated(error)) cycle
+         error%message = loads(i)%origin//error%message
+         return
+      end do
+      call load_vector(load_case%force, body%mesh, body%materials, load_case%loads, error)
       if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
          error)
    end subroutine new_load_case

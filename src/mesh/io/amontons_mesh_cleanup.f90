@@ -168,7 +168,7 @@ contains
       call check_neighbors(mesh, raw, input, cell_of, table)
       if (allocated(input%error)) return
       call number_pieces(mesh, piece, n_pieces)
-      if (n_pieces > 1) call mesh%warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no nodes')
+      mesh%has_pieces = n_pieces > 1
       call find_slits(mesh, table, n_ends, node)
       if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
          to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
