@@ -124,6 +124,22 @@ class History(HistoryTest):
         warnings = self.summary("bar")["warnings"]
         self.assertTrue(any("steps cannot be made shorter although" in warning for warning in warnings), warnings)
 
+    def test_what_is_loaded_at_once_from_rest_is_no_error_of_the_steps(self):
+        # In the first step the body falls on its obstacle, which costs energy; from then on next to nothing slips.
+        deck = BAR.split("&history")[0].replace("friction = 1.0", "friction = 1.0  extra_gap = 0.001") + """&history times = 0.0, 1.0  substeps = 3  step_tolerance = 1e-3 /
+&steps load = 'F'  factor = 10.0, 10.1 /
+"""
+        run = self.run_program("--output", "out", self.write("deck.nml", deck))
+        self.assertNotIn("cannot be made shorter", run.stdout + run.stderr)
+        rows = self.table("bar.history.csv")
+        first, last = (float(rows[i]["energy_error"]) for i in (0, -1))
+        self.assertGreater(abs(first), 100*abs(last - first))
+        shown = re.search(r"energy error ([^ ;]+)\S*.* and, in the first step from rest, ([^ ;\n]+)", run.stdout)
+        for text, number in zip(shown.groups(), (last - first, first)):
+            self.assertAlmostEqual(float(text), number, delta=1e-6*abs(first))
+        self.assertRegex(self.text("bar.lst"), "of it at first .*in the step from rest to the first time")
+        self.assertEqual(self.run_program("--verify", "out").stdout, "bar: verified\n")
+
     def test_history_without_changes_is_warned_about(self):
         self.walk(BAR.split("&steps")[0])
         warnings = self.summary("bar")["warnings"]

@@ -77,6 +77,18 @@ class Decks(ProgramTest):
             self.assertEqual((result.name, result.summary["title"]), ("other", "10 % more, it's"))
         self.same(amontons.solve_deck(TEXT, **{"contact.friction": 0.5, "load(2).traction": [0.2, 0.1]}), expected)
 
+    def test_a_total_force_acts_in_all_studies_as_its_traction(self):
+        studies = ((), ("sweep load = 'p'  factor = 0.5, 1.0  count = 3",),
+                   ("history times = 0.0, 1.0  substeps = 3", "steps load = 'p'  factor = 0.0, 1.0"))
+        for study in studies:
+            # On a length of 4.
+            one, other = (amontons.solve_deck(block(SUPPORT, f"load name = 'p'  set = 'top'  {force}", CONTACT, *study))
+                          for force in ("traction = 0.1, -1.0", "total_force = 0.4, -4.0"))
+            for name in ("contact", "sweep", "history"):
+                for key, column in (getattr(one, name) or {}).items():
+                    if column.dtype.kind == "f" and key != "residual":
+                        np.testing.assert_allclose(getattr(other, name)[key], column, rtol=1e-9, atol=1e-11, err_msg=key)
+
     def test_keys_without_a_value_are_left_out(self):
         self.assertEqual(amontons.deck_text({"support": {"set": "left", "ux": 0.0, "uy": None}}),
                          "&support set = 'left'  ux = 0.0 /\n")

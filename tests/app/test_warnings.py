@@ -173,7 +173,26 @@ class Warnings(ProgramTest):
         self.assert_warnings("".join(f"&{group} /\n" for group in (
             "mesh kind = 'file'  file = 'squares.msh'", "material young = 100.0  poisson = 0.3",
             "support set = 'left'  ux = 0.0  uy = 0.0", "support set = 'right'  ux = 0.0  uy = 0.0",
-            "load body_force = 0.0, -1e-2")), "the body consists of 2 pieces that share no nodes")
+            "load body_force = 0.0, -1e-2")), "the body consists of 2 pieces that share no nodes and that no pair")
+
+    def test_pieces_that_contact_or_a_tie_joins(self):
+        # The sides where the squares touch are sets, too.
+        mesh = SQUARES.replace('$PhysicalNames\n3\n', '$PhysicalNames\n5\n1 4 "inner"\n1 5 "outer"\n').replace(
+            "$Elements\n4\n", "$Elements\n6\n5 1 2 4 4 2 3\n6 1 2 5 5 8 5\n")
+        groups = ("mesh kind = 'file'  file = 'joined.msh'", "material young = 100.0  poisson = 0.3",
+                  "support set = 'left'  ux = 0.0  uy = 0.0", "support set = 'right'  ux = -0.001  uy = 0.0")
+        for joint in ("contact set = 'inner'  against = 'outer'  friction = 0.3", "tie set = 'inner'  to = 'outer'"):
+            with self.subTest(joint):
+                self.write("joined.msh", mesh)
+                found = self.warnings_of("".join(f"&{group} /\n" for group in (*groups, joint)))
+                self.assertFalse([sentence for sentence in found if "pieces" in sentence], found)
+
+    def test_force_on_every_node_of_a_boundary_set(self):
+        self.assert_warnings(block(SUPPORT, "load set = 'top'  force = 0.0, -0.1", CONTACT),
+                             "the force on set 'top' acts on each of its 9 nodes, (0.0, -0.9) in all; total_force gives")
+        self.assertIn("force (0.0, -0.1) on each of 9 nodes, (0.0, -0.9) in all\n",
+                      (self.directory/"results"/"case.lst").read_text(encoding="utf-8"))
+        self.assert_warnings(block(SUPPORT, "load set = 'top'  total_force = 0.0, -0.9", CONTACT))
 
     def test_mesh_file_of_another_hypothesis(self):
         mesh = (ROOT/"tests"/"meshes"/"quad8.inp").read_text(encoding="utf-8")

@@ -73,7 +73,7 @@ contains
          call section%record(text)
          text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
          call section%add(text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the'// &
-            ' size of the steps)'//newline, [energy])
+            ' size of the steps)'//newline//from_rest_text(result%error_from_rest(history), energy, config%units), [energy])
          call section%add(times_table(history, result%reached, config%units), [0.0_dp, spread(0.0_dp, 1, 3), &
             spread(force, 1, 2), spread(energy, 1, 3)])
          call section%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, length, length, &
@@ -83,6 +83,19 @@ contains
             heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
       end associate
    end subroutine list_history
+
+   !> The part of the energy error that no size of the steps changes, where there is one.
+   pure function from_rest_text(from_rest, energy, units) result(text)
+      real(dp), intent(in) :: from_rest !! the energy error of the first step from rest [F L]
+      real(dp), intent(in) :: energy !! the largest energy [F L]
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      real(dp), parameter :: rounding = 1.0e-12_dp
+
+      text = ''
+      if (abs(from_rest) > rounding*energy) text = labeled('of it at first', with_unit(short_text(from_rest), units, &
+         'F L')//' (in the step from rest to the first time, which is not divided)')
+   end function from_rest_text
 
    !> What changes, and between which numbers.
    pure function steps_text(steps) result(text)

@@ -1,5 +1,6 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
+   use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: describe_history
@@ -76,7 +77,7 @@ contains
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
       if (allocated(error)) return
-      outcome%text = solved_text(self%config%name, result, self%config%units)
+      outcome%text = solved_text(self%config, result)
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
          quantity_t('residual', '', result%residual%value), result%last%key_results, &
          resultants(result%last%solution%force)]
@@ -86,17 +87,21 @@ contains
    end subroutine history_study_solve
 
    !> The line on the result of a history.
-   pure function solved_text(name, result, units) result(text)
-      character(*), intent(in) :: name !! name of the case
+   pure function solved_text(config, result) result(text)
+      type(config_t), intent(in) :: config !! the deck
       type(history_result_t), intent(in) :: result !! the result
-      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      real(dp) :: from_rest
 
+      from_rest = result%error_from_rest(config%history)
       associate (walk => result%walk)
-         text = name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
+         text = config%name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
             len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)//'; dissipation '// &
-            with_unit(short_text(sum(walk%state%dissipation)), units, 'F L')//', energy error '// &
-            with_unit(short_text(walk%state%energy_error()), units, 'F L')
+            with_unit(short_text(sum(walk%state%dissipation)), config%units, 'F L')//', energy error '// &
+            with_unit(short_text(walk%state%energy_error() - from_rest), config%units, 'F L')
+         if (abs(from_rest) > rounding*walk%state%strain_energy) text = text//' and, in the first step from rest, '// &
+            with_unit(short_text(from_rest), config%units, 'F L')
       end associate
    end function solved_text
 

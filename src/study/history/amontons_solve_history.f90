@@ -5,7 +5,7 @@ module amontons_solve_history
    use amontons_config, only: config_t, effective_deck
    use amontons_cycle_watch, only: n_cycle_numbers
    use amontons_error, only: error_t, new_error
-   use amontons_history, only: is_shown
+   use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
    use amontons_history_model, only: history_model_t, moved_contacts, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
@@ -65,6 +65,7 @@ module amontons_solve_history
       logical :: is_interrupted = .false. !! whether the monitor stopped it
    contains
       procedure :: add_warnings => history_result_add_warnings
+      procedure :: error_from_rest => history_result_error_from_rest
       procedure :: note_certificate => history_result_note_certificate
       procedure :: note_step => history_result_note_step
    end type history_result_t
@@ -299,6 +300,20 @@ contains
             [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
    end subroutine history_result_note_step
+
+   !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps make
+   !> it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
+   pure real(dp) function history_result_error_from_rest(self, history) result(energy_error)
+      class(history_result_t), intent(in) :: self !! the history so far
+      type(history_t), intent(in) :: history !! what the deck says of it
+
+      energy_error = 0.0_dp
+      if (history%has_start()) return
+      ! Strain energy, work and dissipation at the first time.
+      associate (energies => self%reached(7:9, 1))
+         energy_error = energies(2) - energies(1) - energies(3)
+      end associate
+   end function history_result_error_from_rest
 
    !> Notes the certificate of the last step.
    pure subroutine history_result_note_certificate(self, violation)
