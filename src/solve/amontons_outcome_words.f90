@@ -3,7 +3,16 @@ module amontons_outcome_words
    implicit none (type, external)
    private
 
-   public :: has_converged, solution_word
+   public :: has_converged, outcome_names, solution_word
+
+   !> Outcome of a load case: the residual is at most the tolerance.
+   integer, parameter, public :: outcome_solved = 1
+   !> Outcome of a load case: the residual stayed above the tolerance.
+   integer, parameter, public :: outcome_not_converged = 2
+   !> Outcome of a load case: contact and friction cannot balance the loads.
+   integer, parameter, public :: outcome_no_equilibrium = 3
+   !> Outcome of a load case: its numbers left the range of numbers, or have no digit.
+   integer, parameter, public :: outcome_numbers = 4
 
    !> Solved: the residual is at most the tolerance, and the certificate, where there is one, passes.
    character(*), parameter, public :: word_solved = 'solved'
@@ -13,6 +22,10 @@ module amontons_outcome_words
    character(*), parameter, public :: word_not_converged = 'not_converged'
    !> Converged, but a violation of the certificate is above its limit.
    character(*), parameter, public :: word_not_certified = 'not_certified'
+
+   !> Words for the outcomes that result files have.
+   character(14), parameter :: outcome_names(3) = [character(14) :: word_solved, word_not_converged, &
+      word_no_equilibrium]
 
 contains
 

@@ -9,7 +9,7 @@ module amontons_result
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t
-   use amontons_outcome_words, only: solution_word, word_no_equilibrium
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, solution_word, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_stress_field, only: stress_field_t
    use amontons_stress_recovery, only: error_estimate_t
@@ -42,8 +42,8 @@ module amontons_result
       type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result
-      logical :: has_no_equilibrium = .false.
-         !! whether contact and friction cannot balance the loads: no solution, or none for the next step of a history
+      integer :: outcome = outcome_not_converged
+         !! what came of its loads, or of those of the next step of a history that ended early
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
@@ -91,7 +91,7 @@ contains
       type(result_t), intent(in) :: result !! its result
       character(:), allocatable :: word
 
-      if (result%has_no_equilibrium) then
+      if (result%outcome == outcome_no_equilibrium) then
          word = word_no_equilibrium
       else
          word = solution_word(result%solution%is_converged .and. result%is_complete, &

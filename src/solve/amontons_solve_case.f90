@@ -4,19 +4,17 @@ module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_case_error, only: prepare_estimates
    use amontons_config, only: body_text, check_names, config_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: check_shear, new_load_case
+   use amontons_load_case, only: new_load_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
-   use amontons_methods, only: new_contact_method
-   use amontons_model_warnings, only: add_history_warnings, add_model_warnings, add_sweep_warnings
+   use amontons_model_warnings, only: add_model_warnings
+   use amontons_outcome_words, only: outcome_no_equilibrium
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_terminal, only: new_timings, phase_condense, phase_recover
@@ -24,7 +22,7 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: cache_t, condense_case, prepare_case, solve_case
+   public :: cache_t, condense_case, prepare_case, prepare_single_case, solve_case
 
    !> Where a case ended: where the next case of the same body starts.
    type :: state_t
@@ -56,41 +54,20 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error
-         !! mesh, sets, supports, contacts or loads are at fault, or there is no equilibrium
-      type(contact_t), allocatable :: contacts(:)
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
 
       call new_timings(result%timings)
       result%warnings%units = config%units
-      ! Of a sweep the case certified has an estimate, and those whose fields are written.
-      result%wants_error_estimate = config%accuracy%wants_estimate() .and. .not. config%sweep%is_given()
+      result%wants_error_estimate = config%accuracy%wants_estimate()
+      result%method = config%method
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else
          call make_body(cache, config, error)
       end if
       if (allocated(error)) return
-      ! No case of a sweep may have a friction that cannot act, or a negative one.
-      contacts = config%contacts
-      call config%sweep%set_friction(contacts, is_least=.false.)
-      call check_shear(cache%body%zone, contacts, error)
-      if (allocated(error)) return
-      call config%sweep%set_friction(contacts, is_least=.true.)
-      call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
-      if (allocated(error)) return
-      ! What is told is the deck's.
-      result%load_case%contacts = config%contacts
-      result%method = config%method
-      call add_model_warnings(result%warnings, cache%body, result%load_case)
-      ! Loads and friction that a sweep or a history varies need not balance as they stand.
-      if (config%sweep%is_given()) then
-         call add_sweep_warnings(result%warnings, config%sweep, result%load_case, cache%body%zone%set)
-      else if (config%history%is_given) then
-         call add_history_warnings(result%warnings, config%history, result%load_case, cache%body%zone%set)
-      else
-         call check_balance(cache%body, result%load_case, error)
-         result%has_no_equilibrium = allocated(error)
-      end if
+      call new_load_case(result%load_case, cache%body, config%supports, config%contacts, config%loads, error)
+      if (.not. allocated(error)) call add_model_warnings(result%warnings, cache%body, result%load_case)
    end subroutine prepare_case
 
    !> Makes the body of a case.
@@ -126,22 +103,35 @@ contains
       if (has_body) has_body = cache%key == body_text(config)
    end function has_body
 
-   !> Solves a case. The cases of a sweep are solved by `solve_sweep`.
+   !> Makes a single case ready, and finds out whether its loads have an equilibrium before anything is factorized.
+   subroutine prepare_single_case(cache, config, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(out) :: result !! gains the load case, the warnings, and that there is no equilibrium
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(error_t), allocatable :: lack
+
+      call prepare_case(cache, config, result, error)
+      if (allocated(error)) return
+      call check_balance(cache%body, result%load_case, lack)
+      if (.not. allocated(lack)) return
+      result%outcome = outcome_no_equilibrium
+      result%answer = lack%message
+   end subroutine prepare_single_case
+
+   !> Solves a single case. That there is no equilibrium is its outcome, not an error.
    subroutine solve_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
-      class(contact_method_t), allocatable :: method
 
-      call prepare_case(cache, config, result, error)
-      if (allocated(error)) return
-      call new_contact_method(method, config%method, error)
-      if (allocated(error)) return
+      call prepare_single_case(cache, config, result, error)
+      if (allocated(error) .or. result%outcome == outcome_no_equilibrium) return
       call condense_case(cache, config, result, error)
       if (allocated(error)) return
       call start_solution(cache, result)
-      call solve_load_case(result, cache%body, cache%problem, method, error)
+      call solve_load_case(result, cache%body, cache%problem, error)
       if (allocated(error)) return
       if (.not. result%solution%is_converged) return
       if (.not. allocated(cache%state)) allocate (cache%state)

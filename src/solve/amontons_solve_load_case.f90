@@ -1,5 +1,5 @@
-!> Solution of a load case, from its loads to its result: the one way that decks and bodies made in code go; sweeps,
-!> histories and `--verify` take steps of it.
+!> Solution and certificate of a load case, from its loads to its result, for decks and for bodies made in code; sweeps,
+!> histories and `--verify` certify their cases and steps with the same procedures.
 module amontons_solve_load_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: uncanceled_forces
@@ -7,10 +7,8 @@ module amontons_solve_load_case
    use amontons_body, only: body_t, condense_body
    use amontons_case_error, only: estimate_error, prepare_estimates
    use amontons_certificate, only: new_certificate
-   use amontons_components, only: solve_components
    use amontons_condensation, only: condensation_options_t
    use amontons_constraints, only: support_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -18,51 +16,56 @@ module amontons_solve_load_case
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
-   use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
+   use amontons_load_case, only: new_load_case, recover_displacement
+   use amontons_load_family, only: acting_t, one_part
+   use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_t
-   use amontons_methods, only: method_options_t, new_contact_method
-   use amontons_model_warnings, only: add_model_warnings, body_size
+   use amontons_methods, only: method_options_t
+   use amontons_model_warnings, only: add_model_warnings
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_numbers
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
-   use amontons_spin, only: check_spin
    use amontons_stress_field, only: new_stress_field
    use amontons_terminal, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
 
-   public :: certify, evaluate, set_factor, solve_body, solve_from_obstacles, solve_load_case
+   public :: certify, evaluate, set_factor, solve_body, solve_load_case
 
 contains
 
-   !> Solves a load case of a body and certifies the result.
-   subroutine solve_load_case(result, body, problem, method, error)
+   !> Solves a load case of a body and certifies the result. That there is no equilibrium is its outcome, not an error.
+   subroutine solve_load_case(result, body, problem, error)
       type(result_t), intent(inout) :: result
-         !! the result: with its load case, times begun, a solution to start from, and what is known of its uniqueness
-         !! from another load case of the body; gains everything else
+         !! the result: with its load case and method, times begun, a solution to start from, and what is known of its
+         !! uniqueness from another load case of the body; gains everything else
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(inout) :: problem
          !! its contact problem; left with this load case, and the compliance if the method makes it
-      class(contact_method_t), intent(in) :: method !! the contact method
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! there is no such method, or the numbers are at fault
+      type(load_solver_t), allocatable :: solver
+      type(acting_t) :: acting
       type(uniqueness_t) :: known
 
       call result%timings%begin(phase_condense)
       call set_factor(result%factor, body)
-      call condense_load_case(result%load_case, body)
-      call pose_problem(problem, body, result%load_case)
+      allocate (solver)
+      call new_load_solver(solver, body, result%load_case, one_part(result%load_case), result%method, error)
+      if (allocated(error)) return
+      call solver%loads%condense(body, problem)
+      result%load_case%condensed = solver%loads%parts(1)%condensed
+      call solver%loads%at_rest(acting)
+      call solver%loads%pose(body, acting, problem)
       call result%timings%begin(phase_solve)
-      call forget_start(result, problem)
-      call solve_from_obstacles(method, body, result%load_case, problem, result%solution, error)
-      if (allocated(error)) return
-      call check_numbers(body, problem, result%solution, error)
-      if (allocated(error)) return
-      call check_spin(body, result%load_case%is_in_reach, problem, result%solution, error)
-      result%has_no_equilibrium = allocated(error)
-      if (allocated(error)) return
-      if (result%solution%is_at_rest) call compare_with_exact(problem, method%tolerance, result, error)
+      if (problem%is_unloaded() .and. allocated(result%started_from)) deallocate (result%started_from)
+      call forget_start(problem, result%solution)
+      call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer)
+      deallocate (solver)
+      if (result%outcome == outcome_numbers) call new_error(error, numerical_failure, result%answer)
+      if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) return
+      deallocate (result%answer)
+      if (result%solution%is_at_rest) call compare_with_exact(problem, result%method%tolerance, result, error)
       if (allocated(error)) return
       call result%timings%begin(phase_recover)
       call certify(result, body, error)
@@ -85,123 +88,6 @@ contains
          factor%n_flops = condenser%n_flops
       end associate
    end subroutine set_factor
-
-   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
-   !> Where they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
-   subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
-      class(contact_method_t), intent(in) :: method !! the contact method
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; stays as it is
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      type(contact_solution_t) :: first
-      real(dp), allocatable :: motion(:), travel(:)
-      logical :: has_place
-
-      ! Nothing has a place before it meets its obstacles: a start at rest is there.
-      associate (normal => solution%displacement(:body%zone%n_points))
-         has_place = any(abs(solution%force) > 0.0_dp) .or. any(abs(normal) > 0.0_dp)
-      end associate
-      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place)
-      if (has_place) solution%displacement = solution%displacement - motion
-      call solve_from(motion, method, problem, solution, error)
-      ! Of displacements that the motion is a part of, rounding would look like travel.
-      call fit_travel(travel, body, problem%load, solution%displacement)
-      if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
-         first = solution
-         solution%displacement = solution%displacement - travel
-         call solve_from(motion + travel, method, problem, solution, error)
-         solution%displacement = solution%displacement + travel
-         if (solution%is_converged .or. .not. first%is_converged) then
-            call solution%follow(first)
-         else
-            solution = first
-         end if
-      end if
-      solution%displacement = solution%displacement + motion
-   end subroutine solve_from_obstacles
-
-   !> Starts from rest where nothing acts: where the loads of another case left the body is no place of it without them.
-   pure subroutine forget_start(result, problem)
-      type(result_t), intent(inout) :: result !! the result with its start
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-
-      if (.not. allocated(result%started_from)) return
-      if (.not. problem%is_unloaded()) return
-      call new_contact_solution(result%solution, problem%n_points)
-      deallocate (result%started_from)
-   end subroutine forget_start
-
-   !> Finds the rigid motion that displacements are counted from: none at rest where nothing acts; that which comes
-   !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
-   !> obstacles, where loads or overlaps move it.
-   subroutine find_origin(motion, body, load_case, problem, is_at_rest)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      logical, intent(in) :: is_at_rest !! whether no force and no displacement is known of
-      real(dp), allocatable :: laid(:)
-
-      if (is_at_rest .and. problem%is_unloaded()) then
-         allocate (motion(2*problem%n_points), source=0.0_dp)
-         return
-      end if
-      call fit_rigid_motion(motion, body, load_case, problem%load)
-      if (any(abs(problem%load) > 0.0_dp)) then
-         if (any(abs(motion) > 0.0_dp)) return
-      else
-         if (all(problem%gap >= motion(:problem%n_points))) return
-      end if
-      call lay_rigid_body(laid, body, load_case, problem%load)
-      if (any(abs(laid) > 0.0_dp)) motion = laid
-   end subroutine find_origin
-
-   !> Solves a contact problem for the displacements from a rigid motion.
-   subroutine solve_from(motion, method, problem, solution, error)
-      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (2m) [L]
-      class(contact_method_t), intent(in) :: method !! the contact method
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
-      type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      real(dp), allocatable :: gap(:), anchor(:)
-
-      gap = problem%gap
-      anchor = problem%anchor
-      problem%gap = gap - motion(:size(gap))
-      problem%anchor = anchor - motion(size(gap) + 1:)
-      call solve_components(method, problem, solution, error)
-      problem%gap = gap
-      problem%anchor = anchor
-   end subroutine solve_from
-
-   !> Refuses a solution whose numbers have left the finite range, or whose points move so far that the rounding of
-   !> their displacements alone makes forces as large as those that act.
-   pure subroutine check_numbers(body, problem, solution, error)
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! the contact problem
-      type(contact_solution_t), intent(in) :: solution !! the solution
-      type(error_t), allocatable, intent(out) :: error !! it is not finite, or has no digit
-      ! Nearer by, no forces are the answer: a body that nothing loads, beside its obstacle or carried by its supports.
-      real(dp), parameter :: no_digit = 0.1_dp, far = 100.0_dp
-      real(dp) :: way, rounding, forces
-
-      ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
-      if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
-         .and. all(ieee_is_finite(solution%displacement)))) then
-         call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
-            'check the units of stiffness, load and friction')
-         return
-      end if
-      way = maxval(abs(solution%displacement))
-      if (.not. way > far*max(body_size(body), problem%prescribed)) return
-      rounding = epsilon(rounding)*maxval(problem%augmentation()*abs(solution%displacement))
-      forces = max(maxval(abs(problem%load)), maxval(abs(solution%force)))
-      if (rounding > no_digit*forces) call new_error(error, numerical_failure, 'the contact points move by '// &
-         short_text(way)//', so far that rounding leaves no digit of their forces '// &
-         '(up to '//short_text(forces)//'): place the body closer to its obstacle')
-   end subroutine check_numbers
 
    !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
    subroutine certify(result, body, error)
@@ -314,7 +200,6 @@ contains
       type(result_t), intent(inout) :: result
          !! the result; one that converged for another load case of this body is where the method starts
       type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
-      class(contact_method_t), allocatable :: method
       type(contact_solution_t) :: start
       type(uniqueness_t) :: known
       type(result_t) :: empty
@@ -337,14 +222,14 @@ contains
       call check_balance(body, result%load_case, error)
       if (allocated(error)) return
       call add_model_warnings(result%warnings, body, result%load_case)
-      call new_contact_method(method, options, error)
-      if (allocated(error)) return
       if (.not. allocated(problem%load)) then
          call condense_body(body, problem, condensation_options_t(), result%timings, error)
       end if
       if (allocated(error)) return
       call prepare_estimates(body)
-      call solve_load_case(result, body, problem, method, error)
+      call solve_load_case(result, body, problem, error)
+      if (result%outcome == outcome_no_equilibrium .and. .not. allocated(error)) call new_error(error, &
+         numerical_failure, result%answer)
    end subroutine solve_body
 
 end module amontons_solve_load_case

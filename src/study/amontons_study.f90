@@ -7,13 +7,13 @@ module amontons_study
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_outcome, only: outcome_t
    use amontons_result, only: result_t
-   use amontons_solve_case, only: cache_t, prepare_case
+   use amontons_solve_case, only: cache_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_body, check_study, solve_study, study_options_t, study_t
+   public :: check_study, report_size, solve_study, study_options_t, study_t
 
    !> What is asked for besides the deck.
    type :: study_options_t
@@ -26,12 +26,22 @@ module amontons_study
    type, abstract :: study_t
       type(config_t) :: config !! the deck
    contains
-      procedure :: check => study_check
+      procedure(check_procedure), deferred :: check
       procedure(solve_procedure), deferred :: solve
       procedure :: has_grids => study_has_grids
    end type study_t
 
    abstract interface
+      !> Checks everything that the deck can get wrong and reports its size, without solving anything.
+      subroutine check_procedure(self, cache, outcome, error)
+         import :: cache_t, error_t, outcome_t, study_t
+         implicit none (type, external)
+         class(study_t), intent(in) :: self !! the study
+         type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
+         type(outcome_t), intent(inout) :: outcome !! gains its line and the warnings
+         type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      end subroutine check_procedure
+
       !> Solves everything that the deck asks for and writes its files.
       subroutine solve_procedure(self, cache, options, monitor, outcome, error)
          import :: cache_t, error_t, outcome_t, study_monitor_t, study_options_t, study_t
@@ -77,37 +87,24 @@ contains
       call conclude(outcome, error)
    end subroutine solve_study
 
-   !> Checks everything that the deck can get wrong and reports its size, without solving anything: of one with a body
-   !> and a single case.
-   subroutine study_check(self, cache, outcome, error)
-      class(study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
-      type(outcome_t), intent(inout) :: outcome !! gains its line and the warnings
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-
-      call check_body(self%config, '', cache, outcome, error)
-   end subroutine study_check
-
-   !> Checks a deck with a body and reports its size.
-   subroutine check_body(config, cases, cache, outcome, error)
+   !> Reports the size of a deck with a body that is ready to be condensed.
+   subroutine report_size(config, cases, cache, result, outcome, error)
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: cases !! the cases it has, as they are reported: ', 12 cases'; empty for one
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the deck needs another
+      type(cache_t), intent(inout) :: cache !! its body
+      type(result_t), intent(inout) :: result !! the load case as it was prepared
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      type(result_t) :: result
+      type(error_t), allocatable, intent(out) :: error !! the body is not held
       type(estimate_t) :: estimate
       integer :: n_dense
 
-      call prepare_case(cache, config, result, error)
-      if (allocated(error)) return
       n_dense = dense_matrices(config%method%method)
       call estimate_body(cache%body, config%condensation, n_dense, result%timings, estimate, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
       outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '// &
          estimate_text(estimate, n_dense > 0)
-   end subroutine check_body
+   end subroutine report_size
 
    !> How many dense matrices of the contact points a method holds; 0 for Newton's, which works on a band, too.
    pure integer function dense_matrices(method) result(n)

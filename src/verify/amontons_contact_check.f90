@@ -228,7 +228,7 @@ contains
          states_agree = first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
             (is_hovering .or. first_disagreement(found%solution%displacement, computed%solution%displacement, &
             length) == 0) .and. &
-            first_disagreement(found%anchor, computed%anchor, length) == 0 .and. &
+            first_disagreement(found%instant%anchor, computed%instant%anchor, length) == 0 .and. &
             first_disagreement(found%accumulated_slip, computed%accumulated_slip, length) == 0 .and. &
             first_disagreement(found%dissipation, computed%dissipation, energy) == 0 .and. &
             first_disagreement(found%worn, computed%worn, force*length) == 0 .and. &

@@ -15,14 +15,14 @@ module amontons_verify_case
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: word_no_equilibrium
+   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_reduced_report, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_single_study, only: judge_meshes, refined_quantities
-   use amontons_solve_case, only: cache_t, prepare_case, solve_case
+   use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
    use amontons_solve_load_case, only: evaluate
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_summary, only: new_summary
@@ -48,12 +48,12 @@ contains
       if (case%value('', 'outcome') == '"'//word_no_equilibrium//'"') then
          call solve_case(cache, case%config, result, error)
       else
-         call prepare_case(cache, case%config, result, error)
+         call prepare_single_case(cache, case%config, result, error)
       end if
-      if (result%has_no_equilibrium) then
-         call verify_answer(case, cache%body, result, error%message)
-      else if (allocated(error)) then
+      if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
+      else if (result%outcome == outcome_no_equilibrium) then
+         call verify_answer(case, cache%body, result, result%answer)
       else
          call verify_result(case, cache%body, result)
       end if
@@ -68,7 +68,7 @@ contains
 
       result%answer = answer
       call check_texts(case, body, result)
-      case%is_certified = result%has_no_equilibrium
+      case%is_certified = result%outcome == outcome_no_equilibrium
    end subroutine verify_answer
 
    !> Checks the files of a load case, which may be a step of a history.

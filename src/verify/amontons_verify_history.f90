@@ -18,6 +18,7 @@ module amontons_verify_history
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
+   use amontons_outcome_words, only: outcome_no_equilibrium
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
@@ -73,7 +74,7 @@ contains
          if (len(case%value('', 'message')) > 0) then
             call walk%advance(again%model, cache%body, cache%problem)
             last%is_complete = len(walk%fault) == 0
-            last%has_no_equilibrium = walk%has_no_equilibrium
+            last%outcome = walk%outcome
             call verify_answer(case, cache%body, last, walk%fault)
             return
          end if
@@ -91,12 +92,12 @@ contains
          n_iterations = walk%n_iterations
          call go_on(case, again, cache)
          last%is_complete = len(walk%fault) == 0
-         last%has_no_equilibrium = walk%has_no_equilibrium
+         last%outcome = walk%outcome
          call take_stated_record(case, again, n_iterations)
          last%earlier_violation = again%result%violation%value
          call describe_history(again%result, case%config)
          call verify_result(case, cache%body, last)
-         if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%has_no_equilibrium
+         if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium
       end associate
    end subroutine verify_history
 
@@ -225,7 +226,7 @@ contains
          call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
          if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
             numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
-         if (len(fault) == 0 .and. .not. numbers(2) <= again%model%method%tolerance) fault = &
+         if (len(fault) == 0 .and. .not. numbers(2) <= again%model%solver%method%tolerance) fault = &
             'the residual is above the tolerance'
          if (len(fault) == 0) then
             call walk%shorten(again%model%history, numbers(1), leads_there)
@@ -278,10 +279,13 @@ contains
       type(error_t), allocatable :: error
 
       call again%model%at(cache%body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, again%model, cache%body, cache%problem, &
-         again%result%walk%state, instant, error)
       if (allocated(error)) then
          fault = error%message
+         return
+      end if
+      call take_step(next, again%model, cache%body, cache%problem, again%result%walk%state, instant)
+      if (len(next%reason) > 0) then
+         fault = next%reason
       else if (.not. next%solution%is_converged) then
          fault = 'the step does not converge again'
       end if
@@ -293,7 +297,7 @@ contains
       type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
       type(step_state_t), intent(in) :: state !! the state at its end
 
-      scales = step_scales(certificate_limit(again%model%method%tolerance), again%tables(1)%largest(a_force), &
+      scales = step_scales(certificate_limit(again%model%solver%method%tolerance), again%tables(1)%largest(a_force), &
          cache%problem, cache%body, state)
    end function scales_of
 

@@ -14,15 +14,16 @@ module amontons_verify_sweep
    use amontons_key_results, only: body_peaks, lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
+   use amontons_outcome_words, only: outcome_names, outcome_solved
    use amontons_quantity, only: expanded, quantity_t, scales
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
-   use amontons_solve_case, only: cache_t, prepare_case
+   use amontons_solve_case, only: cache_t
    use amontons_solve_load_case, only: evaluate
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
+   use amontons_sweep_chunk, only: new_case, prepare_sweep, sweep_task_t
    use amontons_sweep_report, only: n_documents, sweep_documents
-   use amontons_sweep_statistics, only: case_converged, case_keys, case_quantities, case_result_t, outcome_names
+   use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
    use amontons_sweep_summary, only: new_sweep_summary
    use amontons_sweep_table, only: append_row, read_warnings, sweep_header
    use amontons_system, only: file_name_t, list_directory
@@ -51,6 +52,7 @@ contains
    subroutine verify_sweep(case, cache)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(sweep_task_t) :: task
       type(sweep_result_t) :: result
       type(document_t) :: documents(n_documents), summary
       type(row_t), allocatable :: rows(:)
@@ -58,7 +60,7 @@ contains
       logical, allocatable :: has_converged(:)
       character(:), allocatable :: fault
 
-      call prepare_case(cache, case%config, result%certified, error)
+      call prepare_sweep(task, cache, case%config, result%certified, error)
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
          return
@@ -76,7 +78,7 @@ contains
       if (case%config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
          allocate (result%certified%error_estimate)
       end if
-      call verify_fields(case, result, cache%body, rows)
+      call verify_fields(case, task, result, cache%body, rows)
       call sweep_documents(documents, case%config, cache%body, result)
       call new_sweep_summary(summary, case%config, cache%body, result)
       call case%compare(documents, summary)
@@ -114,7 +116,7 @@ contains
                if (len(fault) == 0) call check_lengths(case, row, body, fault)
                if (len(fault) > 0) return
                call result%statistics%add(row%result)
-               has_converged(i) = row%result%outcome == case_converged
+               has_converged(i) = row%result%outcome == outcome_solved
                if (sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
             end associate
          end do
@@ -182,7 +184,7 @@ contains
          computed%quantity(:size(parts)) = parts%value
       end if
       call compare_row(case, row, body, computed, [0.0_dp], fault)
-      if (row%result%outcome == case_converged) then
+      if (row%result%outcome == outcome_solved) then
          if (len(fault) == 0 .and. .not. row%result%residual <= case%config%method%tolerance) fault = &
             'the residual of a converged case is above the tolerance'
          if (len(fault) == 0 .and. any(row%result%is_warned(2:3) .neqv. lacks_points(row%status))) fault = &
@@ -226,31 +228,24 @@ contains
    end subroutine find_certified
 
    !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
-   subroutine verify_fields(case, sweep, body, rows)
+   subroutine verify_fields(case, task, sweep, body, rows)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(sweep_task_t), intent(in) :: task !! its cases
       type(sweep_result_t), intent(inout) :: sweep !! its result; gains the certificate, if its case has fields
       type(body_t), intent(in) :: body !! the body
       type(row_t), intent(in) :: rows(:) !! the rows of the cases that converged and whose fields are kept
-      type(sweep_model_t) :: model
       type(result_t) :: result
-      type(error_t), allocatable :: error
       character(:), allocatable :: entries, number
       integer :: i
 
       sweep%has_certificate = .false.
       call check_surplus(case, rows%number)
       if (size(rows) == 0) return
-      call new_sweep_loads(model, body, sweep%certified%load_case, case%config, error)
-      if (allocated(error)) then
-         ! not raised: the same loads were made when the case was prepared
-         call case%fault('.deck.nml', error%message)
-         return
-      end if
       entries = ''
       do i = 1, size(rows)
          result%method = case%config%method
          result%wants_error_estimate = case%config%accuracy%wants_estimate()
-         call model%load_case(case%config%sweep%values(rows(i)%number), result%load_case)
+         call new_case(result%load_case, task, body, rows(i)%number)
          call check_fields(case, result, body, rows(i))
          number = to_text(rows(i)%number)
          entries = entries//case_entries(number, case%config%name//'.sweep/'//number)

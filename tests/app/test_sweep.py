@@ -106,6 +106,35 @@ class Rows(SweepTest):
             self.run_program("--quiet", INPUT / f"long_bar_{i}.nml")
             self.assert_row(row, self.result(f"long_bar_{i}"), f"row {i}")
 
+    def test_body_with_small_loads_beside_one_with_large_loads(self):
+        # Two bodies that do not touch: each has its own scale of forces. The loads of the second are 4e7 and 4e11 times
+        # smaller; its forces keep all but a few of their digits in a row, also in one that starts from its neighbor.
+        for load in (5e-6, 5e-10):
+            pushed = [f"load name = 'small' set = 'b.top'  pressure = {load}",
+                      f"load name = 'side' set = 'b.left'  traction = {0.6*load}, 0.0"]
+            groups = ["mesh name = 'a' size = 8.0, 2.0  cells = 16, 4",
+                      "mesh name = 'b' size = 8.0, 2.0  cells = 16, 4  origin = 20.0, 0.0",
+                      "material young = 1000.0  poisson = 0.3", "support set = 'a.right'  ux = 0.0",
+                      "support set = 'b.right'  ux = 0.0", "load name = 'big' set = 'a.top'  pressure = 200.0",
+                      "load set = 'a.left'  traction = 60.0, 0.0",
+                      "contact set = 'a.bottom'  friction = 0.4", "contact set = 'b.bottom'  friction = 0.4"] + pushed
+            text = "".join(f"&{group} /\n" for group in groups)
+            self.run_program("--quiet", self.write("single.nml", "&case name = 'single' /\n" + text))
+            self.run_program("--quiet", self.write("sweep.nml", "&case name = 'sweep' /\n" + text
+                                                   + "&sweep load = 'big'  factor = 0.8, 0.9, 1.0 /\n"))
+            self.run_program("--quiet", self.write("steps.nml", "&case name = 'steps' /\n" + text
+                                                   + "&history times = 0.0 /\n&steps load = 'big'  factor = 1.0 /\n"))
+            rows, _ = self.table()
+            single, step = self.result("single"), self.result("steps")
+            tangential = sum(single["tangential_force"][17:])
+            for row in rows:
+                self.assert_close([float(row["contact_force_y_2"]), abs(float(row["contact_force_x_2"]))],
+                                  [8.0*load, tangential], 1e-9*load, row)
+            # A step from rest goes the way of the single case; what its loads are summed from differs in the last digit.
+            for name in ("normal_force", "tangential_force"):
+                self.assert_close(step[name][:17], single[name][:17], 1e-9*200.0, name)
+                self.assert_close(step[name][17:], single[name][17:], 1e-9*load, name)
+
     def test_full_product_of_friction_and_loads(self):
         values = list(itertools.product((0.0, 0.3, 0.9), (-1.0, 0.0, 0.5), (1.0, 2.5)))
         self.assert_rows(

@@ -9,7 +9,8 @@ module sample_contacts
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
+   use amontons_load_case, only: load_case_t, new_load_case, recover_displacement
+   use amontons_load_family, only: acting_t, load_family_t, new_load_family, one_part
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_terminal, only: new_timings, timings_t
@@ -17,7 +18,7 @@ module sample_contacts
    implicit none (type, external)
    private
 
-   public :: contact_on_floor, contact_on_set, ready_body, solve_loaded_body
+   public :: contact_on_floor, contact_on_set, pose_load_case, ready_body, solve_loaded_body
 
 contains
 
@@ -66,6 +67,23 @@ contains
       call condense_body(body, problem, condensation_options_t(), timings, error)
    end subroutine ready_body
 
+   !> Sets a contact problem to a load case of a ready body.
+   subroutine pose_load_case(problem, body, load_case, error)
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(inout) :: load_case !! the load case; gains its condensed load
+      type(error_t), allocatable, intent(out) :: error !! whatever failed
+      type(load_family_t) :: loads
+      type(acting_t) :: acting
+
+      call new_load_family(loads, body, load_case, one_part(load_case), error)
+      if (allocated(error)) return
+      call loads%condense(body, problem)
+      call loads%at_rest(acting)
+      call loads%pose(body, acting, problem)
+      load_case%condensed = loads%parts(1)%condensed
+   end subroutine pose_load_case
+
    !> Solves a load case of a ready body.
    subroutine solve_loaded_body(body, problem, load_case, displacement, solution, error)
       type(body_t), intent(in) :: body !! the body
@@ -76,8 +94,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! whatever failed
       type(auto_t) :: method
 
-      call condense_load_case(load_case, body)
-      call pose_problem(problem, body, load_case)
+      call pose_load_case(problem, body, load_case, error)
+      if (allocated(error)) return
       call new_contact_solution(solution, body%zone%n_points)
       method%tolerance = 1.0e-12_dp
       call method%solve(problem, solution, error)

@@ -4,7 +4,6 @@ module amontons_load_case
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
-   use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -18,8 +17,8 @@ module amontons_load_case
    implicit none (type, external)
    private
 
-   public :: check_shear, condense_load_case, condensed_force, free_expansion, load_case_t, new_load_case, &
-      pose_problem, recover_displacement, recover_displacements, set_obstacles
+   public :: check_shear, condense_load_case, condensed_force, load_case_t, new_load_case, prescribed_slip, &
+      recover_displacement, recover_displacements, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -246,39 +245,6 @@ contains
       end if
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), load_case%condensed)
    end subroutine condense_load_case
-
-   !> Sets load, gap, anchor, friction and slip bound of a body's contact problem to those of a load case.
-   subroutine pose_problem(problem, body, load_case)
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem of the body
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case, condensed
-      real(dp), allocatable :: slip(:), from_slip(:)
-
-      problem%load = load_case%condensed%load
-      problem%prescribed = max(maxval(abs(load_case%prescribed)), free_expansion(load_case, body%mesh))
-      problem%gap = load_case%free_gap
-      problem%anchor = merge(0.0_dp, load_case%anchor, body%zone%is_tangent_fixed)
-      ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a cell,
-      ! becomes a load.
-      allocate (slip, source=prescribed_slip(body, load_case))
-      if (any(abs(slip) > 0.0_dp)) then
-         allocate (from_slip(2*size(slip)))
-         call problem%matrix%multiply_stiffness([0.0_dp*slip, slip], from_slip)
-         problem%load = problem%load + from_slip
-      end if
-      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_tangent_fixed)
-      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_tangent_fixed)
-   end subroutine pose_problem
-
-   !> How far the body would expand at most, if it were all as hot as at its hottest place [L].
-   pure real(dp) function free_expansion(load_case, mesh) result(expansion)
-      type(load_case_t), intent(in) :: load_case !! the load case
-      type(mesh_t), intent(in) :: mesh !! the mesh
-
-      expansion = 0.0_dp
-      if (allocated(load_case%thermal_strain)) expansion = maxval(abs(load_case%thermal_strain)) &
-         *maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
-   end function free_expansion
 
    !> The part of every slip that supports prescribe; 0 where a support prevents the slip
    !> (m) [L].

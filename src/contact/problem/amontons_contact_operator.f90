@@ -292,8 +292,16 @@ contains
    pure subroutine join_coupled(parent, matrix)
       integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
       type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (n, n)
-      integer :: i, j
+      integer :: i, j, m
 
+      m = size(parent)
+      if (m > 0 .and. .not. matrix%is_sparse()) then
+         ! A body in one piece couples all points with the first.
+         if (all(abs(matrix%values(:m, 1)) > 0.0_dp .or. abs(matrix%values(m + 1:, 1)) > 0.0_dp)) then
+            parent = 1
+            return
+         end if
+      end if
       do j = 1, matrix%n
          if (matrix%is_sparse()) then
             do i = matrix%first(j), matrix%first(j + 1) - 1
@@ -303,7 +311,6 @@ contains
             do i = j + 1, matrix%n
                if (abs(matrix%values(i, j)) > 0.0_dp) call join(parent, i, j)
             end do
-            ! A body in one piece couples all points in the first column.
             if (all(parent == 1)) return
          end if
       end do

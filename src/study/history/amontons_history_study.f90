@@ -7,13 +7,15 @@ module amontons_history_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific, short_text, with_unit
+   use amontons_model_warnings, only: add_history_warnings
    use amontons_outcome, only: outcome_t
-   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged
+   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
-   use amontons_solve_case, only: cache_t
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: cache_t, prepare_case
    use amontons_solve_history, only: history_result_t, solve_history
-   use amontons_study, only: check_body, study_options_t, study_t
+   use amontons_study, only: report_size, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -36,11 +38,17 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(result_t) :: result
       integer, allocatable :: probes(:)
 
-      call check_body(self%config, ', '//to_text(self%config%history%n_steps())//' steps', cache, outcome, error)
-      if (.not. allocated(error)) call find_probes(probes, self%config%history, cache%body, error)
-      if (allocated(error)) outcome%text = ''
+      associate (history => self%config%history)
+         call prepare_case(cache, self%config, result, error)
+         if (allocated(error)) return
+         call add_history_warnings(result%warnings, history, result%load_case, cache%body%zone%set)
+         call report_size(self%config, ', '//to_text(history%n_steps())//' steps', cache, result, outcome, error)
+         if (.not. allocated(error)) call find_probes(probes, history, cache%body, error)
+         if (allocated(error)) outcome%text = ''
+      end associate
    end subroutine history_study_check
 
    !> Takes the steps and writes their files.
@@ -62,7 +70,7 @@ contains
       end if
       if (len(result%walk%fault) > 0) then
          word = word_not_converged
-         if (result%walk%has_no_equilibrium) word = word_no_equilibrium
+         if (result%walk%outcome == outcome_no_equilibrium) word = word_no_equilibrium
          call outcome%lack(word, result%walk%fault)
       end if
       outcome%warnings = result%last%warnings

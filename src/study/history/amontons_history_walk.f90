@@ -7,10 +7,11 @@ module amontons_history_walk
    use amontons_body, only: body_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_cycle_watch, only: cycle_watch_t, n_parameters, new_cycle_watch
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
    use amontons_stepper, only: new_step_state, restore_step_state, step_state_t, take_step
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -36,7 +37,7 @@ module amontons_history_walk
       integer :: n_iterations = 0 !! iterations of all steps, those given up included
       logical :: is_ended = .false. !! whether there is no way on: all times are reached, or a step cannot be taken
       character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
-      logical :: has_no_equilibrium = .false. !! whether it is that contact and friction cannot balance its loads
+      integer :: outcome = outcome_solved !! what came of the last step, kept or not
       integer :: fault_kind = 0 !! the kind of the error that it is; 0 for a step that does not converge
       real(dp) :: fault_time = 0.0_dp !! the time that the step would have led to [-]
       logical :: is_jump = .false. !! whether the energies of the last step do not balance
@@ -131,7 +132,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(step_state_t) :: next
-      type(error_t), allocatable :: error, answer
+      type(error_t), allocatable :: error
+      character(:), allocatable :: answer
       real(dp) :: time, answer_time
 
       self%is_jump = .false.
@@ -140,17 +142,17 @@ contains
       do
          time = self%plan(model%history)
          call try_step(self, model, body, problem, time, next, error)
-         if (next%has_no_equilibrium) then
-            answer = error
+         if (next%outcome == outcome_no_equilibrium) then
+            answer = next%reason
             answer_time = time
          end if
          if (has_balance(next, model%history) .or. .not. self%can_halve(model%history)) exit
          call halve(self)
       end do
-      if (allocated(answer) .and. .not. (allocated(error) .or. next%solution%is_converged)) then
+      if (allocated(answer) .and. next%outcome == outcome_not_converged .and. .not. allocated(error)) then
          ! That a longer step has no equilibrium says more than that a shorter one does not converge.
-         next%has_no_equilibrium = .true.
-         call move_alloc(answer, error)
+         next%outcome = outcome_no_equilibrium
+         call move_alloc(answer, next%reason)
          time = answer_time
       end if
       call end_step(self, model, time, next, error)
@@ -162,13 +164,16 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       real(dp), intent(in) :: time !! the time that the step leads to [-]
       type(step_state_t), intent(in) :: next !! the state at its end
-      type(error_t), allocatable, intent(in) :: error !! why it could not be taken, if so
+      type(error_t), allocatable, intent(in) :: error !! that an obstacle is out of place, if so
 
       walk%fault_time = time
+      walk%outcome = next%outcome
       if (allocated(error)) then
-         walk%has_no_equilibrium = next%has_no_equilibrium
          walk%fault_kind = error%kind
          call give_up(walk, time, error%message)
+      else if (len(next%reason) > 0) then
+         walk%fault_kind = numerical_failure
+         call give_up(walk, time, next%reason)
       else if (.not. next%solution%is_converged) then
          call give_up(walk, time, 'not converged with the smallest step')
       else
@@ -183,15 +188,17 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       real(dp), intent(in) :: time !! the time that the step leads to [-]
-      type(step_state_t), intent(inout) :: next !! the state at its end; not converged if there is an error
-      type(error_t), allocatable, intent(out) :: error !! the step cannot be taken
+      type(step_state_t), intent(inout) :: next !! the state at its end, and what came of it
+      type(error_t), allocatable, intent(out) :: error !! an obstacle is out of place
       type(instant_t) :: instant
 
-      next%has_no_equilibrium = .false.
+      next%outcome = outcome_not_converged
+      next%reason = ''
+      next%solution%is_converged = .false.
+      next%solution%n_iterations = 0
       call model%at(body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, model, body, problem, walk%state, instant, error)
+      if (.not. allocated(error)) call take_step(next, model, body, problem, walk%state, instant)
       walk%n_iterations = walk%n_iterations + next%solution%n_iterations
-      if (allocated(error)) next%solution%is_converged = .false.
    end subroutine try_step
 
    !> Whether a step that was taken converged and its energies balance.

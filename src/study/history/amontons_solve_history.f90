@@ -12,8 +12,9 @@ module amontons_solve_history
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
-   use amontons_load_case, only: condense_load_case
    use amontons_manifest, only: manifest_t
+   use amontons_model_warnings, only: add_history_warnings
+   use amontons_outcome_words, only: outcome_no_equilibrium
    use amontons_report, only: study_files_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
@@ -90,7 +91,7 @@ contains
       if (allocated(error)) return
       call take_steps(cache, model, files, monitor, result, error)
       result%last%is_complete = len(result%walk%fault) == 0
-      result%last%has_no_equilibrium = result%walk%has_no_equilibrium
+      result%last%outcome = result%walk%outcome
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
          result, error)
       result%checkpoint = files%checkpoint
@@ -117,8 +118,8 @@ contains
 
       allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
       call new_history_walk(result%walk, model, cache%body)
-      key = '! Amontons '//version//', a history under way; contact problem '//model%fingerprint()//newline// &
-         effective_deck(config)
+      key = '! Amontons '//version//', a history under way; contact problem '// &
+         model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
       if (config%history%has_start()) then
          call read_start(milestone%numbers, config%history, error)
          if (.not. allocated(error)) then
@@ -189,7 +190,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
 
       call prepare_case(cache, config, last, error)
-      if (.not. allocated(error)) call condense_case(cache, config, last, error)
+      if (allocated(error)) return
+      call add_history_warnings(last%warnings, config%history, last%load_case, cache%body%zone%set)
+      call condense_case(cache, config, last, error)
       if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
          error)
       if (allocated(error)) return
@@ -285,8 +288,8 @@ contains
          call self%residual%note(state%solution%residual, walk%n_steps)
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
-         call find_case_warnings(is_warned, body, model%size_of_body, &
-            moved_contacts(model%fixed%contacts, state%instant%motions), state%instant%gap, state%solution)
+         call find_case_warnings(is_warned, body, model%solver%size_of_body, &
+            model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
          where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
          where (is_warned) self%last_warned = walk%n_steps
          self%n_warned = self%n_warned + merge(1, 0, is_warned)
@@ -368,9 +371,7 @@ contains
       type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
 
-      call model%load_case(cache%body, walk%state%instant, walk%state%anchor, step%load_case, error)
-      if (allocated(error)) return
-      call condense_load_case(step%load_case, cache%body)
+      call model%solver%loads%load_case(cache%body, walk%state%instant, step%load_case)
       step%solution = walk%state%solution
       step%slip_record = walk%point_record(cache%body)
       call certify(step, cache%body, error)
@@ -388,7 +389,7 @@ contains
 
       if (result%walk%n_steps == 0) then
          ! That there is no first state is an answer; an obstacle that is out of place is none.
-         if (result%walk%fault_kind > 0 .and. .not. result%walk%has_no_equilibrium) call new_error(error, &
+         if (result%walk%fault_kind > 0 .and. result%walk%outcome /= outcome_no_equilibrium) call new_error(error, &
             result%walk%fault_kind, result%walk%fault)
          if (.not. allocated(error)) call add_tables(result%files%manifest, config)
          return
@@ -398,7 +399,7 @@ contains
          call new_step_result(result%last, cache, model, result%walk, error)
          if (allocated(error)) return
          call result%note_certificate(result%last%certificate%largest())
-         call model%pose(cache%body, state%instant, state%anchor, cache%problem)
+         call model%solver%loads%pose(cache%body, state%instant, cache%problem)
       end associate
       call add_result_warnings(result%last, cache%body)
       call new_uniqueness(result%last%uniqueness, cache%problem)

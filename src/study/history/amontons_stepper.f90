@@ -4,19 +4,13 @@
 !> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a
 !> step can be given up and taken again with another length.
 module amontons_stepper
-   use amontons_auto, only: auto_t
    use amontons_body, only: body_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
-   use amontons_newton, only: newton_t
-   use amontons_solve_load_case, only: solve_from_obstacles
-   use amontons_spin, only: check_spin
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -32,7 +26,6 @@ module amontons_stepper
    type :: step_state_t
       type(instant_t) :: instant !! what acts
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
-      real(dp), allocatable :: anchor(:) !! tangential displacements that the slips of the step count from (m) [L]
       real(dp), allocatable :: slip(:) !! slip of the step (m) [L]
       real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
       real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
@@ -48,7 +41,8 @@ module amontons_stepper
       real(dp) :: closing_loss = 0.0_dp !! sum of lambda_N times the gap at the beginning of the step [F L]
       real(dp) :: indicator = 0.0_dp !! energy error of the step over its energies [-]
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
-      logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution
+      integer :: outcome = outcome_not_converged !! what came of the loads
+      character(:), allocatable :: reason !! why there is no solution; empty for one, and for one not converged
    contains
       procedure :: energy_error => step_state_energy_error
       procedure :: numbers => step_state_numbers
@@ -66,38 +60,36 @@ contains
 
       m = body%zone%n_points
       call new_contact_solution(state%solution, m)
-      allocate (state%anchor(m), state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
-         state%instant%motion(m), source=0.0_dp)
-      allocate (state%instant%factor(size(model%energies%field, 3)), state%reaction(size(model%energies%field, 3)), &
-         source=0.0_dp)
+      call model%solver%loads%at_rest(state%instant)
+      state%instant%factor = 0.0_dp
+      allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), source=0.0_dp)
+      state%reaction = state%instant%factor
       state%instant%time = model%history%times(1)
-      state%instant%gap = max(0.0_dp, model%fixed%gap)
-      state%instant%is_in_reach = model%fixed%is_in_reach
-      state%bound = merge(0.0_dp, model%fixed%slip_bound, body%zone%is_tangent_fixed)
+      state%instant%gap = max(0.0_dp, state%instant%gap)
+      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_tangent_fixed)
    end subroutine new_step_state
 
-   !> Takes a step to what acts at its end. Not converged is a result: the solution of the state says so.
-   subroutine take_step(after, model, body, problem, before, instant, error)
+   !> Takes a step to what acts at its end. The state says what came of it.
+   subroutine take_step(after, model, body, problem, before, instant)
       type(step_state_t), intent(out) :: after !! the state at the end of the step
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! what acts at its end
-      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
       integer :: m
 
       m = body%zone%n_points
       after%instant = instant
-      after%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + instant%motion - before%instant%motion, &
-         body%zone%is_tangent_fixed)
-      call model%pose(body, instant, after%anchor, problem)
+      after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + instant%motion &
+         - before%instant%motion, body%zone%is_tangent_fixed)
+      call model%solver%loads%pose(body, after%instant, problem)
       ! The slip before goes on, so that the method begins with the statuses before.
       after%solution = before%solution
-      after%solution%displacement(m + 1:) = after%anchor + before%slip
-      call solve(after, model, body, problem, error)
-      if (allocated(error)) return
-      after%slip = after%solution%displacement(m + 1:) - after%anchor
+      after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
+      call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason)
+      if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
+      after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
       after%accumulated_slip = before%accumulated_slip + abs(after%slip)
       call complete(after, model, problem)
       call add_works(after, model, problem, before)
@@ -129,7 +121,7 @@ contains
       real(dp), allocatable :: numbers(:)
 
       numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
-         real(self%solution%n_iterations, dp), self%solution%force, self%solution%displacement, self%anchor, &
+         real(self%solution%n_iterations, dp), self%solution%force, self%solution%displacement, self%instant%anchor, &
          self%accumulated_slip, self%dissipation, self%worn]
    end function step_state_numbers
 
@@ -162,94 +154,17 @@ contains
          solution%is_converged = .true.
          solution%force = points(:2*m)
          solution%displacement = points(2*m + 1:4*m)
-         state%anchor = points(4*m + 1:5*m)
-         state%slip = solution%displacement(m + 1:) - state%anchor
+         state%instant%anchor = points(4*m + 1:5*m)
+         state%slip = solution%displacement(m + 1:) - state%instant%anchor
          state%accumulated_slip = points(5*m + 1:6*m)
          state%dissipation = points(6*m + 1:7*m)
          state%worn = points(7*m + 1:)
       end associate
-      call model%pose(body, state%instant, state%anchor, problem)
+      call model%solver%loads%pose(body, state%instant, problem)
+      state%outcome = outcome_solved
       state%solution%status = problem%status(state%solution%displacement, state%solution%force)
       call complete(state, model, problem)
    end subroutine restore_step_state
-
-   !> Solves the contact problem of a step, if contact and friction can balance the loads.
-   !>
-   !> Whether they can is asked where the answer is in doubt: where Newton's method fails, and where it takes the points
-   !> further than the body is large, as the rounding of a singular matrix does; and in each step of bodies with a
-   !> motion that no contact point notices, or that friction alone opposes.
-   subroutine solve(after, model, body, problem, error)
-      type(step_state_t), intent(inout) :: after !! the state, its solution set to that before; gains its own
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem
-      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
-      type(contact_solution_t) :: start
-      type(load_case_t) :: load_case
-
-      start = after%solution
-      call try_newton(after%solution, problem, model%method, error)
-      if (allocated(error)) return
-      if (model%may_move .or. .not. after%solution%is_converged &
-         .or. maxval(abs(after%solution%displacement)) > model%size_of_body) call check_loads(after, load_case, model, &
-         body, error)
-      if (.not. (allocated(error) .or. after%solution%is_converged)) call use_method(after%solution, start, load_case, &
-         body, problem, model%method, error)
-      if (allocated(error) .or. .not. model%may_spin) return
-      call check_spin(body, after%instant%is_in_reach, problem, after%solution, error)
-      after%has_no_equilibrium = allocated(error)
-   end subroutine solve
-
-   !> Checks whether contact and friction can balance the loads of a step.
-   subroutine check_loads(after, load_case, model, body, error)
-      type(step_state_t), intent(inout) :: after !! the state; gains whether they cannot
-      type(load_case_t), intent(out) :: load_case !! what acts
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
-      type(error_t), allocatable, intent(out) :: error !! they cannot; names the motion
-
-      call model%load_case(body, after%instant, after%anchor, load_case, error)
-      ! not raised: the instant was made with the same obstacles
-      if (allocated(error)) return
-      call check_balance(body, load_case, error)
-      after%has_no_equilibrium = allocated(error)
-   end subroutine check_loads
-
-   !> Where the deck leaves the method to the program, tries Newton's from the state before with its statuses.
-   subroutine try_newton(solution, problem, method, error)
-      type(contact_solution_t), intent(inout) :: solution !! the state before; converged only if this one was found
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem
-      class(contact_method_t), intent(in) :: method !! the deck's method
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      integer, parameter :: n_newton_steps = 20
-
-      call solution%reset()
-      select type (method)
-      type is (auto_t)
-         associate (newton => newton_t(tolerance=method%tolerance, max_iterations=min(n_newton_steps, &
-            method%max_iterations)))
-            call newton%solve(problem, solution, error)
-         end associate
-      end select
-   end subroutine try_newton
-
-   !> Solves by the deck's method as a single case, from where the body meets its obstacles; the iterations of Newton's
-   !> method before it count, too.
-   subroutine use_method(solution, start, load_case, body, problem, method, error)
-      type(contact_solution_t), intent(inout) :: solution !! what Newton's method left; becomes the solution
-      type(contact_solution_t), intent(in) :: start !! the state before
-      type(load_case_t), intent(in) :: load_case !! what acts
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem
-      class(contact_method_t), intent(in) :: method !! the deck's method
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      type(contact_solution_t) :: first
-
-      first = solution
-      solution = start
-      call solve_from_obstacles(method, body, load_case, problem, solution, error)
-      call solution%follow(first)
-   end subroutine use_method
 
    !> Adds works and dissipation of a step, and measures how well its energies balance.
    !>

@@ -6,20 +6,20 @@ module amontons_single_study
    use amontons_config, only: config_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_convergence, only: new_convergence
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
    use amontons_listing_text, only: short_text, with_unit
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
-   use amontons_outcome_words, only: word_no_equilibrium
+   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
    use amontons_siconos_text, only: write_reduced_file
-   use amontons_solve_case, only: cache_t, solve_case
-   use amontons_study, only: check_body, study_options_t, study_t
+   use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
+   use amontons_study, only: report_size, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: to_text
@@ -44,6 +44,7 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(config_t) :: config
+      type(result_t) :: result
       character(:), allocatable :: meshes
 
       config = self%config
@@ -52,7 +53,10 @@ contains
          if (n > 0) meshes = ', on the finest of '//to_text(n + 1)//' meshes'
          config%meshes%n_refinements = config%meshes%n_refinements + n
       end associate
-      call check_body(config, meshes, cache, outcome, error)
+      call prepare_single_case(cache, config, result, error)
+      if (.not. allocated(error) .and. result%outcome == outcome_no_equilibrium) call new_error(error, &
+         numerical_failure, result%answer)
+      if (.not. allocated(error)) call report_size(config, meshes, cache, result, outcome, error)
    end subroutine single_study_check
 
    !> Solves the case on every mesh, the coarsest first, and writes the files of the finest.
@@ -147,15 +151,15 @@ contains
       type(error_t), allocatable, intent(inout) :: error
          !! on entry that the case could not be solved; on return that, or that its files cannot be written
 
-      if (result%has_no_equilibrium) then
+      if (allocated(error)) return
+      if (result%outcome == outcome_no_equilibrium) then
          ! This is its answer, not a failure: it has files.
-         result%answer = error%message
-         call outcome%lack(word_no_equilibrium, error%message)
+         call outcome%lack(word_no_equilibrium, result%answer)
          outcome%warnings = result%warnings
          call write_report(options%directory, config, cache%body, result, error)
          return
       end if
-      if (.not. allocated(error)) call add_extras(config, cache, options, result, error)
+      call add_extras(config, cache, options, result, error)
       if (.not. allocated(error)) call write_report(options%directory, config, cache%body, result, error)
       if (allocated(error)) return
       outcome%text = solved_text(config%name, result, config%units)

@@ -3,10 +3,8 @@
 !> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
 !> goes on there.
 module amontons_solve_sweep
-   use amontons_body, only: body_t
    use amontons_checkpoint, only: checkpoint_t, new_checkpoint
    use amontons_config, only: config_t, effective_deck
-   use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -14,12 +12,11 @@ module amontons_solve_sweep
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, condense_case, prepare_case
+   use amontons_solve_case, only: cache_t, condense_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_again, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_case, new_chunk, prepare_sweep, solve_again, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
-   use amontons_sweep_model, only: sweep_model_t
    use amontons_sweep_ranks, only: end_sharing, prepare_on_ranks, solve_on_ranks
    use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_sweep_table, only: sweep_header
@@ -64,26 +61,24 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(sweep_task_t) :: task
 
-      call prepare_case(cache, config, result%certified, error)
+      call prepare_sweep(task, cache, config, result%certified, error)
       if (allocated(error)) return
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call set_factor(result%certified%factor, cache%body)
-      call new_sweep_task(task, cache%body, result%certified%load_case, config, error)
-      if (allocated(error)) return
       call prepare_on_ranks(result%n_sharing, task, cache, config, error)
-      if (.not. allocated(error)) call open_table(result, task, cache%body, directory, config, error)
-      if (.not. allocated(error)) call solve_batches(task, cache%body, monitor, result, error)
+      if (.not. allocated(error)) call open_table(result, task, cache, directory, config, error)
+      if (.not. allocated(error)) call solve_batches(task, cache, monitor, result, error)
       call end_sharing(result%n_sharing)
-      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config, monitor, result, error)
+      if (.not. allocated(error)) call finish_sweep(task, cache, directory, config, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
 
    !> Opens the table, with the rows of an earlier run if there are any.
-   subroutine open_table(result, task, body, directory, config, error)
+   subroutine open_table(result, task, cache, directory, config, error)
       type(sweep_result_t), intent(inout) :: result !! gains the table, and the statistics of its rows
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(in) :: cache !! the body
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! the table cannot be written, or another run writes it
@@ -93,16 +88,19 @@ contains
       if (allocated(error)) return
       associate (stem => directory//'/'//config%name//'.sweep')
          call new_checkpoint(result%checkpoint, stem)
-         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(body, config%sweep)))
+         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body, &
+            config%sweep)))
       end associate
-      call result%checkpoint%open(sweep_key(config, task%model), result%statistics, error)
+      call result%checkpoint%open('! Amontons '//version//', a sweep under way; contact problem '// &
+         task%solver%loads%fingerprint(cache%body, cache%problem)//newline//effective_deck(config), &
+         result%statistics, error)
       result%n_resumed = result%statistics%n_cases
    end subroutine open_table
 
    !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
-   subroutine finish_sweep(task, body, directory, config, monitor, result, error)
+   subroutine finish_sweep(task, cache, directory, config, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of some case
       character(*), intent(in) :: directory !! output directory
       type(config_t), intent(in) :: config !! the deck
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
@@ -112,31 +110,22 @@ contains
       call result%certified%timings%begin(phase_write)
       result%is_interrupted = result%statistics%n_cases < task%sweep%n_cases()
       if (.not. result%is_interrupted .and. task%sweep%n_fields() > 0) call write_sweep_fields(result%collection, &
-         result%grids, task, body, directory//'/'//config%name, monitor, result%is_interrupted, error)
+         result%grids, task, cache%body, cache%problem, directory//'/'//config%name, monitor, &
+         result%is_interrupted, error)
       if (allocated(error)) return
       call result%certified%timings%begin(phase_recover)
       if (.not. result%is_interrupted .and. result%statistics%worst_case > 0) then
-         call certify_worst(task, body, result, error)
+         call certify_worst(task, cache, result, error)
          if (allocated(error)) return
       end if
-      call result%statistics%add_warnings(body%zone, result%certified%warnings)
+      call result%statistics%add_warnings(cache%body%zone, result%certified%warnings)
       call result%certified%timings%begin(phase_write)
    end subroutine finish_sweep
 
-   !> What the rows of a sweep depend on, lines of text.
-   function sweep_key(config, model) result(key)
-      type(config_t), intent(in) :: config !! the deck
-      type(sweep_model_t), intent(in) :: model !! its contact problems
-      character(:), allocatable :: key
-
-      key = '! Amontons '//version//', a sweep under way; contact problem '//model%fingerprint()//newline// &
-         effective_deck(config)
-   end function sweep_key
-
    !> Solves batch after batch until all cases are done or the monitor stops the sweep.
-   subroutine solve_batches(task, body, monitor, result, error)
+   subroutine solve_batches(task, cache, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(in) :: cache !! the body
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
@@ -155,7 +144,7 @@ contains
          do i = 1, size(chunks)
             call new_chunk(chunks(i), result%statistics%n_cases + (i - 1)*chunk_length, n_cases)
          end do
-         call solve_on_ranks(result%n_sharing, task, body, monitor, chunks)
+         call solve_on_ranks(result%n_sharing, task, cache, monitor, chunks)
          call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
          call result%checkpoint%add_rows(1, rows)
@@ -185,25 +174,23 @@ contains
    end subroutine gather_chunks
 
    !> Solves the case with the largest error estimate again and certifies it on the full model.
-   subroutine certify_worst(task, body, result, error)
+   subroutine certify_worst(task, cache, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the case
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! its numbers are not finite
-      type(contact_problem_t) :: problem
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
       integer :: i
 
       associate (number => result%statistics%worst_case, certified => result%certified)
-         problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_again(task, body, problem, chunk, [(i == number, i=chunk%first, number)], solutions)
+         call solve_again(task, cache%body, cache%problem, chunk, [(i == number, i=chunk%first, number)], solutions)
          certified%solution = solutions(number - chunk%first + 1)
-         call task%model%load_case(task%sweep%values(number), certified%load_case)
+         call new_case(certified%load_case, task, cache%body, number)
          certified%wants_error_estimate = task%wants_error_estimate
-         call certify(certified, body, error)
-         if (.not. allocated(error)) call add_conditioning(certified, body)
+         call certify(certified, cache%body, error)
+         if (.not. allocated(error)) call add_conditioning(certified, cache%body)
       end associate
    end subroutine certify_worst
 

@@ -4,32 +4,33 @@
 !> depends on the number of threads, nor on where a sweep was interrupted.
 module amontons_sweep_chunk
    use amontons_body, only: body_t
+   use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_document, only: status_runs
-   use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_key_results, only: body_peaks_at_rest
+   use amontons_key_results, only: body_peaks, body_peaks_at_rest
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
-   use amontons_methods, only: new_contact_method
-   use amontons_newton, only: newton_t
+   use amontons_load_case, only: check_shear, load_case_t, recover_displacements
+   use amontons_load_family, only: acting_t, one_part, parting_t
+   use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
+   use amontons_model_warnings, only: add_sweep_warnings
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers
    use amontons_quantity, only: quantity_t
+   use amontons_result, only: result_t
    use amontons_result_warnings, only: find_case_warnings
-   use amontons_spin, only: find_spin
+   use amontons_solve_case, only: cache_t, prepare_case
+   use amontons_stress_field, only: find_node_stresses
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep, only: sweep_t
-   use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
-   use amontons_sweep_peaks, only: find_peaks
-   use amontons_sweep_statistics, only: case_converged, case_keys, case_no_equilibrium, case_result_t, set_numbers, &
-      sweep_statistics_t
+   use amontons_sweep, only: sweep_t, swept_friction, swept_load
+   use amontons_sweep_statistics, only: case_keys, case_result_t, set_numbers, sweep_statistics_t
    use amontons_sweep_table, only: append_row
    implicit none (type, external)
    private
 
-   public :: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_again, solve_chunks, sweep_task_t
+   public :: chunk_length, chunk_t, new_case, new_chunk, prepare_sweep, solve_again, solve_chunks, sweep_task_t
 
    !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
    !> rest does not count.
@@ -38,11 +39,9 @@ module amontons_sweep_chunk
    !> What all threads share and none changes.
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
-      type(sweep_model_t) :: model !! their contact problems
-      class(contact_method_t), allocatable :: method !! the deck's method
+      type(load_solver_t) :: solver !! their loads, and the way to their solutions
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
-      logical :: is_auto = .false. !! whether the deck leaves the method to the program
       logical :: wants_error_estimate = .false.
          !! whether the error of stresses is to be estimated, of fields and of the case certified
    end type sweep_task_t
@@ -59,23 +58,81 @@ module amontons_sweep_chunk
 
 contains
 
-   !> What the cases of a sweep share, but for the contact problem, which takes the condensed body.
-   subroutine new_sweep_task(task, body, prepared, config, error)
-      type(sweep_task_t), intent(out) :: task !! the sweep; its model is to be prepared
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
+   !> Makes body and loads of a sweep ready, everything that its deck can get wrong.
+   subroutine prepare_sweep(task, cache, config, result, error)
+      type(sweep_task_t), intent(out) :: task !! the sweep; its loads are not condensed yet
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
-      type(error_t), allocatable, intent(out) :: error !! there is no such method, or a load does not fit the mesh
+      type(result_t), intent(out) :: result !! gains the load case of the deck as it stands, and warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! the deck is at fault
+      type(config_t) :: least
+      type(contact_t), allocatable :: contacts(:)
 
+      ! No case may have a friction that cannot act, or a negative one.
+      least = config
+      call config%sweep%set_friction(least%contacts, is_least=.true.)
+      call prepare_case(cache, least, result, error)
+      if (allocated(error)) return
+      contacts = config%contacts
+      call config%sweep%set_friction(contacts, is_least=.false.)
+      call check_shear(cache%body%zone, contacts, error)
+      if (allocated(error)) return
+      ! What is told is the deck's.
+      result%load_case%contacts = config%contacts
+      ! The case certified has an estimate, and those whose fields are written.
+      task%wants_error_estimate = result%wants_error_estimate
+      result%wants_error_estimate = .false.
+      call add_sweep_warnings(result%warnings, config%sweep, result%load_case, cache%body%zone%set)
       task%sweep = config%sweep
       task%units = config%units
-      task%wants_error_estimate = config%accuracy%wants_estimate()
-      task%n_quantities = size(case_keys(body, config%sweep))
-      call new_contact_method(task%method, config%method, error)
-      if (allocated(error)) return
-      task%is_auto = config%method%method == 'auto'
-      call new_sweep_loads(task%model, body, prepared, config, error)
-   end subroutine new_sweep_task
+      task%n_quantities = size(case_keys(cache%body, config%sweep))
+      call new_load_solver(task%solver, cache%body, result%load_case, parting_of(config%sweep, result%load_case), &
+         config%method, error)
+   end subroutine prepare_sweep
+
+   !> Which quantity multiplies what: that of number k belongs to part 1 + k.
+   pure function parting_of(sweep, load_case) result(parting)
+      type(sweep_t), intent(in) :: sweep !! the sweep
+      type(load_case_t), intent(in) :: load_case !! the load case of the deck
+      type(parting_t) :: parting
+      integer :: i, k
+
+      parting = one_part(load_case)
+      parting%n_parts = 1 + size(sweep%axes)
+      parting%is_coefficient = [.false., sweep%axes%target == swept_friction]
+      do k = 1, size(sweep%axes)
+         associate (axis => sweep%axes(k))
+            do i = 1, size(parting%load)
+               if (axis%target == swept_load .and. axis%name == load_case%loads(i)%name) parting%load(i) = 1 + k
+            end do
+            do i = 1, size(parting%friction)
+               if (axis%acts_on(load_case%contacts(i)%set)) parting%friction(i) = 1 + k
+            end do
+         end associate
+      end do
+   end function parting_of
+
+   !> The number of a case as a member of the family of loads.
+   pure subroutine set_case(task, number, acting)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      integer, intent(in) :: number !! number of the case
+      type(acting_t), intent(inout) :: acting !! a member; gains the factors of the case
+
+      acting%factor(2:) = task%sweep%values(number)
+   end subroutine set_case
+
+   !> The load case of a case of the sweep, condensed if the loads are.
+   subroutine new_case(load_case, task, body, number)
+      type(load_case_t), intent(out) :: load_case !! the load case
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(acting_t) :: acting
+
+      call task%solver%loads%at_rest(acting)
+      call set_case(task, number, acting)
+      call task%solver%loads%load_case(body, acting, load_case)
+   end subroutine new_case
 
    !> The chunk that begins behind a number of cases, as far as there are cases.
    pure subroutine new_chunk(chunk, n_before, n_cases)
@@ -89,31 +146,33 @@ contains
 
    !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep. A single chunk leaves the
    !> threads to the loops within it.
-   subroutine solve_chunks(task, body, monitor, chunks)
+   subroutine solve_chunks(task, body, problem, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
 
-      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, monitor, chunks)
-      call share_chunks(task, body, monitor, chunks)
+      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
+      call share_chunks(task, body, problem, monitor, chunks)
       !$omp end parallel
    end subroutine solve_chunks
 
    !> One thread's share of the chunks, with a contact problem of its own.
-   subroutine share_chunks(task, body, monitor, chunks)
+   subroutine share_chunks(task, body, problem, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
-      type(contact_problem_t) :: problem
+      type(contact_problem_t) :: own
       type(contact_solution_t) :: solutions(chunk_length)
       integer :: i
 
-      problem = task%model%problem
+      own = problem
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
-         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
+         if (.not. monitor%is_stopped()) call solve_chunk(task, body, own, chunks(i), solutions)
       end do
       !$omp end do
    end subroutine share_chunks
@@ -122,7 +181,7 @@ contains
    subroutine solve_chunk(task, body, problem, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the last case
       type(chunk_t), intent(inout) :: chunk !! the chunk
       type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
       character(:), allocatable :: runs
@@ -143,7 +202,7 @@ contains
    subroutine solve_again(task, body, problem, chunk, is_wanted, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the last case
       type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of these cases, and no rows
       logical, intent(in) :: is_wanted(:) !! which of its cases are asked for (cases of the chunk)
       type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of these cases
@@ -163,19 +222,29 @@ contains
    subroutine solve_cases(task, body, problem, chunk, is_needed, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the last case
       type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of the cases
       logical, intent(in) :: is_needed(chunk_length) !! which cases are solved
       type(contact_solution_t), intent(inout) :: solutions(chunk_length) !! their solutions
-      integer :: i, number, neighbor
+      type(acting_t) :: acting
+      character(:), allocatable :: reason
+      integer :: i, number, neighbor, outcome
 
+      call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
          if (.not. is_needed(i)) cycle
          number = chunk%first + i - 1
          neighbor = task%sweep%neighbor(number) - chunk%first + 1
-         call task%model%set_case(problem, task%sweep%values(number))
-         if (neighbor >= 1) solutions(i) = solutions(neighbor)
-         call solve_one(task, body, number, problem, solutions(i), chunk%results(i))
+         call set_case(task, number, acting)
+         call task%solver%loads%pose(body, acting, problem)
+         call new_contact_solution(solutions(i), problem%n_points)
+         ! By a method of its own a deck is solved as it would be alone.
+         if (neighbor >= 1 .and. task%solver%is_auto) then
+            if (solutions(neighbor)%is_converged) solutions(i) = solutions(neighbor)
+         end if
+         call forget_start(problem, solutions(i))
+         call task%solver%solve(body, acting, problem, solutions(i), outcome, reason)
+         call keep(task, body, acting, problem, solutions(i), outcome, chunk%results(i))
       end do
    end subroutine solve_cases
 
@@ -186,16 +255,19 @@ contains
       type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
       type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
       type(quantity_t), allocatable :: peaks(:, :)
+      type(acting_t) :: acting
       integer :: i
 
       call find_body_results(peaks, task, body, chunk, solutions)
+      call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
-         associate (kept => chunk%results(i), model => task%model)
-            if (kept%outcome == case_no_equilibrium) then
+         associate (kept => chunk%results(i), loads => task%solver%loads)
+            if (kept%outcome == outcome_no_equilibrium) then
                kept%quantity = spread(0.0_dp, 1, task%n_quantities)
             else
-               call set_numbers(kept, body, solutions(i), model%fixed%friction + matmul(model%friction, &
-                  task%sweep%values(chunk%first + i - 1)), model%fixed%slip_bound, model%problem%gap, peaks(:, i))
+               call set_case(task, chunk%first + i - 1, acting)
+               call set_numbers(kept, body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
+                  loads%gap_of(acting), peaks(:, i))
             end if
          end associate
       end do
@@ -209,10 +281,10 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(chunk_t), intent(in) :: chunk !! the chunk, its cases solved
       type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
-      type(quantity_t), allocatable :: found(:, :)
-      real(dp), allocatable :: values(:, :), displacement(:, :)
+      ! How many cases are worked on together: fields of more take much memory beside a factor, and gain little.
+      integer, parameter :: n_together = 4
       integer, allocatable :: cases(:)
-      integer :: i, n
+      integer :: first, i, n
 
       n = chunk%last - chunk%first + 1
       peaks = spread(body_peaks_at_rest(), 2, n)
@@ -221,93 +293,75 @@ contains
          return
       end if
       cases = [(i, i=1, n)]
-      cases = pack(cases, chunk%results(:n)%outcome /= case_no_equilibrium .and. &
+      cases = pack(cases, chunk%results(:n)%outcome /= outcome_no_equilibrium .and. &
          solutions(:n)%residual < huge(1.0_dp))
-      allocate (values(size(task%sweep%axes), size(cases)), displacement(2*body%zone%n_points, size(cases)))
-      do i = 1, size(cases)
-         values(:, i) = task%sweep%values(chunk%first + cases(i) - 1)
-         displacement(:, i) = solutions(cases(i))%displacement
-      end do
-      call find_peaks(found, body, task%model, values, displacement)
-      do i = 1, size(cases)
-         peaks(:, cases(i)) = found(:, i)
+      do first = 1, size(cases), n_together
+         associate (some => cases(first:min(size(cases), first + n_together - 1)))
+            call find_peaks(peaks, task, body, chunk, solutions, some)
+         end associate
       end do
    end subroutine find_body_results
 
-   !> Solves one case: where the deck leaves the method to the program, by Newton from the neighbor's solution, whose
-   !> statuses are nearly right; otherwise, and where that fails, from rest as the deck by itself would be.
-   subroutine solve_one(task, body, number, problem, solution, kept)
+   !> Finds the key results of the body of a few cases with one pass over the factor and the elements.
+   subroutine find_peaks(peaks, task, body, chunk, solutions, cases)
+      type(quantity_t), intent(inout) :: peaks(:, :) !! gains those of these cases (any, cases)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the case
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      type(contact_solution_t), intent(inout) :: solution !! its neighbor's, which may be without; its own on return
-      type(case_result_t), intent(out) :: kept !! what is kept of it
-      integer, parameter :: n_newton_steps = 8
-      type(newton_t) :: newton
-      real(dp), allocatable :: amounts(:)
-      type(error_t), allocatable :: error
-      integer, allocatable :: reached(:)
-      integer :: n_iterations
-      logical :: is_solved, has_equilibrium
+      type(chunk_t), intent(in) :: chunk !! the chunk
+      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! the solutions of its cases
+      integer, intent(in) :: cases(:) !! the cases, numbered from 1 in the chunk
+      type(condensed_load_t) :: condensed(size(cases))
+      type(acting_t) :: acting
+      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strain(:), strains(:, :)
+      integer :: k
 
-      n_iterations = 0
-      is_solved = .false.
-      ! A body that nothing loads stays at rest; from elsewhere, rounding would choose its statuses.
-      if (task%is_auto .and. solution%is_converged .and. any(abs(problem%load) > 0.0_dp)) then
-         newton%tolerance = task%method%tolerance
-         newton%max_iterations = min(n_newton_steps, task%method%max_iterations)
-         call newton%solve(problem, solution, error)
-         n_iterations = solution%n_iterations
-         is_solved = solution%is_converged
-      end if
-      has_equilibrium = .true.
-      if (.not. is_solved) call solve_from_rest(task, body, number, problem, solution, has_equilibrium)
-      if (has_equilibrium) then
-         call find_spin(amounts, body, task%model%fixed%is_in_reach, problem, solution)
-         has_equilibrium = .not. allocated(amounts)
-      end if
-      if (.not. has_equilibrium) then
-         solution%is_converged = .false.
-         kept%outcome = case_no_equilibrium
-         kept%n_iterations = n_iterations
-         return
-      end if
-      if (solution%is_converged) kept%outcome = case_converged
+      allocate (displacement(2*body%zone%n_points, size(cases)), stress(4, body%mesh%n_nodes, size(cases)))
+      associate (loads => task%solver%loads)
+         call loads%at_rest(acting)
+         do k = 1, size(cases)
+            call set_case(task, chunk%first + cases(k) - 1, acting)
+            displacement(:, k) = solutions(cases(k))%displacement
+            call loads%sum_condensed(acting%factor, condensed(k))
+            call loads%sum_thermal(acting%factor, strain)
+            if (.not. allocated(strain)) cycle
+            if (.not. allocated(strains)) allocate (strains(size(strain), size(cases)))
+            strains(:, k) = strain
+         end do
+         ! No quantity multiplies prescribed displacements: they are those of the first part.
+         call recover_displacements(field, body, loads%parts(1), condensed, displacement)
+      end associate
+      call find_node_stresses(stress, size(cases), body%mesh, body%materials, body%coloring, field, strains)
+      do k = 1, size(cases)
+         peaks(:, cases(k)) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
+      end do
+   end subroutine find_peaks
+
+   !> Keeps what became of a case, but for its numbers.
+   subroutine keep(task, body, acting, problem, solution, outcome, kept)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(acting_t), intent(in) :: acting !! what acts
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      integer, intent(in) :: outcome !! what came of it
+      type(case_result_t), intent(out) :: kept !! what is kept of it
+      integer, allocatable :: reached(:)
+
+      ! Rows know no reasons: numbers that are none did not converge.
+      kept%outcome = merge(outcome_not_converged, outcome, outcome == outcome_numbers)
+      kept%n_iterations = solution%n_iterations
+      if (outcome == outcome_no_equilibrium) return
       kept%residual = solution%residual
-      kept%force_error = force_error(problem, solution, &
-         task%model%largest_force(task%sweep%values(number)))
-      kept%n_iterations = solution%n_iterations + merge(0, n_iterations, is_solved)
+      kept%force_error = force_error(problem, solution, task%solver%loads%largest_force(acting%factor))
       if (.not. solution%is_converged) return
-      associate (fixed => task%model%fixed)
-         call find_case_warnings(kept%is_warned, body, task%model%size_of_body, fixed%contacts, fixed%gap, solution)
+      associate (base => task%solver%loads%base)
+         call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
          ! What lies beyond an end of a set bears no force: that of the end is in doubt.
-         reached = body%free_boundary%reached_ends(fixed%contacts, body%mesh%coordinates, fixed%gap, solution%status)
+         reached = body%free_boundary%reached_ends(base%contacts, body%mesh%coordinates, base%gap, solution%status)
          kept%force_error = max(kept%force_error, max(0.0_dp, maxval(solution%force( &
             body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
       end associate
-   end subroutine solve_one
-
-   !> Solves a case from rest, if the loads have an equilibrium.
-   subroutine solve_from_rest(task, body, number, problem, solution, has_equilibrium)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the case
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      type(contact_solution_t), intent(out) :: solution !! its solution
-      logical, intent(out) :: has_equilibrium !! whether contact and friction can balance the loads
-      type(error_t), allocatable :: error
-
-      call new_contact_solution(solution, problem%n_points)
-      ! Threads cannot make the texts of errors side by side, see `amontons_sweep_table`.
-      !$omp critical
-      call check_balance_of(task, body, number, error)
-      !$omp end critical
-      has_equilibrium = .not. allocated(error)
-      if (.not. has_equilibrium) return
-      call task%method%solve(problem, solution, error)
-      if (allocated(error)) solution%is_converged = .false.
-   end subroutine solve_from_rest
+   end subroutine keep
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
    pure real(dp) function force_error(problem, solution, largest_load)
@@ -322,17 +376,5 @@ contains
       if (.not. acting > 0.0_dp) acting = problem%force_scale()
       force_error = min(wrong/acting, huge(force_error))
    end function force_error
-
-   !> Whether contact forces can balance the loads of a case.
-   pure subroutine check_balance_of(task, body, number, error)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the case
-      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium
-      type(load_case_t) :: load_case
-
-      call task%model%load_case(task%sweep%values(number), load_case)
-      call check_balance(body, load_case, error)
-   end subroutine check_balance_of
 
 end module amontons_sweep_chunk

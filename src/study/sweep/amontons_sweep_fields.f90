@@ -10,12 +10,12 @@ module amontons_sweep_fields
    use amontons_error, only: error_t
    use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: collection_t, manifest_t, new_collection
+   use amontons_outcome_words, only: outcome_solved
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_stress_field, only: new_stress_field
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_again, sweep_task_t
-   use amontons_sweep_statistics, only: case_converged
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_case, new_chunk, solve_again, sweep_task_t
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
    use amontons_vtu, only: write_grids
@@ -28,17 +28,17 @@ contains
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
    !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
-   subroutine write_sweep_fields(file, manifest, task, body, stem, monitor, is_stopped, error)
+   subroutine write_sweep_fields(file, manifest, task, body, problem, stem, monitor, is_stopped, error)
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
       type(manifest_t), intent(out) :: manifest !! the manifest of the grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
       character(*), intent(in) :: stem !! directory and name of the case
       class(study_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(collection_t) :: collection
-      type(contact_problem_t) :: problem
       type(chunk_t) :: chunk
       integer :: n_cases, n_before, slash
 
@@ -49,7 +49,6 @@ contains
       call remove_temporaries(stem//'.sweep/')
       call new_collection(collection, stem//'.sweep.pvd', task%units, error)
       if (allocated(error)) return
-      problem = task%model%problem
       n_cases = int(task%sweep%n_cases())
       do n_before = 0, n_cases - 1, chunk_length
          call new_chunk(chunk, n_before, n_cases)
@@ -74,7 +73,7 @@ contains
       type(collection_t), intent(inout) :: collection !! gains the cases and the manifest of their grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(chunk_t), intent(inout) :: chunk !! the chunk
       character(*), intent(in) :: directory !! output directory, a slash behind it
       character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
@@ -87,9 +86,9 @@ contains
          number=chunk%first, chunk%last)], solutions)
       do number = chunk%first, chunk%last
          i = number - chunk%first + 1
-         if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle
+         if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= outcome_solved) cycle
          result%solution = solutions(i)
-         call task%model%load_case(task%sweep%values(number), result%load_case)
+         call new_case(result%load_case, task, body, number)
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)

@@ -10,7 +10,8 @@ module amontons_sweep_listing
    use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_load
-   use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_quantities, sweep_statistics_t
+   use amontons_outcome_words, only: outcome_solved
+   use amontons_sweep_statistics, only: outcome_labels, ranked_quantities, sweep_statistics_t
    use amontons_text, only: counted, newline, to_text
    implicit none (type, external)
    private
@@ -106,10 +107,10 @@ contains
       associate (statistics => result%statistics)
          text = heading('Solution')//labeled('Method', method_text(config%method))// &
             labeled('Factorization', factorization_text(result%certified))// &
-            labeled('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
+            labeled('Converged', to_text(statistics%n_outcomes(outcome_solved))//' of '//to_text(statistics%n_cases)// &
             ' cases')
          do i = 1, size(outcome_labels)
-            if (i /= case_converged .and. statistics%n_outcomes(i) > 0) text = text// &
+            if (i /= outcome_solved .and. statistics%n_outcomes(i) > 0) text = text// &
                labeled(trim(outcome_labels(i)), counted(statistics%n_outcomes(i), 'case'))
          end do
          text = text//labeled('Iterations', to_text(statistics%n_iterations)//', '// &

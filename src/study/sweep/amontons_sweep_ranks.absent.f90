@@ -1,6 +1,5 @@
 !> A sweep over the ranks of a run in a build without MPI: there is one rank.
 module amontons_sweep_ranks
-   use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_solve_case, only: cache_t
@@ -13,30 +12,30 @@ module amontons_sweep_ranks
 
 contains
 
-   !> Prepares the contact problem of a sweep, which is shared with no one.
+   !> Condenses the loads of a sweep, which is shared with no one.
    subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! 1
-      type(sweep_task_t), intent(inout) :: task !! the sweep; its model gains the contact problem
+      type(sweep_task_t), intent(inout) :: task !! the sweep; its loads are condensed
       type(cache_t), intent(inout) :: cache !! the body, condensed
       type(config_t), intent(in) :: config !! not used
       type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
 
       n_sharing = 1
-      call task%model%prepare(cache%body, cache%problem, error)
-      if (.not. allocated(error)) call task%method%prepare(task%model%problem, error)
+      call task%solver%loads%condense(cache%body, cache%problem)
+      call task%solver%method%prepare(cache%problem, error)
       associate (unused => config)
       end associate
    end subroutine prepare_on_ranks
 
    !> Solves chunks on all threads.
-   subroutine solve_on_ranks(n_sharing, task, body, monitor, chunks)
+   subroutine solve_on_ranks(n_sharing, task, cache, monitor, chunks)
       integer, intent(in) :: n_sharing !! 1
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(in) :: cache !! the body
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! consecutive chunks
 
-      call solve_chunks(task, body, monitor, chunks)
+      call solve_chunks(task, cache%body, cache%problem, monitor, chunks)
       associate (unused => n_sharing)
       end associate
    end subroutine solve_on_ranks

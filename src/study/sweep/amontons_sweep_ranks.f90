@@ -5,17 +5,15 @@
 !> the last bit share the cases. Of the chunks of a batch each has those of its number, counted round. A chunk begins at
 !> rest wherever it is solved: the rows are those that one rank would find.
 module amontons_sweep_ranks
-   use amontons_body, only: body_t
    use amontons_config, only: config_t, effective_deck, read_config_text
    use amontons_distributed, only: all_ranks, broadcast, check_room, first_free_order, follow_order, give_order, &
       line_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
-   use amontons_solve_case, only: cache_t, condense_case, prepare_case
+   use amontons_solve_case, only: cache_t, condense_case
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_chunks, sweep_task_t
-   use amontons_sweep_model, only: sweep_model_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, prepare_sweep, solve_chunks, sweep_task_t
    use amontons_system, only: return_memory
    use amontons_threads, only: n_threads
    implicit none (type, external)
@@ -38,14 +36,14 @@ module amontons_sweep_ranks
 
 contains
 
-   !> Prepares the contact problem of a sweep, on the other ranks, too, if these can share its cases. Displacements of a
+   !> Condenses the loads of a sweep, on the other ranks, too, if these can share its cases. Displacements of a
    !> whole body that is spread take all ranks, so that one solves the cases where each needs them.
    subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! number of ranks that share the sweep; 1 if the others do not
-      type(sweep_task_t), intent(inout) :: task !! the sweep; its model gains the contact problem
+      type(sweep_task_t), intent(inout) :: task !! the sweep; its loads are condensed
       type(cache_t), intent(inout) :: cache !! the body, condensed
       type(config_t), intent(in) :: config !! the deck
-      type(error_t), allocatable, intent(out) :: error !! S is not positive definite
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
       character(:), allocatable :: file, deck
       logical :: is_shared
 
@@ -60,9 +58,9 @@ contains
       end if
       if (is_shared) is_shared = on_all_ranks(.true.)
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
-      call task%model%prepare(cache%body, cache%problem, error)
-      if (.not. allocated(error)) call task%method%prepare(task%model%problem, error)
-      if (is_shared) is_shared = is_same(task%model, .not. allocated(error))
+      call task%solver%loads%condense(cache%body, cache%problem)
+      call task%solver%method%prepare(cache%problem, error)
+      if (is_shared) is_shared = is_same(task, cache, .not. allocated(error))
       n_sharing = merge(n_ranks, 1, is_shared)
    end subroutine prepare_on_ranks
 
@@ -79,9 +77,9 @@ contains
       call read_sweep(taken, file, deck, error)
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
-      if (.not. allocated(error)) call taken%task%model%prepare(taken%cache%body, taken%cache%problem, error)
-      if (.not. allocated(error)) call taken%task%method%prepare(taken%task%model%problem, error)
-      if (is_same(taken%task%model, .not. allocated(error))) call move_alloc(taken, share)
+      if (.not. allocated(error)) call taken%task%solver%loads%condense(taken%cache%body, taken%cache%problem)
+      if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
+      if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine take_sweep
 
    !> Reads a sweep and makes what it takes no condensed body for.
@@ -93,9 +91,7 @@ contains
 
       call read_config_text(share%config, file, deck, '', error)
       if (allocated(error)) return
-      call prepare_case(share%cache, share%config, share%result, error)
-      if (allocated(error)) return
-      call new_sweep_task(share%task, share%cache%body, share%result%load_case, share%config, error)
+      call prepare_sweep(share%task, share%cache, share%config, share%result, error)
    end subroutine read_sweep
 
    !> Passes a deck from rank 0.
@@ -147,14 +143,15 @@ contains
    end function has_room
 
    !> Whether all ranks have the contact problems of rank 0.
-   logical function is_same(model, is_ready)
-      type(sweep_model_t), intent(in) :: model !! the contact problems of this rank
-      logical, intent(in) :: is_ready !! whether it has them
+   logical function is_same(task, cache, is_ready)
+      type(sweep_task_t), intent(in) :: task !! the sweep on this rank
+      type(cache_t), intent(in) :: cache !! its body
+      logical, intent(in) :: is_ready !! whether its loads are condensed
       character(:), allocatable :: fingerprint, expected
       type(line_t) :: line
 
       fingerprint = ''
-      if (is_ready) fingerprint = model%fingerprint()
+      if (is_ready) fingerprint = task%solver%loads%fingerprint(cache%body, cache%problem)
       expected = fingerprint
       line = line_t(all_ranks, rank == 0)
       call line%pass(expected)
@@ -163,10 +160,10 @@ contains
 
    !> Solves chunks on all threads of all ranks that share the sweep. Of rank 0's own, those are done that were begun
    !> before the monitor stopped the sweep.
-   subroutine solve_on_ranks(n_sharing, task, body, monitor, chunks)
+   subroutine solve_on_ranks(n_sharing, task, cache, monitor, chunks)
       integer, intent(in) :: n_sharing !! number of ranks that share the sweep
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
+      type(cache_t), intent(in) :: cache !! the body
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! consecutive chunks
       type(line_t) :: line
@@ -179,7 +176,7 @@ contains
          line = line_t(all_ranks, .true.)
          call line%pass(batch)
       end if
-      call solve_chunks(task, body, monitor, chunks(1::n_sharing))
+      call solve_chunks(task, cache%body, cache%problem, monitor, chunks(1::n_sharing))
       if (n_sharing > 1) call give_order(order_gather)
       do i = 1, n_sharing - 1
          do k = i + 1, size(chunks), n_sharing
@@ -251,7 +248,7 @@ contains
             call new_chunk(share%chunks(i), first(rank + 1 + (i - 1)*n_ranks) - 1, last)
          end do
       end associate
-      call solve_chunks(share%task, share%cache%body, monitor, share%chunks)
+      call solve_chunks(share%task, share%cache%body, share%cache%problem, monitor, share%chunks)
    end subroutine solve_share
 
 end module amontons_sweep_ranks

@@ -7,7 +7,7 @@ module amontons_sweep_statistics
    use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, lengths_t, new_lengths, resultants, &
       set_results
    use amontons_kinds, only: dp, int64
-   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged, word_solved
+   use amontons_outcome_words, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_solved
    use amontons_quantity, only: expanded, quantity_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence
    use amontons_sweep, only: sweep_t
@@ -17,24 +17,15 @@ module amontons_sweep_statistics
    implicit none (type, external)
    private
 
-   public :: case_keys, case_quantities, case_result_t, outcome_labels, outcome_names, &
-      ranked_quantities, set_numbers, sweep_statistics_t
+   public :: case_keys, case_quantities, case_result_t, outcome_labels, ranked_quantities, set_numbers, &
+      sweep_statistics_t
 
-   !> Outcome of a case that converged.
-   integer, parameter, public :: case_converged = 1
-   !> Outcome of a case whose residual stayed above the tolerance.
-   integer, parameter, public :: case_not_converged = 2
-   !> Outcome of a case whose loads no contact forces can balance.
-   integer, parameter, public :: case_no_equilibrium = 3
-   !> Names of the outcomes, as the result files write them.
-   character(14), parameter :: outcome_names(3) = [character(14) :: word_solved, word_not_converged, &
-      word_no_equilibrium]
    !> Names of the outcomes, as listings have them.
    character(14), parameter :: outcome_labels(3) = [character(14) :: 'Converged', 'NOT CONVERGED', 'No equilibrium']
 
    !> What is kept of one case.
    type :: case_result_t
-      integer :: outcome = case_not_converged !! what became of it
+      integer :: outcome = outcome_not_converged !! what became of it
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
@@ -137,7 +128,7 @@ contains
       result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
       if (result%has_solution) return
       ! What leaves the range of numbers is no solution, however small its residual.
-      result%outcome = case_not_converged
+      result%outcome = outcome_not_converged
       result%is_warned = .false.
    end subroutine set_numbers
 
@@ -150,7 +141,7 @@ contains
       one%n_cases = 1
       one%n_outcomes(result%outcome) = 1
       one%n_iterations = result%n_iterations
-      if (result%outcome == case_converged) then
+      if (result%outcome == outcome_solved) then
          one%residual = result%residual
          one%residual_case = 1
          one%force_error = result%force_error
@@ -219,7 +210,7 @@ contains
    pure logical function sweep_statistics_is_answered(self) result(is_answered)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
 
-      is_answered = self%n_outcomes(case_not_converged) == 0
+      is_answered = self%n_outcomes(outcome_not_converged) == 0
    end function sweep_statistics_is_answered
 
    !> What became of the cases together, in a word: one that did not converge counts first, no equilibrium only where no
@@ -228,12 +219,12 @@ contains
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: word
 
-      if (self%n_outcomes(case_not_converged) > 0) then
-         word = trim(outcome_names(case_not_converged))
-      else if (self%n_outcomes(case_converged) == 0) then
-         word = trim(outcome_names(case_no_equilibrium))
+      if (self%n_outcomes(outcome_not_converged) > 0) then
+         word = trim(outcome_names(outcome_not_converged))
+      else if (self%n_outcomes(outcome_solved) == 0) then
+         word = trim(outcome_names(outcome_no_equilibrium))
       else
-         word = trim(outcome_names(case_converged))
+         word = trim(outcome_names(outcome_solved))
       end if
    end function sweep_statistics_outcome
 

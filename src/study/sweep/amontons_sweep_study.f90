@@ -6,16 +6,18 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t
-   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved, &
+      word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
+   use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
-   use amontons_study, only: check_body, study_options_t, study_t
+   use amontons_study, only: report_size, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t
+   use amontons_sweep_chunk, only: prepare_sweep, sweep_task_t
    use amontons_sweep_report, only: write_sweep_report
-   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_not_converged, &
-      ranked_quantities, sweep_statistics_t
+   use amontons_sweep_statistics, only: ranked_quantities, sweep_statistics_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
@@ -37,13 +39,16 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(sweep_task_t) :: task
+      type(result_t) :: result
       character(:), allocatable :: cases
 
       associate (sweep => self%config%sweep)
          cases = ', '//to_text(sweep%n_cases())//' cases'
          if (sweep%n_fields() > 0) cases = cases//', fields of '//to_text(sweep%n_fields())
       end associate
-      call check_body(self%config, cases, cache, outcome, error)
+      call prepare_sweep(task, cache, self%config, result, error)
+      if (.not. allocated(error)) call report_size(self%config, cases, cache, result, outcome, error)
    end subroutine sweep_study_check
 
    !> Solves the cases and writes their files.
@@ -78,7 +83,7 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, and what the solutions lack
 
       if (.not. result%statistics%is_answered()) then
-         call outcome%lack(word_not_converged, to_text(result%statistics%n_outcomes(case_not_converged))//' of '// &
+         call outcome%lack(word_not_converged, to_text(result%statistics%n_outcomes(outcome_not_converged))//' of '// &
             to_text(result%statistics%n_cases)//' cases of the sweep did not converge')
          return
       end if
@@ -118,15 +123,15 @@ contains
 
       associate (statistics => result%statistics)
          text = name//': '//counted(statistics%n_cases, 'case')//', '
-         if (statistics%n_outcomes(case_converged) == statistics%n_cases) then
+         if (statistics%n_outcomes(outcome_solved) == statistics%n_cases) then
             text = text//'all solved'
          else
-            text = text//to_text(statistics%n_outcomes(case_converged))//' solved'
+            text = text//to_text(statistics%n_outcomes(outcome_solved))//' solved'
          end if
-         if (statistics%n_outcomes(case_no_equilibrium) > 0) text = text//', '// &
-            to_text(statistics%n_outcomes(case_no_equilibrium))//' without equilibrium'
+         if (statistics%n_outcomes(outcome_no_equilibrium) > 0) text = text//', '// &
+            to_text(statistics%n_outcomes(outcome_no_equilibrium))//' without equilibrium'
          if (.not. statistics%is_answered()) text = text//', '// &
-            to_text(statistics%n_outcomes(case_not_converged))//' NOT CONVERGED'
+            to_text(statistics%n_outcomes(outcome_not_converged))//' NOT CONVERGED'
          if (statistics%residual_case == 0) return
          text = text//', residual at most '//scientific(statistics%residual)
       end associate

@@ -5,13 +5,13 @@ module amontons_sweep_summary
    use amontons_document, only: document_t
    use amontons_json, only: json_logical, json_number, json_string
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: solution_word, word_no_equilibrium, word_solved
+   use amontons_outcome_words, only: outcome_names, solution_word, word_no_equilibrium, word_solved
    use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary, only: add_head, certificate_member, last_members, member, quantities_member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: outcome_names, ranked_quantities, sweep_statistics_t
+   use amontons_sweep_statistics, only: ranked_quantities, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

@@ -4,9 +4,10 @@
 !> in a place that all threads share.
 module amontons_sweep_table
    use amontons_document, only: field
+   use amontons_outcome_words, only: outcome_names
    use amontons_result_warnings, only: case_warning_names
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: case_result_t, outcome_names
+   use amontons_sweep_statistics, only: case_result_t
    use amontons_text, only: longest_decimal, newline, put_decimals
    implicit none (type, external)
    private

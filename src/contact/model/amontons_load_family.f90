@@ -1,0 +1,385 @@
+!> What acts on a body, as a family of load cases: loads, prescribed displacements and friction in parts, each times a
+!> factor, obstacles that may move, and anchors of the slips.
+!>
+!> A single case is the one member of a family of one part; a row of a sweep has one set of factors, a step of a history
+!> those of its time. Condensed loads are linear in the factors, so that one substitution for each part serves all
+!> members. The first part is what no quantity changes; its factor is 1.
+module amontons_load_family
+   use amontons_body, only: body_t
+   use amontons_checksum, only: checksum_t
+   use amontons_condensation, only: condensed_load_t
+   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_set, only: contact_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case, load_case_t, prescribed_slip, set_obstacles
+   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
+   use amontons_mesh, only: mesh_t
+   use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: acting_t, load_family_t, new_load_family, one_part, parting_t
+
+   !> Which part each load, each prescribed displacement and the friction of each contact set belong to.
+   type :: parting_t
+      integer :: n_parts = 1 !! number of parts
+      integer, allocatable :: load(:) !! part of each load
+      integer, allocatable :: support(:) !! part of what each support prescribes
+      integer, allocatable :: friction(:) !! part of the friction of each contact set
+      logical, allocatable :: is_coefficient(:)
+         !! whether the factor of a part is Coulomb's coefficient itself, in the place of the key `friction` (parts)
+      logical :: moves_obstacles = .false. !! whether obstacles of members move
+   end type parting_t
+
+   !> The parts of a family, and what its members share.
+   type :: load_family_t
+      type(load_case_t) :: base !! supports, loads, contact sets, gaps and slip bounds; no nodal forces or displacements
+      type(parting_t) :: parting !! what belongs to which part
+      type(load_case_t), allocatable :: parts(:)
+         !! nodal forces, prescribed displacements and thermal strains of each part at the factor 1 (parts)
+      logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
+      real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
+      real(dp), allocatable, private :: prescribed(:, :) !! normal displacements that it prescribes (m, parts) [L]
+      real(dp), allocatable, private :: load(:, :) !! its condensed load (2m, parts) [F]
+      real(dp), allocatable, private :: largest(:) !! its largest prescribed displacement or expansion (parts) [L]
+      real(dp), allocatable, private :: feet(:, :) !! feet of the contact points on the obstacles (2, quadrature points)
+   contains
+      procedure :: at_rest => load_family_at_rest
+      procedure :: condense => load_family_condense
+      procedure :: contacts_of => load_family_contacts_of
+      procedure :: fingerprint => load_family_fingerprint
+      procedure :: friction_of => load_family_friction_of
+      procedure :: gap_of => load_family_gap_of
+      procedure :: largest_force => load_family_largest_force
+      procedure :: load_case => load_family_load_case
+      procedure :: move => load_family_move
+      procedure :: pose => load_family_pose
+      procedure :: sum_condensed => load_family_sum_condensed
+      procedure :: sum_thermal => load_family_sum_thermal
+   end type load_family_t
+
+   !> What makes a member of the family: the factors and, in a history, places of the obstacles and anchors.
+   type :: acting_t
+      real(dp), allocatable :: factor(:) !! factor of each part (parts) [-]
+      type(obstacle_motion_t), allocatable :: motions(:)
+         !! the motion of the obstacle of each contact set; not allocated where all are at their places
+      real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now (m) [L]
+      logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
+      real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (m) [L]
+      real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (m) [L]
+   end type acting_t
+
+contains
+
+   !> A parting into the first part alone.
+   pure function one_part(load_case) result(parting)
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(parting_t) :: parting
+
+      allocate (parting%load(size(load_case%loads)), parting%support(size(load_case%supports)), &
+         parting%friction(size(load_case%contacts)), source=1)
+      allocate (parting%is_coefficient(1), source=.false.)
+   end function one_part
+
+   !> Divides a load case into parts, which takes no condensed body.
+   subroutine new_load_family(family, body, load_case, parting, error)
+      type(load_family_t), intent(out) :: family !! the family
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
+      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
+      integer :: k, p
+
+      family%parting = parting
+      family%base = load_case
+      family%feet = find_feet(body%zone, load_case%contacts)
+      deallocate (family%base%force, family%base%prescribed)
+      if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
+      allocate (family%parts(parting%n_parts))
+      allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts))
+      do k = 1, parting%n_parts
+         call fill_part(family%parts(k), k, body, load_case, parting, error)
+         if (allocated(error)) return
+         family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
+         family%prescribed(:, k) = first_half(body%zone%rows%displacement(family%parts(k)%prescribed))
+      end do
+      allocate (family%friction(body%zone%n_points, parting%n_parts), source=0.0_dp)
+      do p = 1, body%zone%n_points
+         k = parting%friction(body%zone%set(p))
+         if (parting%is_coefficient(k)) then
+            family%friction(p, k) = 1.0_dp
+            family%friction(p, 1) = dot_product(load_case%contacts(body%zone%set(p))%friction%slope, &
+               body%zone%position(:, p))
+         else
+            family%friction(p, k) = load_case%friction(p)
+         end if
+      end do
+   end subroutine new_load_family
+
+   !> The normal displacements of (u_N; u_T).
+   pure function first_half(v) result(normal)
+      real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
+      real(dp) :: normal(size(v)/2)
+
+      normal = v(:size(normal))
+   end function first_half
+
+   !> Sums the loads and the prescribed displacements of a part. Where one part has a thermal strain, all have one.
+   subroutine fill_part(part, number, body, load_case, parting, error)
+      type(load_case_t), intent(inout) :: part !! gains nodal forces, prescribed displacements, thermal strain
+      integer, intent(in) :: number !! number of the part
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
+      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
+      type(constraints_t) :: constraints
+      type(support_t), allocatable :: supports(:)
+      type(load_t), allocatable :: loads(:)
+      integer :: i
+
+      if (parting%n_parts == 1) then
+         part%force = load_case%force
+         part%prescribed = load_case%prescribed
+         if (allocated(load_case%thermal_strain)) part%thermal_strain = load_case%thermal_strain
+         return
+      end if
+      allocate (loads(count(parting%load == number)))
+      associate (places => pack([(i, i=1, size(parting%load))], parting%load == number))
+         do i = 1, size(loads)
+            loads(i) = load_case%loads(places(i))
+         end do
+      end associate
+      call load_vector(part%force, body%mesh, body%materials, loads, error)
+      if (.not. allocated(error)) call sum_thermal_strain(part%thermal_strain, body%mesh, body%materials, loads, error)
+      if (allocated(error)) return
+      if (allocated(load_case%thermal_strain) .and. .not. allocated(part%thermal_strain)) then
+         part%thermal_strain = 0.0_dp*load_case%thermal_strain
+      end if
+      supports = load_case%supports
+      do i = 1, size(supports)
+         if (parting%support(i) /= number) supports(i)%displacement = 0.0_dp
+      end do
+      call new_constraints(constraints, part%prescribed, body%mesh, supports, error)
+      if (allocated(error)) return
+      part%prescribed = body%dof_map%substitution%displacement(part%prescribed)
+   end subroutine fill_part
+
+   !> Condenses the parts. Where a body is spread over ranks, all that share the family do so at the same time.
+   subroutine load_family_condense(self, body, problem)
+      class(load_family_t), intent(inout) :: self !! the family
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp) :: slip(body%zone%n_points), from_slip(2*body%zone%n_points)
+      integer :: k
+
+      allocate (self%load(2*body%zone%n_points, size(self%parts)), self%largest(size(self%parts)))
+      do k = 1, size(self%parts)
+         associate (part => self%parts(k))
+            call condense_load_case(part, body)
+            self%load(:, k) = part%condensed%load
+            self%largest(k) = max(maxval(abs(part%prescribed)), free_expansion(part, body%mesh))
+            ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a
+            ! cell, becomes a load.
+            slip = prescribed_slip(body, part)
+         end associate
+         if (.not. any(abs(slip) > 0.0_dp)) cycle
+         call problem%matrix%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         self%load(:, k) = self%load(:, k) + from_slip
+      end do
+   end subroutine load_family_condense
+
+   !> How far the body would expand at most, if it were all as hot as at its hottest place [L].
+   pure real(dp) function free_expansion(part, mesh) result(expansion)
+      type(load_case_t), intent(in) :: part !! the part
+      type(mesh_t), intent(in) :: mesh !! the mesh
+
+      expansion = 0.0_dp
+      if (allocated(part%thermal_strain)) expansion = maxval(abs(part%thermal_strain)) &
+         *maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+   end function free_expansion
+
+   !> The member whose factors are all 1, its obstacles at their places.
+   pure subroutine load_family_at_rest(self, acting)
+      class(load_family_t), intent(in) :: self !! the family
+      class(acting_t), intent(inout) :: acting !! the member
+
+      acting%factor = spread(1.0_dp, 1, size(self%parts))
+      if (allocated(acting%motions)) deallocate (acting%motions)
+      acting%gap = self%base%gap
+      acting%is_in_reach = self%base%is_in_reach
+      acting%motion = 0.0_dp*self%base%gap
+      acting%anchor = acting%motion
+   end subroutine load_family_at_rest
+
+   !> Moves the obstacles of a member.
+   subroutine load_family_move(self, body, motions, acting, error)
+      class(load_family_t), intent(in) :: self !! the family
+      type(body_t), intent(in) :: body !! the body
+      type(obstacle_motion_t), intent(in) :: motions(:) !! the motion of the obstacle of each contact set
+      class(acting_t), intent(inout) :: acting !! the member, its obstacles at their places
+      type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
+      type(load_case_t) :: moved
+
+      if (all(motions%is_at_rest())) return
+      acting%motions = motions
+      call set_obstacles(moved, body%zone, body%mesh, self%contacts_of(acting), error)
+      if (allocated(error)) return
+      acting%gap = moved%gap
+      acting%is_in_reach = moved%is_in_reach
+      acting%motion = tangential_motion(body%zone, self%feet, motions)
+   end subroutine load_family_move
+
+   !> The contact sets of a member, with their obstacles where they are.
+   pure function load_family_contacts_of(self, acting) result(contacts)
+      class(load_family_t), intent(in) :: self !! the family
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_t), allocatable :: contacts(:)
+      integer :: i
+
+      contacts = self%base%contacts
+      if (.not. allocated(acting%motions)) return
+      do i = 1, size(contacts)
+         contacts(i)%obstacle = acting%motions(i)%moved(contacts(i)%obstacle)
+      end do
+   end function load_family_contacts_of
+
+   !> Sets load, gap, anchor, friction and slip bound of the body's contact problem to those of a member.
+   pure subroutine load_family_pose(self, body, acting, problem)
+      class(load_family_t), intent(in) :: self !! the family, condensed
+      type(body_t), intent(in) :: body !! the body
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+
+      problem%load = matmul(self%load, acting%factor)
+      problem%prescribed = dot_product(self%largest, abs(acting%factor))
+      problem%gap = self%gap_of(acting)
+      associate (is_fixed => body%zone%is_tangent_fixed)
+         problem%anchor = merge(0.0_dp, acting%anchor, is_fixed)
+         problem%friction = merge(0.0_dp, self%friction_of(acting), is_fixed)
+         problem%slip_bound = merge(0.0_dp, self%base%slip_bound, is_fixed)
+      end associate
+   end subroutine load_family_pose
+
+   !> Coulomb coefficients of the points in a member (m) [-].
+   pure function load_family_friction_of(self, acting) result(friction)
+      class(load_family_t), intent(in) :: self !! the family
+      class(acting_t), intent(in) :: acting !! the member
+      real(dp) :: friction(size(self%friction, 1))
+
+      friction = matmul(self%friction, acting%factor)
+   end function load_family_friction_of
+
+   !> What is left of the gaps in a member for displacements that supports do not prescribe: d - n . u_p (m) [L].
+   pure function load_family_gap_of(self, acting) result(gap)
+      class(load_family_t), intent(in) :: self !! the family
+      class(acting_t), intent(in) :: acting !! the member
+      real(dp) :: gap(size(self%prescribed, 1))
+
+      gap = acting%gap - matmul(self%prescribed, acting%factor)
+   end function load_family_gap_of
+
+   !> The load case of a member, condensed if the family is.
+   subroutine load_family_load_case(self, body, acting, load_case)
+      class(load_family_t), intent(in) :: self !! the family
+      type(body_t), intent(in) :: body !! the body
+      class(acting_t), intent(in) :: acting !! the member
+      type(load_case_t), intent(out) :: load_case !! the load case
+      type(error_t), allocatable :: error
+      integer :: k
+
+      load_case = self%base
+      ! No error: the member was made with the same obstacles.
+      if (allocated(acting%motions)) call set_obstacles(load_case, body%zone, body%mesh, self%contacts_of(acting), &
+         error)
+      if (size(self%parts) > 1) load_case%factor = acting%factor(self%parting%load)
+      load_case%force = acting%factor(1)*self%parts(1)%force
+      load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
+      do k = 2, size(self%parts)
+         load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
+         load_case%prescribed = load_case%prescribed + acting%factor(k)*self%parts(k)%prescribed
+      end do
+      call self%sum_thermal(acting%factor, load_case%thermal_strain)
+      call self%sum_condensed(acting%factor, load_case%condensed)
+      load_case%free_gap = self%gap_of(acting)
+      load_case%friction = self%friction_of(acting)
+      load_case%anchor = acting%anchor
+      load_case%obstacle_motion = acting%motion
+   end subroutine load_family_load_case
+
+   !> The condensed load of a member, if the family is condensed.
+   pure subroutine load_family_sum_condensed(self, factor, condensed)
+      class(load_family_t), intent(in) :: self !! the family
+      real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
+      type(condensed_load_t), intent(out) :: condensed !! the condensed load
+      integer :: k
+
+      condensed = self%parts(1)%condensed
+      if (.not. allocated(condensed%load)) return
+      do k = 2, size(factor)
+         call condensed%add(factor(k), self%parts(k)%condensed)
+      end do
+   end subroutine load_family_sum_condensed
+
+   !> The thermal strain of a member, if there is any.
+   pure subroutine load_family_sum_thermal(self, factor, strain)
+      class(load_family_t), intent(in) :: self !! the family
+      real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
+      real(dp), allocatable, intent(out) :: strain(:)
+         !! strain of free thermal expansion at the nodes of each element, as in `load_case_t` [-]
+      integer :: k
+
+      if (.not. allocated(self%parts(1)%thermal_strain)) return
+      strain = factor(1)*self%parts(1)%thermal_strain
+      do k = 2, size(factor)
+         strain = strain + factor(k)*self%parts(k)%thermal_strain
+      end do
+   end subroutine load_family_sum_thermal
+
+   !> The largest component of the nodal forces of a member, of some nodes at a time, which stay in the cache [F].
+   pure real(dp) function load_family_largest_force(self, factor) result(largest)
+      class(load_family_t), intent(in) :: self !! the family
+      real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
+      integer, parameter :: n_together = 512
+      real(dp) :: forces(2, n_together)
+      integer :: first, n, k
+
+      largest = 0.0_dp
+      do first = 1, size(self%parts(1)%force, 2), n_together
+         n = min(n_together, size(self%parts(1)%force, 2) - first + 1)
+         forces(:, :n) = 0.0_dp
+         do k = 1, size(factor)
+            if (self%has_force(k)) forces(:, :n) = forces(:, :n) + factor(k)*self%parts(k)%force(:, first:first + n - 1)
+         end do
+         largest = max(largest, maxval(abs(forces(:, :n))))
+      end do
+   end function load_family_largest_force
+
+   !> Text that two families of the same body share only if they are the same to the last bit: files that a deck names
+   !> may have changed although the deck has not.
+   pure function load_family_fingerprint(self, body, problem) result(text)
+      class(load_family_t), intent(in) :: self !! the family, condensed
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      character(:), allocatable :: text
+      type(checksum_t) :: checksum
+      integer :: j
+
+      if (allocated(problem%matrix%band)) then
+         call checksum%add(reshape(problem%matrix%band%whole%entry, [size(problem%matrix%band%whole%entry)]))
+      else
+         do j = 1, problem%matrix%n
+            call checksum%add(problem%matrix%stiffness%values(:, j))
+         end do
+      end if
+      call checksum%add(reshape(body%mesh%coordinates, [size(body%mesh%coordinates)]))
+      call checksum%add([self%base%gap, self%base%slip_bound])
+      do j = 1, size(self%parts)
+         call checksum%add([self%load(:, j), self%friction(:, j), self%prescribed(:, j), self%largest(j)])
+      end do
+      text = to_text(checksum%value())
+   end function load_family_fingerprint
+
+end module amontons_load_family

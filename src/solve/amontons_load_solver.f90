@@ -1,0 +1,259 @@
+!> The one way from a start to a solution, for a case, a row of a sweep and a step of a history.
+!>
+!> Newton's method from the start, where the method is left to the program; where that does not end well, whether
+!> contact and friction can balance the loads, and then the deck's method, with displacements counted from where the
+!> body meets its obstacles; at last what friction cannot hold. Parts of the contact problem that do not act on each
+!> other are solved each by itself.
+module amontons_load_solver
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_body, only: body_t
+   use amontons_components, only: solve_components
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_equilibrium, only: check_balance
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: short_text
+   use amontons_load_case, only: load_case_t
+   use amontons_load_family, only: acting_t, load_family_t, new_load_family, parting_t
+   use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_model_warnings, only: body_size
+   use amontons_newton, only: newton_t
+   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
+   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
+   use amontons_rigid_modes, only: check_common_motion
+   use amontons_spin, only: can_spin, check_spin
+   implicit none (type, external)
+   private
+
+   public :: forget_start, load_solver_t, new_load_solver
+
+   !> Most steps of Newton's method from a start, and how many of them without a better pair end it.
+   integer, parameter :: n_newton_steps = 20, stagnation_limit = 4
+
+   !> What all members of a family of loads share.
+   type :: load_solver_t
+      type(load_family_t) :: loads !! what acts
+      class(contact_method_t), allocatable :: method !! the deck's method
+      logical :: is_auto = .false. !! whether the deck leaves the method to the program
+      real(dp) :: size_of_body = 0.0_dp !! the larger side of the box around the mesh [L]
+      logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
+      logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
+   contains
+      procedure :: solve => load_solver_solve
+   end type load_solver_t
+
+contains
+
+   !> Makes the solver of a load case in parts. The family of its loads is still to be condensed.
+   subroutine new_load_solver(solver, body, load_case, parting, options, error)
+      type(load_solver_t), intent(out) :: solver !! the solver
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
+      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(method_options_t), intent(in) :: options !! the deck's method
+      type(error_t), allocatable, intent(out) :: error !! there is no such method; a load or support does not fit
+      type(error_t), allocatable :: no_hold
+
+      call new_contact_method(solver%method, options, error)
+      if (.not. allocated(error)) call new_load_family(solver%loads, body, load_case, parting, error)
+      if (allocated(error)) return
+      solver%is_auto = options%method == 'auto'
+      solver%size_of_body = body_size(body)
+      ! Which points are in reach of an obstacle that moves is known member by member.
+      solver%may_spin = can_spin(body, load_case%is_in_reach .and. .not. parting%moves_obstacles)
+      call check_common_motion(body%motions, body%rigid_modes, no_hold)
+      solver%may_move = allocated(no_hold)
+   end subroutine new_load_solver
+
+   !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
+   subroutine load_solver_solve(self, body, acting, problem, solution, outcome, reason)
+      class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
+      type(body_t), intent(in) :: body !! the body, condensed
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem, posed; may gain its compliance
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      integer, intent(out) :: outcome !! one of the outcomes of `amontons_outcome_words`
+      character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
+      type(contact_solution_t) :: start, first
+      type(load_case_t) :: load_case
+      type(error_t), allocatable :: error
+
+      reason = ''
+      start = solution
+      call solution%reset()
+      if (self%is_auto .and. has_place(solution)) call solve_components(newton_t(tolerance=self%method%tolerance, &
+         max_iterations=min(n_newton_steps, self%method%max_iterations), stagnation_limit=stagnation_limit, &
+         patience=huge(1)), problem, solution, error)
+      if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
+         > self%size_of_body) then
+         ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
+         !$omp critical (texts_of_solver)
+         if (is_loose(body)) then
+            call self%loads%load_case(body, acting, load_case)
+            call check_balance(body, load_case, error)
+         end if
+         if (allocated(error)) reason = error%message
+         !$omp end critical (texts_of_solver)
+         if (allocated(error)) then
+            outcome = outcome_no_equilibrium
+            solution%is_converged = .false.
+            return
+         end if
+         if (.not. solution%is_converged) then
+            first = solution
+            solution = start
+            if (is_loose(body)) then
+               call solve_from_obstacles(self%method, body, load_case, problem, solution, error)
+            else
+               call solve_components(self%method, problem, solution, error)
+            end if
+            call solution%follow(first)
+         end if
+      end if
+      if (allocated(error)) then
+         solution%is_converged = .false.
+         reason = error%message
+      else
+         call check_numbers(self, problem, solution, reason)
+      end if
+      outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
+      if (len(reason) > 0) then
+         outcome = outcome_numbers
+      else if (self%may_spin) then
+         !$omp critical (texts_of_solver)
+         call check_spin(body, acting%is_in_reach, problem, solution, error)
+         if (allocated(error)) reason = error%message
+         !$omp end critical (texts_of_solver)
+         if (allocated(error)) outcome = outcome_no_equilibrium
+      end if
+      solution%is_converged = outcome == outcome_solved
+   end subroutine load_solver_solve
+
+   !> Whether supports leave some piece of a body free to move.
+   pure logical function is_loose(body)
+      type(body_t), intent(in) :: body !! the body
+
+      is_loose = any(body%motions%n_free > 0)
+   end function is_loose
+
+   !> Whether a body has a place to start from: it has none before it meets its obstacles.
+   pure logical function has_place(solution)
+      type(contact_solution_t), intent(in) :: solution !! the start
+
+      has_place = any(abs(solution%force) > 0.0_dp) .or. &
+         any(abs(solution%displacement(:size(solution%status))) > 0.0_dp)
+   end function has_place
+
+   !> Starts from rest where nothing acts: where the loads of another case left the body is no place of it without them.
+   pure subroutine forget_start(problem, solution)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem, posed
+      type(contact_solution_t), intent(inout) :: solution !! the start
+
+      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points)
+   end subroutine forget_start
+
+   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
+   !> Where they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
+   subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; stays as it is
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(contact_solution_t) :: first
+      real(dp), allocatable :: motion(:), travel(:)
+
+      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
+      if (has_place(solution)) solution%displacement = solution%displacement - motion
+      call solve_from(motion, method, problem, solution, error)
+      ! Of displacements that the motion is a part of, rounding would look like travel.
+      call fit_travel(travel, body, problem%load, solution%displacement)
+      if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
+         first = solution
+         solution%displacement = solution%displacement - travel
+         call solve_from(motion + travel, method, problem, solution, error)
+         solution%displacement = solution%displacement + travel
+         if (solution%is_converged .or. .not. first%is_converged) then
+            call solution%follow(first)
+         else
+            solution = first
+         end if
+      end if
+      solution%displacement = solution%displacement + motion
+   end subroutine solve_from_obstacles
+
+   !> Finds the rigid motion that displacements are counted from: none at rest where nothing acts; that which comes
+   !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
+   !> obstacles, where loads or overlaps move it.
+   subroutine find_origin(motion, body, load_case, problem, is_at_rest)
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      logical, intent(in) :: is_at_rest !! whether no force and no displacement is known of
+      real(dp), allocatable :: laid(:)
+
+      if (is_at_rest .and. problem%is_unloaded()) then
+         allocate (motion(2*problem%n_points), source=0.0_dp)
+         return
+      end if
+      call fit_rigid_motion(motion, body, load_case, problem%load)
+      if (any(abs(problem%load) > 0.0_dp)) then
+         if (any(abs(motion) > 0.0_dp)) return
+      else
+         if (all(problem%gap >= motion(:problem%n_points))) return
+      end if
+      call lay_rigid_body(laid, body, load_case, problem%load)
+      if (any(abs(laid) > 0.0_dp)) motion = laid
+   end subroutine find_origin
+
+   !> Solves a contact problem for the displacements from a rigid motion.
+   subroutine solve_from(motion, method, problem, solution, error)
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (2m) [L]
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
+      type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: gap(:), anchor(:)
+
+      gap = problem%gap
+      anchor = problem%anchor
+      problem%gap = gap - motion(:size(gap))
+      problem%anchor = anchor - motion(size(gap) + 1:)
+      call solve_components(method, problem, solution, error)
+      problem%gap = gap
+      problem%anchor = anchor
+   end subroutine solve_from
+
+   !> Refuses a solution whose numbers have left the finite range, or whose points move so far that the rounding of
+   !> their displacements alone makes forces as large as those that act.
+   subroutine check_numbers(solver, problem, solution, fault)
+      type(load_solver_t), intent(in) :: solver !! the solver, for the size of the body
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      character(:), allocatable, intent(inout) :: fault !! empty; gains why it is refused, if it is
+      ! Nearer by, no forces are the answer: a body that nothing loads, beside its obstacle or carried by its supports.
+      real(dp), parameter :: no_digit = 0.1_dp, far = 100.0_dp
+      real(dp) :: way, rounding, forces
+
+      ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
+      if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
+         .and. all(ieee_is_finite(solution%displacement)))) then
+         fault = 'floating-point overflow in the contact method: check the units of stiffness, load and friction'
+         return
+      end if
+      way = maxval(abs(solution%displacement))
+      if (.not. way > far*max(solver%size_of_body, problem%prescribed)) return
+      rounding = epsilon(rounding)*maxval(problem%augmentation()*abs(solution%displacement))
+      forces = max(maxval(abs(problem%load)), maxval(abs(solution%force)))
+      if (.not. rounding > no_digit*forces) return
+      !$omp critical (texts_of_solver)
+      fault = 'the contact points move by '//short_text(way)//', so far that rounding leaves no digit of their '// &
+         'forces (up to '//short_text(forces)//'): place the body closer to its obstacle'
+      !$omp end critical (texts_of_solver)
+   end subroutine check_numbers
+
+end module amontons_load_solver
