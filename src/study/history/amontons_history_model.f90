@@ -18,7 +18,7 @@ module amontons_history_model
    implicit none (type, external)
    private
 
-   public :: find_probes, history_model_t, instant_t, moved_contacts, new_history_model
+   public :: find_probes, history_model_t, instant_t, new_history_model
 
    !> What all steps share.
    type :: history_model_t

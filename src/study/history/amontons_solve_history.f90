@@ -7,7 +7,7 @@ module amontons_solve_history
    use amontons_error, only: error_t, new_error
    use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
-   use amontons_history_model, only: history_model_t, moved_contacts, new_history_model
+   use amontons_history_model, only: history_model_t, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
