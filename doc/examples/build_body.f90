@@ -2,9 +2,10 @@
 !> the files of the first result.
 program build_body
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: body_t, case_label_t, contact_problem_t, contact_t, dp, error_t, load_t, material_t, mesh_t, &
-      method_options_t, new_body, new_case_label, new_contact, new_load, new_material, new_rectangle_mesh, new_support, &
-      rectangle_t, result_t, solve_body, status_names, support_t, write_report
+   use amontons, only: body_t, contact_problem_t, contact_t, dp, error_t, load_t, material_t, mesh_t, method_options_t, &
+      new_body, new_contact, new_load, new_material, new_rectangle_mesh, new_support, rectangle_t, result_t, &
+      solve_body, status_names, support_t
+   use amontons_decks, only: case_label_t, new_case_label, write_report
    implicit none (type, external)
    type(mesh_t) :: mesh
    type(material_t) :: material

@@ -1,7 +1,8 @@
 !> Solves a deck, writes its files and looks at the result. Usage: solve_deck DECK DIRECTORY
 program solve_deck
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: cache_t, config_t, error_t, read_config, result_t, solve_case, write_report
+   use amontons, only: error_t, result_t
+   use amontons_decks, only: cache_t, config_t, read_config, solve_case, write_report
    implicit none (type, external)
    character(1000) :: deck, directory
    type(config_t) :: config

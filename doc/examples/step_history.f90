@@ -1,6 +1,7 @@
 !> Takes a history step by step, with loads of its own. Usage: step_history DECK
 program step_history
-   use amontons, only: config_t, dp, error_t, load_stepper_t, new_load_stepper, read_config
+   use amontons, only: dp, error_t
+   use amontons_decks, only: config_t, load_stepper_t, new_load_stepper, read_config
    implicit none (type, external)
    character(1000) :: deck
    type(config_t) :: config

@@ -32,7 +32,7 @@ program main
    call return_large_arrays()
    call begin_ranks()
    call read_command_line(command_line, error)
-   ! A rank among several has one thread, if nothing else is said; otherwise 0 is what OMP_NUM_THREADS says, or all cores.
+   ! A rank among several has one thread, if nothing else is said; else 0 is what OMP_NUM_THREADS says, or all cores.
    call get_environment_variable('OMP_NUM_THREADS', length=length)
    if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
    call set_threads(command_line%n_threads)

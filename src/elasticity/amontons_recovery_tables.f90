@@ -688,7 +688,8 @@ contains
                   ! A copy: the list may move to a larger place as it grows.
                   element = list%item(i)
                   do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
-                     call add_elements_at(list, first, mesh%node(k), materials, incidence, materials%of_element(element))
+                     call add_elements_at(list, first, mesh%node(k), materials, incidence, &
+                        materials%of_element(element))
                   end do
                end do
             end if
