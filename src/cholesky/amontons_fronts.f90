@@ -275,13 +275,14 @@ contains
       end do
    end subroutine sort_lists
 
-   !> Counts the unknowns of the row structures and the entries of the blocks.
+   !> Counts the unknowns of the row structures, the entries of the blocks and the numbers on the stacks of
+   !> substitutions.
    pure subroutine size_fronts(fronts, structures, first_position)
       type(fronts_t), intent(inout) :: fronts !! gains where row structures and blocks start
       type(lists_t), intent(in) :: structures !! the supervariables of the row structures
       integer, intent(in) :: first_position(:) !! position of the first unknown of each supervariable, by its position
       integer(int64) :: at
-      integer :: k, n_structure
+      integer :: k, n, n_structure
 
       allocate (fronts%structure_start(fronts%n + 1), fronts%block_start(fronts%n + 1))
       fronts%structure_start(1) = 1
@@ -295,15 +296,8 @@ contains
          fronts%block_start(k + 1) = fronts%block_start(k) &
             + int(fronts%n_pivots(k), int64)*(fronts%n_pivots(k) + n_structure)
       end do
-      call size_stacks(fronts)
-   end subroutine size_fronts
-
-   !> Counts what waits in a substitution. The second child is done while the vector of the first one waits; large
-   !> children are done apart.
-   pure subroutine size_stacks(fronts)
-      type(fronts_t), intent(inout) :: fronts !! the fronts, their row structures counted
-      integer :: k, n
-
+      ! What waits in a substitution. The second child is done while the vector of the first one waits; large children
+      ! are done apart.
       allocate (fronts%stack_size(fronts%n))
       do k = 1, fronts%n
          associate (child => fronts%child(:, k), stack_size => fronts%stack_size)
@@ -315,7 +309,7 @@ contains
             stack_size(k) = n
          end associate
       end do
-   end subroutine size_stacks
+   end subroutine size_fronts
 
    !> Finds which row of the parent each item of the row structures is.
    pure subroutine find_parent_rows(fronts, structures, first_position)

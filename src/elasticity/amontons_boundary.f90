@@ -43,7 +43,16 @@ contains
       allocate (after(mesh%n_nodes), before(mesh%n_nodes), source=0)
       call link_sides(sides, after, before, set, error)
       if (allocated(error)) return
-      call order_nodes(line, sides, after, before)
+      ! Open pieces from their first node on, then closed ones.
+      allocate (line%node(3*size(sides, 2)), line%next(3*size(sides, 2)))
+      do i = 1, size(sides, 2)
+         if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
+      end do
+      do i = 1, size(sides, 2)
+         if (after(sides(1, i)) /= 0) call follow_piece(line, sides(1, i), after)
+      end do
+      line%node = line%node(:line%n_nodes)
+      line%next = line%next(:line%n_nodes)
       call measure_sides(line, sides, mesh, materials)
       if (present(materials)) then
          ! A corner of a quadratic side on the axis of revolution has no area: that of a straight side is 0; of a curved
@@ -84,25 +93,6 @@ contains
          before(sides(2, i)) = sides(1, i)
       end do
    end subroutine link_sides
-
-   !> Lists the nodes piece by piece: first the open pieces, then the closed ones, each in the order of the set.
-   pure subroutine order_nodes(line, sides, after, before)
-      type(boundary_line_t), intent(inout) :: line !! the line
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      integer, intent(inout) :: after(:) !! the node that follows; emptied
-      integer, intent(in) :: before(:) !! the node that comes before
-      integer :: i
-
-      allocate (line%node(3*size(sides, 2)), line%next(3*size(sides, 2)))
-      do i = 1, size(sides, 2)
-         if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
-      end do
-      do i = 1, size(sides, 2)
-         if (after(sides(1, i)) /= 0) call follow_piece(line, sides(1, i), after)
-      end do
-      line%node = line%node(:line%n_nodes)
-      line%next = line%next(:line%n_nodes)
-   end subroutine order_nodes
 
    !> Lists the nodes of one piece, from a first node until the piece ends or closes.
    pure subroutine follow_piece(line, first, after)

@@ -25,15 +25,12 @@ module amontons_stress_recovery
 
    public :: error_estimate_t, new_error_estimate, new_recovered_stress, recovered_stress_t
 
-   !> What a stress field is recovered from.
+   !> The stresses and tractions that a stress field is recovered from.
    type :: recovered_stress_t
       private
       real(dp), allocatable :: sample(:, :) !! the stresses that are fitted: xx, yy, xy, zz (4, n_samples) [F/L^2]
       integer, allocatable :: side_start(:) !! where the sides of a patch begin in `tractions` (patches + 1)
-      type(known_traction_t), allocatable :: tractions(:) !! what is known of the tractions, patch by patch
-   contains
-      procedure, public :: at_sample => recovered_stress_at_sample
-      procedure, public :: fit => recovered_stress_fit
+      type(known_traction_t), allocatable :: tractions(:) !! the known tractions, patch by patch
    end type recovered_stress_t
 
    !> The estimate. The norm of a stress field is the root of the integral of stress times strain: that of a solution
@@ -271,77 +268,51 @@ contains
       end do
    end subroutine add_linear_stresses
 
-   !> Prepares the recovery of the stresses of a displacement field.
+   !> Prepares the recovery of the stresses of a displacement field: its stresses where they are most accurate, and the
+   !> sides of known tractions, sorted by the patches of the corners that they begin and end at.
    subroutine new_recovered_stress(recovered, patches, mesh, materials, tractions, displacement, thermal_strain)
       type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
-      type(known_traction_t), intent(in) :: tractions(:) !! what is known of the tractions on the sides of the boundary
+      type(known_traction_t), intent(in) :: tractions(:) !! the known tractions on the sides of the boundary
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      integer, allocatable :: side(:)
-
-      call sample_stresses(recovered%sample, patches, mesh, materials, displacement, thermal_strain)
-      call sort_sides(recovered%side_start, side, patches, mesh, tractions)
-      recovered%tractions = tractions(side)
-   end subroutine new_recovered_stress
-
-   !> Fits the polynomials of all patches of a block.
-   pure subroutine recovered_stress_fit(self, coefficient, patches, mesh, block)
-      class(recovered_stress_t), intent(in) :: self !! the recovered stress field
-      real(dp), allocatable, intent(out) :: coefficient(:, :, :)
-         !! coefficients of the polynomials, from `fit_polynomial` (component, term, patch of the block)
-      type(patch_table_t), intent(in) :: patches !! its patches
-      type(mesh_t), intent(in) :: mesh !! its mesh
-      integer, intent(in) :: block !! number of the block
-      real(dp) :: of_patch(4, max_terms)
-      integer :: i
-
-      associate (listed => patches%listed(patches%block_start(block):patches%block_start(block + 1) - 1))
-         allocate (coefficient(4, max(3, maxval(patches%frame(listed)%n_terms)), size(listed)))
-         do i = 1, size(listed)
-            associate (patch => listed(i))
-               call fit_polynomial(of_patch, patches, patch, mesh, self%sample, &
-                  self%tractions(self%side_start(patch):self%side_start(patch + 1) - 1))
-               coefficient(:, :, i) = of_patch(:, :size(coefficient, 2))
-            end associate
-         end do
-      end associate
-   end subroutine recovered_stress_fit
-
-   !> Evaluates the stresses where those of an element are most accurate.
-   subroutine sample_stresses(stress, patches, mesh, materials, displacement, thermal_strain)
-      real(dp), allocatable, intent(out) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, n_samples) [F/L^2]
-      type(patch_table_t), intent(in) :: patches !! the patches, with the samples
-      type(mesh_t), intent(in) :: mesh !! a checked mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_recovered_stress` [-]
       type(element_geometry_t) :: geometry
-      integer :: i, point
+      integer, allocatable :: side(:)
+      integer :: patch(2, size(tractions)), first, i, k, point
 
-      allocate (stress(4, size(patches%samples%position, 2)))
+      allocate (recovered%sample(4, size(patches%samples%position, 2)))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(point) shared(stress, patches, mesh, materials, displacement, thermal_strain)
+      !$omp firstprivate(geometry) private(point) &
+      !$omp shared(recovered, patches, mesh, materials, displacement, thermal_strain)
       do i = 1, mesh%n_elements
-         associate (material => materials%list(materials%of_element(i)), first => patches%samples%start(i) - 1)
+         associate (material => materials%list(materials%of_element(i)), before => patches%samples%start(i) - 1)
             if (mesh%element_kind(i) == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation &
                .or. present(thermal_strain))) then
-               stress(:, first + 1) = middle_stress(mesh, i, material, displacement)
+               recovered%sample(:, before + 1) = middle_stress(mesh, i, material, displacement)
                cycle
             end if
             call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
             if (present(thermal_strain)) call set_thermal_strain(geometry, &
                thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
             do point = 1, geometry%n_points
-               stress(:, first + point) = element_stress(geometry, material, displacement, point)
+               recovered%sample(:, before + point) = element_stress(geometry, material, displacement, point)
             end do
          end associate
       end do
       !$omp end parallel do
-   end subroutine sample_stresses
+      do i = 1, size(tractions)
+         first = mesh%node_start(tractions(i)%element)
+         do k = 1, 2
+            patch(k, i) = patches%at_corner(tractions(i)%element, first - 1 &
+               + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%corner(k), dim=1))
+         end do
+      end do
+      call fill_bins(recovered%side_start, side, reshape(patch, [size(patch)]), size(patches%node))
+      recovered%tractions = tractions((side + 1)/2)
+   end subroutine new_recovered_stress
 
    !> The stress in the middle of a four-node quadrilateral of a plane body, from what changes along its diagonals
    !> [F/L^2].
@@ -362,37 +333,6 @@ contains
       stress = material%stress([du(1)*dy(2) - du(2)*dy(1), dv(2)*dx(1) - dv(1)*dx(2), &
          du(2)*dx(1) - du(1)*dx(2) + dv(1)*dy(2) - dv(2)*dy(1), 0.0_dp]/(dx(1)*dy(2) - dx(2)*dy(1)))
    end function middle_stress
-
-   !> Sorts the sides of known tractions by the patches of the corners that they begin and end at.
-   pure subroutine sort_sides(start, side, patches, mesh, tractions)
-      integer, allocatable, intent(out) :: start(:) !! where the sides of a patch begin in `side` (patches + 1)
-      integer, allocatable, intent(out) :: side(:) !! the sides
-      type(patch_table_t), intent(in) :: patches !! the patches
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(known_traction_t), intent(in) :: tractions(:) !! the sides of known tractions
-      integer :: patch(2, size(tractions)), i, k, first
-
-      do i = 1, size(tractions)
-         first = mesh%node_start(tractions(i)%element)
-         do k = 1, 2
-            patch(k, i) = patches%at_corner(tractions(i)%element, first - 1 &
-               + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%corner(k), dim=1))
-         end do
-      end do
-      call fill_bins(start, side, reshape(patch, [size(patch)]), size(patches%node))
-      side = (side + 1)/2
-   end subroutine sort_sides
-
-   !> The stress of an element where it is most accurate, at the first point of them: that of all of it, where it is
-   !> uniform. xx, yy, xy, zz [F/L^2].
-   pure function recovered_stress_at_sample(self, patches, element) result(stress)
-      class(recovered_stress_t), intent(in) :: self !! the recovered stress field
-      type(patch_table_t), intent(in) :: patches !! its patches
-      integer, intent(in) :: element !! the element
-      real(dp) :: stress(4)
-
-      stress = self%sample(:, patches%samples%start(element))
-   end function recovered_stress_at_sample
 
    !> Estimates the error of a displacement field.
    subroutine new_error_estimate(estimate, mesh, materials, displacement, patches, recovered, thermal_strain)
@@ -434,25 +374,34 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
-      real(dp) :: weights(max_points, max_corners, size(element_names))
+      real(dp) :: of_patch(4, max_terms), weights(max_points, max_corners, size(element_names))
       logical :: is_plain
       integer :: i
 
       weights = corner_weights()
-      call recovered%fit(coefficient, patches, mesh, block)
+      associate (listed => patches%listed(patches%block_start(block):patches%block_start(block + 1) - 1))
+         allocate (coefficient(4, max(3, maxval(patches%frame(listed)%n_terms)), size(listed)))
+         do i = 1, size(listed)
+            associate (sides => recovered%side_start(listed(i):listed(i) + 1))
+               call fit_polynomial(of_patch, patches, listed(i), mesh, recovered%sample, &
+                  recovered%tractions(sides(1):sides(2) - 1))
+            end associate
+            coefficient(:, :, i) = of_patch(:, :size(coefficient, 2))
+         end do
+      end associate
       do i = (block - 1)*block_size + 1, min(mesh%n_elements, block*block_size)
          associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
             is_plain = .not. (material%is_axisymmetric .or. present(thermal_strain))
             if (kind == tri3 .and. is_plain) then
-               squares(:, i) = triangle_squares(mesh, i, material, patches, coefficient, &
-                  recovered%at_sample(patches, i), weights(:, :3, tri3))
+               squares(:, i) = triangle_squared_norms(mesh, i, material, patches, coefficient, &
+                  recovered%sample(:, patches%samples%start(i)), weights(:, :3, tri3))
             else if (is_plain .and. patches%is_linear .and. is_plain_quadrilateral(kind, material)) then
-               squares(:, i) = quadrilateral_squares(mesh, i, material, displacement, patches, coefficient)
+               squares(:, i) = quadrilateral_squared_norms(mesh, i, material, displacement, patches, coefficient)
             else
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
                if (present(thermal_strain)) call set_thermal_strain(geometry, &
                   thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
-               squares(:, i) = element_squares(geometry, mesh, i, material, displacement, patches, coefficient, &
+               squares(:, i) = element_squared_norms(geometry, mesh, i, material, displacement, patches, coefficient, &
                   weights(:, :n_corners(kind), kind))
             end if
          end associate
@@ -460,7 +409,7 @@ contains
    end subroutine estimate_block
 
    !> The integrals over an element of the squares of the error of its stresses and of these themselves [F L].
-   pure function element_squares(geometry, mesh, element, material, displacement, patches, coefficient, weights) &
+   pure function element_squared_norms(geometry, mesh, element, material, displacement, patches, coefficient, weights) &
       result(squares)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -468,7 +417,7 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
-      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp), contiguous, intent(in) :: weights(:, :) !! linear shape functions of the corners (points, corners) [-]
       real(dp) :: squares(2)
       real(dp) :: strain(4, max_points), stress(4), smooth(4, max_points)
@@ -482,15 +431,16 @@ contains
          squares(1) = squares(1) + geometry%volume(point)*material%squared_norm(smooth(:, point) - stress)
          squares(2) = squares(2) + geometry%volume(point)*dot_product(strain(:, point), stress)
       end do
-   end function element_squares
+   end function element_squared_norms
 
-   !> The same of a three-node triangle of a plane body, whose stress is uniform; its points weigh alike [F L].
-   pure function triangle_squares(mesh, element, material, patches, coefficient, stress, weights) result(squares)
+   !> Integrals like those of `element_squared_norms` over a three-node triangle of a plane body, whose stress is uniform;
+   !> its points weigh alike [F L].
+   pure function triangle_squared_norms(mesh, element, material, patches, coefficient, stress, weights) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
-      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp), intent(in) :: stress(4) !! the stress of its displacements [F/L^2]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions (points, corners) [-]
       real(dp) :: squares(2)
@@ -511,17 +461,18 @@ contains
       do point = 1, n_points
          squares(1) = squares(1) + volume/n_points*material%squared_norm(smooth(:, point) - stress)
       end do
-   end function triangle_squares
+   end function triangle_squared_norms
 
-   !> The same of a four-node quadrilateral of a plane body, its four points side by side: by the general way, which
-   !> serves every element, it takes four times as long [F L].
-   pure function quadrilateral_squares(mesh, element, material, displacement, patches, coefficient) result(squares)
+   !> Integrals like those of `element_squared_norms` over a four-node quadrilateral of a plane body, its four points
+   !> side by side: by the general way, which serves every element, it takes four times as long [F L].
+   pure function quadrilateral_squared_norms(mesh, element, material, displacement, patches, coefficient) &
+      result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh, all linear
-      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp) :: squares(2)
       type(plane_quadrilateral_t) :: plain
       real(dp) :: position(4, 2), difference(4, 3)
@@ -545,7 +496,7 @@ contains
       end do
       squares(1) = material%thickness*dot_product(plain%area, material%squared_norms(difference))
       squares(2) = 2.0_dp*material%thickness*dot_product(plain%area, plain%energy_density())
-   end function quadrilateral_squares
+   end function quadrilateral_squared_norms
 
    !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].
    pure subroutine find_recovered(stress, mesh, element, patches, coefficient, n_points, position, weights)
@@ -554,7 +505,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
-      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp), intent(in) :: position(2, n_points) !! the points [L]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions of the corners there (points, corners) [-]
       integer :: i, corner

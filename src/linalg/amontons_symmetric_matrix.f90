@@ -18,7 +18,6 @@ module amontons_symmetric_matrix
    contains
       procedure :: add_column => symmetric_matrix_add_column
       procedure :: block => symmetric_matrix_block
-      procedure :: column_product => symmetric_matrix_column_product
       procedure :: diagonal => symmetric_matrix_diagonal
       procedure :: element => symmetric_matrix_element
       procedure :: fill_block => symmetric_matrix_fill_block
@@ -138,23 +137,6 @@ contains
          end do
       end if
    end subroutine symmetric_matrix_add_column
-
-   !> The product of one column with a vector: one component of A x.
-   pure real(dp) function symmetric_matrix_column_product(self, column, x) result(product)
-      class(symmetric_matrix_t), intent(in) :: self !! the matrix A
-      integer, intent(in) :: column !! number of the column
-      real(dp), intent(in) :: x(:) !! the vector (n)
-      integer :: k
-
-      if (allocated(self%values)) then
-         product = dot_product(self%values(:, column), x)
-      else
-         product = 0.0_dp
-         do k = self%first(column), self%first(column + 1) - 1
-            product = product + self%entry(k)*x(self%row(k))
-         end do
-      end if
-   end function symmetric_matrix_column_product
 
    !> One element of the matrix.
    pure real(dp) function symmetric_matrix_element(self, row, column) result(element)

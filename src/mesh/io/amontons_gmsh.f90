@@ -374,51 +374,40 @@ contains
       end do
    end subroutine read_node_block
 
-   !> Reads the section of the elements.
+   !> Reads the section of the elements: blocks of elements of one type on one entity.
    pure subroutine read_elements_4(raw, groups, input)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
-      integer :: block, n_blocks, n_left
+      integer :: block, dimension, element, entity, first, i, kind, n, n_blocks, n_left, nodes(max_nodes), place, tag
 
       call take_section_header(input, n_blocks, n_left, 'elements')
       if (allocated(input%error)) return
       do block = 1, n_blocks
-         call read_element_block(raw, groups, input, n_left)
+         call input%start_record()
+         call input%take_integer(dimension, 'the dimension of an entity')
+         call input%take_integer(entity, 'the number of an entity')
+         call take_cell_kind(input, kind)
+         if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
+            to_text(dimension)//', which is not their own')
+         call take_block_size(input, n, n_left, 'elements')
+         first = raw%cell_tag%n + 1
+         do element = 1, n
+            call input%start_record()
+            place = input%position
+            call input%take_size(tag, 'the number of an element')
+            do i = 1, n_cell_nodes(kind)
+               call input%take_size(nodes(i), 'a node of an element')
+            end do
+            call input%end_record()
+            if (allocated(input%error)) return
+            call raw%add_cell(kind, tag, place, nodes(:n_cell_nodes(kind)))
+         end do
          if (allocated(input%error)) return
+         if (n > 0) call groups%add_run(dimension, entity, first, raw%cell_tag%n)
       end do
       call check_none_left(input, n_left, 'elements')
    end subroutine read_elements_4
-
-   !> Reads a block of elements of one type on one entity.
-   pure subroutine read_element_block(raw, groups, input, n_left)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(input_file_t), intent(inout) :: input !! the file, at the block's header
-      integer, intent(inout) :: n_left !! number of elements that the section still has to hold
-      integer :: dimension, element, entity, first, i, kind, n, nodes(max_nodes), place, tag
-
-      call input%start_record()
-      call input%take_integer(dimension, 'the dimension of an entity')
-      call input%take_integer(entity, 'the number of an entity')
-      call take_cell_kind(input, kind)
-      if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
-         to_text(dimension)//', which is not their own')
-      call take_block_size(input, n, n_left, 'elements')
-      first = raw%cell_tag%n + 1
-      do element = 1, n
-         call input%start_record()
-         place = input%position
-         call input%take_size(tag, 'the number of an element')
-         do i = 1, n_cell_nodes(kind)
-            call input%take_size(nodes(i), 'a node of an element')
-         end do
-         call input%end_record()
-         if (allocated(input%error)) return
-         call raw%add_cell(kind, tag, place, nodes(:n_cell_nodes(kind)))
-      end do
-      if (n > 0) call groups%add_run(dimension, entity, first, raw%cell_tag%n)
-   end subroutine read_element_block
 
    !> Reads the section of the nodes.
    pure subroutine read_nodes_2(raw, input, is_parametric)
@@ -684,11 +673,29 @@ contains
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
       type(input_file_t), intent(inout) :: input !! the file, at the number of names
       type(tag_map_t) :: map
-      integer :: dimension, i, n
+      character(:), allocatable :: name
+      integer :: dimension, group, i, n, place, tag
 
       call input%take_count(n, 'names')
       do i = 1, n
-         call read_name(raw, groups, input)
+         call input%skip_white()
+         call input%take_numeral(dimension, 'the dimension of a physical group')
+         call input%take_numeral(tag, 'the number of a physical group')
+         if (dimension < 0 .or. dimension > 3 .or. tag < 1) call input%refuse( &
+            'expected the dimension of a physical group, 0 to 3, and its number, which is positive')
+         place = input%position
+         call input%take_line(name)
+         if (len(name) < 2) then
+            call input%refuse('expected the name of a physical group in double quotes', place)
+         else if (name(1:1)//name(len(name):) /= '""') then
+            call input%refuse('expected the name of a physical group in double quotes', place)
+         end if
+         if (allocated(input%error)) return
+         name = trim(adjustl(name(2:len(name) - 1)))
+         if (dimension == 3 .or. len(name) == 0) cycle
+         call raw%get_group(input, name, group)
+         call groups%of_dimension(dimension)%named_tag%append(tag)
+         call groups%of_dimension(dimension)%named_group%append(group)
          if (allocated(input%error)) return
       end do
       do dimension = 0, 2
@@ -696,33 +703,5 @@ contains
          if (map%repeated() > 0) call input%refuse('a physical group is named twice', input%position - 1)
       end do
    end subroutine read_names
-
-   !> Reads the name of a physical group.
-   pure subroutine read_name(raw, groups, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(gmsh_groups_t), intent(inout) :: groups !! the groups
-      type(input_file_t), intent(inout) :: input !! the file
-      character(:), allocatable :: name
-      integer :: dimension, group, place, tag
-
-      call input%skip_white()
-      call input%take_numeral(dimension, 'the dimension of a physical group')
-      call input%take_numeral(tag, 'the number of a physical group')
-      if (dimension < 0 .or. dimension > 3 .or. tag < 1) call input%refuse( &
-         'expected the dimension of a physical group, 0 to 3, and its number, which is positive')
-      place = input%position
-      call input%take_line(name)
-      if (len(name) < 2) then
-         call input%refuse('expected the name of a physical group in double quotes', place)
-      else if (name(1:1)//name(len(name):) /= '""') then
-         call input%refuse('expected the name of a physical group in double quotes', place)
-      end if
-      if (allocated(input%error) .or. dimension == 3) return
-      name = trim(adjustl(name(2:len(name) - 1)))
-      if (len(name) == 0) return
-      call raw%get_group(input, name, group)
-      call groups%of_dimension(dimension)%named_tag%append(tag)
-      call groups%of_dimension(dimension)%named_group%append(group)
-   end subroutine read_name
 
 end module amontons_gmsh
