@@ -227,13 +227,15 @@ contains
       type(body_t), intent(in) :: body !! the body
       ! What passes for small of the moment that a pair transmits [-].
       real(dp), parameter :: large = 0.05_dp
+      ! What the certificate passes as no force [-].
+      real(dp), parameter :: rounding = 1.0e-8_dp
       character(:), allocatable :: label
       integer :: i
 
       associate (couple => abs(result%certificate%couple), scale => result%certificate%couple_scale, &
          n_pairs => size(body%zone%pairs))
          do i = 1, size(couple)
-            if (.not. couple(i) > large*scale(i)) cycle
+            if (couple(i) <= max(large*scale(i), rounding*result%certificate%force_scale*body_size(body))) cycle
             if (i <= n_pairs) label = body%zone%pairs(i)%label
             if (i > n_pairs) label = body%ties(i - n_pairs)%label
             call result%warnings%add(label//': the forces across the gap make a couple of '// &

@@ -18,6 +18,28 @@ BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
 """
 CONTACT = "&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /\n"
 N_SLAVE, N_MASTER = 9, 10
+# The upper block carries the middle one along, just to the lower one.
+LOOSE = """&mesh name = 'low'  size = 1.052, 0.5  cells = 8, 3  origin = 0.2297, 0.0 /
+&mesh name = 'loose'  size = 1.441, 0.5  cells = 3, 3  origin = -0.08026, 0.5  element = 'tri6' /
+&mesh name = 'high'  size = 2.458, 0.5  cells = 3, 3  origin = -0.04569, 1.0  element = 'quad8' /
+&material young = 103.7  poisson = 0.3  region = 'low' /
+&material young = 24930.0  poisson = 0.3  region = 'loose' /
+&material young = 10720.0  poisson = 0.3  region = 'high' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.top'  ux = 0.001  uy = -0.001 /
+&contact set = 'low.top'  against = 'loose.bottom'  friction = 0.5  extra_gap = 0.001  search = 0.4 /
+&contact set = 'loose.top'  against = 'high.bottom'  friction = 0.5  search = 0.4 /
+"""
+# The upper block is lifted; a small load acts on the lower one.
+CARRIED = """&mesh name = 'low'  size = 2.0, 1.0  cells = 4, 3  element = 'quad8' /
+&mesh name = 'high'  size = 2.6, 0.4  cells = 3, 3  origin = 0.0, 1.0 /
+&material young = 2300.0  poisson = 0.45  region = 'low' /
+&material young = 30000.0  poisson = 0.3  region = 'high' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.top'  ux = 0.0  uy = 0.01 /
+&contact set = 'low.top'  against = 'high.bottom'  friction = 0.1 /
+&load set = 'low.right'  traction = 1e-5, 0.0 /
+"""
 
 
 class Pairs(ProgramTest):
@@ -43,6 +65,34 @@ class Pairs(ProgramTest):
         self.assertRegex(listing, r"Sides +slave 0\.5, master 0\.6666667 on average; forces are resolved on the slave, "
                          "which should be the finer one")
         self.assertNotIn("overlap", listing)
+        self.run_program("--verify", ".")
+
+    def summary_of(self, text):
+        """Solves a deck; its summary."""
+        self.solve(text)
+        return json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))
+
+    def test_a_loose_body_that_nothing_presses_is_at_rest(self):
+        # All forces are rounding of 1e-3 times a stiffness of 1e5; none is above 1e-13 of these.
+        self.assertTrue(self.summary_of(LOOSE)["certificate"]["passed"])
+        self.assertLess(max(abs(float(row["normal_force"])) for row in self.rows()), 1e-11)
+
+    def test_a_body_that_a_support_carries_away_does_not_spoil_the_forces_on_another(self):
+        self.assertTrue(self.summary_of(CARRIED)["certificate"]["passed"])
+        self.assertEqual({row["status"] for row in self.rows()}, {"open"})
+
+    def test_warns_of_couples_across_gaps_and_of_lost_friction(self):
+        apart = "&mesh name = 'c'  size = 1.0, 1.0  cells = 2, 2  origin = 5.0, 0.5 /\n" \
+            "&tie set = 'c.left'  to = 'a.right'  search = 2.0 /\n&load set = 'c.right'  traction = 0.0, -1.0 /\n"
+        # Shear of 1 over a gap of 1.
+        self.assertTrue(any(warning.startswith("c.left/a.right: the forces across the gap make a couple of 1.0, ")
+                            for warning in self.summary_of(BODIES + CONTACT + apart)["warnings"]))
+        moved = BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.1").replace(
+            "size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0", "size = 6.0, 2.0  cells = 9, 3  origin = 0.0, -2.0")
+        held = moved + "&support set = 'b.left'  ux = 0.0 /\n"
+        lost = " of the normal force slides without friction: supports hold both bodies at (0.0, 0.0)"
+        self.assertFalse(any(lost in warning for warning in self.summary_of(moved + CONTACT)["warnings"]))
+        self.assertTrue(any(lost in warning for warning in self.summary_of(held + CONTACT)["warnings"]))
         self.run_program("--verify", ".")
 
     def test_grid_shows_the_forces_on_both(self):

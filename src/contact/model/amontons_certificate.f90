@@ -79,6 +79,7 @@ contains
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
+      integer :: i
 
       springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
       if (present(of_stresses)) then
@@ -98,8 +99,10 @@ contains
          force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
             norm_of(contact, sums%largest_contact))
          least_scale = 0.0_dp
-         if (.not. sums%largest_load > 0.0_dp) least_scale = unstrained_scale(body, displacement, force_size, &
-            allocated(load_case%thermal_strain))
+         do i = 1, size(body%motions)
+            least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
+               contact, force_size, allocated(load_case%thermal_strain)))
+         end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          call check_points(certificate, body, load_case, displacement, force)
          call check_pairs(certificate, body, contact, force)
@@ -143,28 +146,42 @@ contains
       violation = max(relative(abs(missing - of_travel), work), relative(abs(of_travel), size_of_travel))
    end function energy_violation
 
-   !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
+   !> What the forces on a piece that nothing loads are measured by at the least: if they are all rounding errors of
    !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
    !> small beside the |K| |u| of a stiff one, but mean something. Heat strains elements although no force acts [F].
-   real(dp) function unstrained_scale(body, displacement, force_size, is_heated) result(scale)
+   real(dp) function resting_scale(body, nodes, displacement, loads, reaction, contact, force_size, is_heated) &
+      result(scale)
       type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: nodes(:) !! the nodes of the piece
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force_size !! size of the forces [F]
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
+      real(dp), intent(in) :: force_size !! size of the forces on all pieces [F]
       logical, intent(in) :: is_heated !! whether there are thermal strains
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
       real(dp), parameter :: rounding = 1.0e-13_dp
       ! Displacements have the rounding errors of the whole solution.
       real(dp), parameter :: negligible_share = 1.0e-11_dp
+      ! Forces that are a larger share of those on other pieces need no scale of their own.
+      real(dp), parameter :: least_share = 1.0e-5_dp
+      real(dp), allocatable :: moved(:, :)
+      real(dp) :: size_here, uncanceled
 
       scale = 0.0_dp
-      associate (uncanceled => uncanceled_forces(body%mesh, body%materials, displacement))
-         if (force_size > rounding*uncanceled) return
-         if (.not. is_heated) then
-            if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
-         end if
-         scale = rounding_share*uncanceled
-      end associate
-   end function unstrained_scale
+      size_here = max(maxval(abs(reaction(:, nodes))), maxval(abs(contact(:, nodes))))
+      if (any(abs(loads(:, nodes)) > 0.0_dp)) return
+      if (any(abs(loads) > 0.0_dp) .and. size_here > least_share*force_size) return
+      allocate (moved, mold=displacement)
+      moved = 0.0_dp
+      moved(:, nodes) = displacement(:, nodes)
+      uncanceled = uncanceled_forces(body%mesh, body%materials, moved)
+      if (size_here > rounding*uncanceled) return
+      if (.not. is_heated) then
+         if (strained_share(body%mesh, body%materials, moved) > negligible_share) return
+      end if
+      scale = rounding_share*uncanceled
+   end function resting_scale
 
    !> An imbalance over the size of the forces; where that is too much, over a share of |K| |u| if this is larger: what
    !> rounding leaves of displacements far larger than their differences is no imbalance, as long as it does not show in

@@ -168,7 +168,7 @@ contains
       real(dp) :: rho(2*self%n_points)
 
       rho = self%augmentation()
-      scale = acting_force(self, contact_force)
+      scale = acting_force(self, contact_force, displacement)
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
          scale = max(scale, rounding_share*maxval(rho*abs(displacement)))
@@ -183,17 +183,20 @@ contains
    !>
    !> A loose body does not feel an interference that it moves out of: with forces known, it is no more than these and
    !> the loads, as far as rounding lets them be known. Of loads by heat or prescribed displacements a share counts.
-   pure real(dp) function acting_force(self, contact_force) result(scale)
+   !> A loose body that follows what supports prescribe may do so without any force; rounding of S is then in its forces.
+   pure real(dp) function acting_force(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
+      real(dp), intent(in), optional :: displacement(:) !! v (2m) [L]
       real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
-      real(dp), dimension(2*self%n_points) :: held, force, uncanceled
-      real(dp) :: acting
+      real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
+      real(dp), dimension(2*self%n_points) :: held, force
+      real(dp) :: acting, uncanceled
 
+      uncanceled = 0.0_dp
       if (.not. self%matrix%has_stiffness()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
-         uncanceled = 0.0_dp
       else
          held = [min(0.0_dp, self%gap), self%anchor]
          force = self%load
@@ -201,14 +204,18 @@ contains
             call self%matrix%multiply_stiffness(held, force)
             force = self%load - force
          end if
-         uncanceled = self%augmentation()*(self%prescribed + maxval(abs(held)))
+         uncanceled = maxval(self%augmentation())*(self%prescribed + maxval(abs(held)))
       end if
       scale = maxval(abs(force))
-      if (all(abs(force) <= rounding*uncanceled)) scale = rounding_share*maxval(uncanceled)
+      if (scale <= rounding*uncanceled) scale = rounding_share*uncanceled
       if (present(contact_force) .and. self%matrix%has_stiffness()) then
          acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*maxval(abs(self%load)), &
             maxval(abs(contact_force)))
-         if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncanceled)))
+         if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*uncanceled))
+      end if
+      if (present(displacement) .and. (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
+         if (maxval(abs(displacement)) <= far*self%prescribed) scale = max(scale, &
+            share_of_moves*maxval(self%augmentation())*self%prescribed)
       end if
    end function acting_force
 
