@@ -12,6 +12,7 @@ SENTENCES = {
     "penetration": "the body penetrates the obstacle",
     "penetration_outside": "the boundary outside the contact sets penetrates an obstacle or another body: enlarge the "
         "sets so that they contain all that may touch",
+    "penetration_between": "a corner of the obstacle penetrates the body between contact points: refine the mesh there",
     "tension": "the obstacle pulls at the body",
     "friction_excess": "friction exceeds its bound",
     "complementarity": "there is a contact force across a gap",
@@ -70,8 +71,8 @@ def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
     if residual is not None and max(residual, largest) <= USABLE:
         return "amber", found + f"No error exceeds {scientific(USABLE, 2)} of its scale: good enough to look at, not " \
             "to cite. Raise max_iterations, or use method = 'auto'."
-    if summary["converged"] and all(name == "penetration_outside" for name, value in found_violations.items()
-           if value > summary["certificate"]["limit"]):
+    too_large = {name for name, value in found_violations.items() if value > summary["certificate"]["limit"]}
+    if summary["converged"] and too_large <= {"penetration_outside", "penetration_between"}:
         return "red", found + "Do not use these numbers."
     if summary["converged"]:
         return "red", found + "Do not use these numbers. The stiffness may be ill-conditioned: look for slivers in " \

@@ -13,6 +13,7 @@ module amontons_result_warnings
    use amontons_mesh, only: mesh_t
    use amontons_mesh_warnings, only: add_mesh_warnings, error_clause
    use amontons_model_warnings, only: body_size, percent
+   use amontons_obstacle_corners, only: find_corner_penetration
    use amontons_result, only: result_t
    use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
@@ -63,6 +64,7 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
+      call add_corner(result, body)
       associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
          lacks => lacks_points(result%solution%status))
          if (lacks(1)) then
@@ -114,6 +116,20 @@ contains
          body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets so that they '// &
          'contain all that may touch, or end the obstacle')
    end subroutine add_reached_ends
+
+   !> Warns of a corner of an obstacle that penetrates a side between contact points.
+   subroutine add_corner(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(body_t), intent(in) :: body !! the body
+      real(dp) :: depth, place(2)
+      integer :: set
+
+      call find_corner_penetration(body, result%load_case%contacts, result%displacement, depth, place, set)
+      if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
+         "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
+         result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
+         'there, so that its sides are smaller than the obstacle')
+   end subroutine add_corner
 
    !> What is doubtful about a case of a sweep as a sentence.
    pure function case_warning_sentence(kind, zone) result(sentence)

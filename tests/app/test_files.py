@@ -27,7 +27,7 @@ MEMBERS = {
     "iterations": int, "products": float,
     "factorizations": int, "residual": float, "residual_history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float,
-                    "penetration_outside": float, "tension": float,
+                    "penetration_outside": float, "penetration_between": float, "tension": float,
                     "friction_excess": float, "complementarity": float,
                     "slip_below_bound": float, "wrong_dissipation": float,
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,

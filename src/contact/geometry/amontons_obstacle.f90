@@ -74,7 +74,7 @@ contains
    end function obstacle_crossings
 
    !> How deep a point lies in the obstacle, measured along the obstacle's normal: back to where the line entered or,
-   !> around a hollow, on to where it leaves; 0 in free space [L].
+   !> around a hollow, on to where it leaves; behind a steep flank the distance to it; 0 in free space [L].
    pure real(dp) function obstacle_depth(self, position) result(depth)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -85,8 +85,10 @@ contains
 
       direction = -unit_vector(self%normal)
       call self%measure(position, direction, gap, is_met, cosine)
-      depth = merge(max(0.0_dp, -gap), 0.0_dp, is_met)
-      if (is_met .or. self%has_ends()) return
+      depth = max(0.0_dp, -gap)
+      ! Behind a steep flank its distance, not the way to its upper end.
+      if (.not. is_met) depth = depth*cosine
+      if (is_met .or. depth > 0.0_dp .or. self%has_ends()) return
       crossings = self%crossings(position, direction)
       if (size(crossings) == 0) return
       ! A line that leaves first has been inside all the way.

@@ -8,6 +8,7 @@ module amontons_certificate
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes, binary_scale
+   use amontons_obstacle_corners, only: find_corner_penetration
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
    implicit none (type, external)
@@ -22,6 +23,8 @@ module amontons_certificate
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
       real(dp) :: penetration_outside = 0.0_dp
          !! the same of the free boundary beyond the ends of contact sets [-]
+      real(dp) :: penetration_between = 0.0_dp
+         !! the same of corners of obstacles between contact points; negligible ones do not count [-]
       real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
       real(dp) :: complementarity = 0.0_dp
@@ -237,8 +240,8 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_points), largest_displacement
-      real(dp) :: at_points(2*body%zone%n_points), depth
-      integer :: m, deepest
+      real(dp) :: at_points(2*body%zone%n_points), depth, place(2)
+      integer :: m, deepest, set
 
       m = body%zone%n_points
       at_points = body%checked_rows%displacement(displacement)
@@ -249,6 +252,8 @@ contains
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement, depth, deepest)
       certificate%penetration_outside = relative(depth, largest_displacement)
+      call find_corner_penetration(body, load_case%contacts, displacement, depth, place, set)
+      certificate%penetration_between = relative(depth, largest_displacement)
       associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale)
@@ -431,6 +436,7 @@ contains
       list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), &
          quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
          quantity_t('penetration_outside', 'Penetration outside the sets', self%penetration_outside, 1.0_dp), &
+         quantity_t('penetration_between', 'Penetration between points', self%penetration_between, 1.0_dp), &
          quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
          quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
          quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
