@@ -41,9 +41,14 @@ def column(case: Case, rows: list[dict[str, str]], name: str) -> Array:
 
 def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
     """What is drawn over what if nobody says: the displacement of the first probe, or else the tangential force, over
-    the first number that changes."""
-    changes = case.summary["load_history"]["changes"]
-    over = next((name for name in changes if np.ptp(column(case, rows, name)) > 0), list(rows[0])[1])
+    the number that turns back most often, of several the one that changes in most steps: a preload is applied and stays."""
+    def liveliness(name: str) -> tuple[int, int]:
+        moves = np.diff(column(case, rows, name))
+        moves = moves[moves != 0]
+        return int(np.sum(moves[1:]*moves[:-1] < 0)), len(moves)
+
+    changes = [name for name in case.summary["load_history"]["changes"] if liveliness(name)[1] > 0]
+    over = max(changes, key=liveliness, default=list(rows[0])[1])
     return over, "ux_1" if "ux_1" in rows[0] else "tangential_force"
 
 
