@@ -161,9 +161,15 @@ contains
       real(dp) :: diagonal(self%n)
       integer :: j
 
-      do j = 1, self%n
-         diagonal(j) = self%element(j, j)
-      end do
+      if (allocated(self%values)) then
+         do j = 1, self%n
+            diagonal(j) = self%values(j, j)
+         end do
+      else
+         do j = 1, self%n
+            diagonal(j) = self%element(j, j)
+         end do
+      end if
    end function symmetric_matrix_diagonal
 
    !> The reciprocals of the diagonal, as a stiffness to each row's motion; where the diagonal is not positive, the

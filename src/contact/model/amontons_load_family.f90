@@ -41,6 +41,7 @@ module amontons_load_family
       type(load_case_t), allocatable :: parts(:)
          !! nodal forces, prescribed displacements and thermal strains of each part at the factor 1 (parts)
       logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
+      logical, allocatable, private :: has_displacement(:) !! whether it prescribes displacements (parts)
       real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
       real(dp), allocatable, private :: prescribed(:, :) !! normal displacements that it prescribes (m, parts) [L]
       real(dp), allocatable, private :: load(:, :) !! its condensed load (2m, parts) [F]
@@ -99,11 +100,13 @@ contains
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
       allocate (family%parts(parting%n_parts))
-      allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts))
+      allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
+         family%has_displacement(parting%n_parts))
       do k = 1, parting%n_parts
          call fill_part(family%parts(k), k, body, load_case, parting, error)
          if (allocated(error)) return
          family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
+         family%has_displacement(k) = any(abs(family%parts(k)%prescribed) > 0.0_dp)
          family%prescribed(:, k) = first_half(body%zone%rows%displacement(family%parts(k)%prescribed))
       end do
       allocate (family%friction(body%zone%n_points, parting%n_parts), source=0.0_dp)
@@ -298,8 +301,9 @@ contains
       load_case%force = acting%factor(1)*self%parts(1)%force
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
       do k = 2, size(self%parts)
-         load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
-         load_case%prescribed = load_case%prescribed + acting%factor(k)*self%parts(k)%prescribed
+         if (self%has_force(k)) load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
+         if (self%has_displacement(k)) load_case%prescribed = load_case%prescribed &
+            + acting%factor(k)*self%parts(k)%prescribed
       end do
       call self%sum_thermal(acting%factor, load_case%thermal_strain)
       call self%sum_condensed(acting%factor, load_case%condensed)
