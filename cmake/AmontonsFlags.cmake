@@ -45,3 +45,13 @@ if(AMONTONS_COVERAGE)
   target_compile_options(amontons_flags INTERFACE --coverage)
   target_link_options(amontons_flags INTERFACE --coverage)
 endif()
+# Contracted multiply-adds change the last digits of everything: no verdict and no test may depend on them.
+if(AMONTONS_CONTRACTED)
+  include(CheckCSourceRuns)
+  check_c_source_runs("int main(void) { return !(__builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\")); }"
+    AMONTONS_PROCESSOR_CONTRACTS)
+  if(NOT AMONTONS_PROCESSOR_CONTRACTS)
+    message(FATAL_ERROR "AMONTONS_CONTRACTED needs a processor with AVX2 and FMA, which this machine does not have")
+  endif()
+  target_compile_options(amontons_flags INTERFACE -O2 -mavx2 -mfma -ffp-contract=fast)
+endif()

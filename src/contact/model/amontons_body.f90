@@ -27,7 +27,7 @@ module amontons_body
    use amontons_new_cholesky, only: new_condenser
    use amontons_pair_substitution, only: new_pair_substitution
    use amontons_recovery_tables, only: recovery_tables_t
-   use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
+   use amontons_rigid_modes, only: common_motions, find_rigid_modes, largest_motion
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_surface, only: meshed_body_t
@@ -52,6 +52,8 @@ module amontons_body
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
+      real(dp), allocatable :: common_motions(:, :)
+         !! combinations of these motions that no contact point notices (motions, any) [-]
       type(contact_zone_t) :: zone !! the contact points
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
@@ -120,6 +122,7 @@ contains
       if (allocated(error)) return
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
+      body%common_motions = common_motions(body%rigid_modes)
       call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
       call measure_cells(body, contacts, error)
    end subroutine new_body
@@ -213,9 +216,34 @@ contains
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
+      if (size(body%common_motions, 2) > 0) body%condensation%unnoticed = contact_motions(body)
       call body%condensation%condense_stiffness(error)
       if (.not. allocated(error)) call new_contact_problem(problem, body%condensation%matrix)
    end subroutine condense_body
+
+   !> The displacements of the contact unknowns under the motions that no contact point notices (n_schur, any) [-].
+   pure function contact_motions(body) result(motions)
+      type(body_t), intent(in) :: body !! the body; without pairs, whose slaves' unknowns are relative displacements
+      real(dp), allocatable :: motions(:, :)
+      real(dp) :: frame(2, 2)
+      integer :: axis, first, i, k, row
+
+      allocate (motions(body%dof_map%n_schur, size(body%common_motions, 2)), source=0.0_dp)
+      first = 1
+      do k = 1, size(body%motions)
+         associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1)
+            do i = 1, size(piece%node)
+               frame = body%constraints%frame(piece%node(i))
+               do axis = 1, 2
+                  row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
+                  if (row > 0) motions(row, :) = matmul(matmul(frame(:, axis), &
+                     piece%displacement(body%mesh%coordinates(:, piece%node(i)))), body%common_motions(first:last, :))
+               end do
+            end do
+         end associate
+         first = first + body%motions(k)%n_free
+      end do
+   end function contact_motions
 
    !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
    !> and without unknowns besides those of the contact points there is nothing to spread.
@@ -263,7 +291,9 @@ contains
             return
          end associate
       end do
-      if (any(body%zone%pairs%is_set())) call check_common_motion(body%motions, body%rigid_modes, error)
+      if (size(body%common_motions, 2) > 0 .and. any(body%zone%pairs%is_set())) call new_error(error, &
+         numerical_failure, 'nothing holds the bodies together against a common motion: '// &
+         largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
    end subroutine check_held
 
    !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.

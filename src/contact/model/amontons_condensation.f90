@@ -59,6 +59,8 @@ module amontons_condensation
          !! (2, m)
       real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
+      real(dp), allocatable :: unnoticed(:, :)
+         !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any) [-]
       type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
       logical, private :: is_held = .true. !! whether supports alone hold the body
    contains
@@ -145,6 +147,7 @@ contains
       condensation%is_held = is_held
       allocate (condensation%matrix)
       condensation%n_unknowns = dof_map%n_schur
+      allocate (condensation%unnoticed(dof_map%n_schur, 0))
       if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
@@ -259,7 +262,7 @@ contains
          schur(i, i) = schur(i, i) - self%regularization
       end do
       if (allocated(self%rows)) then
-         call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, error)
+         call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, self%unnoticed, error)
          if (allocated(error)) return
          schur = self%to_rows%stiffness
       end if

@@ -2,13 +2,12 @@
 module amontons_rigid_modes
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
-   public :: check_common_motion, find_rigid_modes, largest_motion
+   public :: common_motions, find_rigid_modes, largest_motion
 
 contains
 
@@ -65,24 +64,21 @@ contains
       end do
    end subroutine add_motion
 
-   !> Refuses pieces that can move together so that no contact point notices.
-   subroutine check_common_motion(motions, modes, error)
-      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in) :: modes(:, :) !! the displacements of the points under each, from `find_rigid_modes`
-      type(error_t), allocatable, intent(out) :: error !! they can; names the motion of one of them
-      ! Squares of displacements have half of the digits, and meshes of curves meet to a few.
+   !> Combinations of the free motions of all pieces that no contact point notices (motions, any) [-].
+   function common_motions(modes) result(amounts)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points under each motion, from `find_rigid_modes`
+      real(dp), allocatable :: amounts(:, :)
+      ! Squares of displacements have half of the digits, and meshes of curves meet to a few. A motion moves the points
+      ! of the body by about 1.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp), allocatable :: gram(:, :), values(:)
+      real(dp) :: values(size(modes, 2))
       integer :: info
 
-      if (all(motions%n_free == 0)) return
-      allocate (gram, source=matmul(transpose(modes), modes))
-      allocate (values(size(gram, 1)))
-      call symmetric_eigenvectors(gram, values, info)
-      if (info /= 0 .or. values(1) > negligible*values(size(values))) return
-      call new_error(error, numerical_failure, 'nothing holds the bodies together against a common motion: '// &
-         largest_motion(motions, gram(:, 1))//'; contact between them cannot; add a support')
-   end subroutine check_common_motion
+      amounts = matmul(transpose(modes), modes)
+      if (size(amounts) == 0) return
+      call symmetric_eigenvectors(amounts, values, info)
+      amounts = amounts(:, :count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1))))
+   end function common_motions
 
    !> Names a combination of the free motions of some pieces by that of the piece that moves most.
    pure function largest_motion(motions, amounts) result(text)

@@ -2,7 +2,9 @@
 !>
 !> Of `min v.S v/2 - q.v with C v = w` the value is w.T w/2 - p.w + const, with T = G^-1 - rho I, p = G^-1 C M^-1 q,
 !> G = C M^-1 C^T and M = S + rho C^T C for any rho that makes M definite. Equilibrium S v = q - C^T lambda is then
-!> `T w = p - lambda`, exactly, also where S is only semidefinite: the kernel of T is C times that of S.
+!> `T w = p - lambda`, exactly, also where S is only semidefinite: the kernel of T is C times that of S. Motions r of
+!> this kernel that no row notices, C r = 0, take no part: M gains a multiple of r r^T for each, which changes neither T
+!> nor p, and leaves out their displacements.
 module amontons_row_condensation
    use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -26,14 +28,15 @@ module amontons_row_condensation
 contains
 
    !> Condenses a stiffness.
-   pure subroutine new_row_condensation(condensation, stiffness, rows, is_definite, error)
+   pure subroutine new_row_condensation(condensation, stiffness, rows, is_definite, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
       real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
       logical, intent(in) :: is_definite !! whether S is definite, so that rho = 0
-      type(error_t), allocatable, intent(out) :: error !! the rows are dependent, or leave a part of S's kernel free
+      real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
+      type(error_t), allocatable, intent(out) :: error !! the rows are dependent, or leave another part of S's kernel free
       real(dp), allocatable :: flexibility(:, :), gram(:, :)
-      real(dp) :: rho
+      real(dp) :: rho, trace
       integer :: i, info
 
       rho = 0.0_dp
@@ -41,8 +44,11 @@ contains
       condensation%rows = rows
       if (.not. is_definite) then
          ! Both parts of M then have diagonals of one size, which keeps its condition near that of S.
-         rho = sum([(stiffness(i, i), i=1, size(stiffness, 1))])/sum(rows**2)
+         trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
+         rho = trace/sum(rows**2)
          condensation%factor = stiffness + rho*matmul(transpose(rows), rows)
+         if (size(unnoticed, 2) > 0) condensation%factor = condensation%factor &
+            + trace/sum(unnoticed**2)*matmul(unnoticed, transpose(unnoticed))
       end if
       call cholesky_factor(condensation%factor, info)
       if (info /= 0) then
