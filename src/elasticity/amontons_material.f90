@@ -18,7 +18,7 @@ module amontons_material
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
-   !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest coordinate.
+   !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest radius.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
    !> A material. Under every hypothesis stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own.
@@ -147,8 +147,8 @@ contains
       if (allocated(error)) return
       if (.not. any(list%is_axisymmetric)) return
       node = minloc(mesh%coordinates(1, :), dim=1)
-      if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
-         'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
+      if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates(1, :)))) call new_error(error, &
+         input_refused, 'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
 
@@ -160,7 +160,7 @@ contains
 
       on_axis = .false.
       if (any(materials%list%is_axisymmetric)) on_axis = abs(mesh%coordinates(1, :)) &
-         <= missed_axis*maxval(abs(mesh%coordinates))
+         <= missed_axis*maxval(abs(mesh%coordinates(1, :)))
    end function on_axis
 
    !> Gives the elements that no region's material fills the one without a region.

@@ -22,7 +22,6 @@ module amontons_load_solver
    use amontons_newton, only: newton_t
    use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
-   use amontons_rigid_modes, only: check_common_motion
    use amontons_spin, only: can_spin, check_spin
    implicit none (type, external)
    private
@@ -54,7 +53,6 @@ contains
       type(parting_t), intent(in) :: parting !! what belongs to which part
       type(method_options_t), intent(in) :: options !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! there is no such method; a load or support does not fit
-      type(error_t), allocatable :: no_hold
 
       call new_contact_method(solver%method, options, error)
       if (.not. allocated(error)) call new_load_family(solver%loads, body, load_case, parting, error)
@@ -63,8 +61,7 @@ contains
       solver%size_of_body = body_size(body)
       ! Which points are in reach of an obstacle that moves is known member by member.
       solver%may_spin = can_spin(body, load_case%is_in_reach .and. .not. parting%moves_obstacles)
-      call check_common_motion(body%motions, body%rigid_modes, no_hold)
-      solver%may_move = allocated(no_hold)
+      solver%may_move = size(body%common_motions, 2) > 0
    end subroutine new_load_solver
 
    !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
