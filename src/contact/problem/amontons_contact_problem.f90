@@ -191,6 +191,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
       real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
+      real(dp), parameter :: pressed = 1.0e-9_dp ! forces that are no rounding are a larger share of those of moves
       real(dp), dimension(2*self%n_points) :: held, force
       real(dp) :: acting, uncanceled
 
@@ -213,9 +214,11 @@ contains
             maxval(abs(contact_force)))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*uncanceled))
       end if
-      if (present(displacement) .and. (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
-         if (maxval(abs(displacement)) <= far*self%prescribed) scale = max(scale, &
-            share_of_moves*maxval(self%augmentation())*self%prescribed)
+      if (present(contact_force) .and. present(displacement) .and. &
+         (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
+         uncanceled = maxval(self%augmentation())*self%prescribed
+         if (maxval(abs(displacement)) <= far*self%prescribed .and. maxval(abs(contact_force)) <= &
+            pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled)
       end if
    end function acting_force
 

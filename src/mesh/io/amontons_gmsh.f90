@@ -31,6 +31,8 @@ module amontons_gmsh
    type :: gmsh_groups_t
       logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
       type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
+      integer :: last_group = 0 !! physical group of the element read last, 0 for none
+      integer :: n_doubled = 0 !! number of elements that are the one before once more, in the same physical group
    contains
       procedure :: add_run => gmsh_groups_add_run
       procedure :: put => gmsh_groups_put
@@ -474,6 +476,7 @@ contains
          call input%end_record()
          if (allocated(input%error)) return
       end do
+      if (groups%n_doubled > 0) call raw%add_note(counted(groups%n_doubled, 'doubled element')//' left out')
    end subroutine read_elements_2
 
    !> Takes the type, in a binary file the number of elements of it, and the number of tags.
@@ -515,7 +518,10 @@ contains
       if (.not. is_twin(raw, cell, kind, nodes)) then
          cell = cell + 1
          call raw%add_cell(kind, tag, place, nodes)
+      else if (group == groups%last_group) then
+         groups%n_doubled = groups%n_doubled + 1
       end if
+      groups%last_group = group
       if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
    end subroutine take_element
 
