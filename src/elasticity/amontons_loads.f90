@@ -34,7 +34,7 @@ module amontons_loads
       real(dp) :: pressure = 0.0_dp !! force per area against the outward normal, at the origin [F/L^2]
       real(dp) :: pressure_slope(2) = 0.0_dp !! its change per length along x and y [F/L^3]
       real(dp) :: total_force(2) = 0.0_dp
-         !! resultant of a uniform traction on the set, x and y, over the thickness or all around the axis; 0, 0 for none [F]
+         !! resultant of a uniform traction on the set, over the thickness or all around the axis; 0, 0 for none [F]
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
       real(dp) :: force(2) = 0.0_dp !! point force on the node, or on each node of the set, x and y [F]
       real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
@@ -118,8 +118,8 @@ contains
       if (area > 0.0_dp) then
          load%traction = load%total_force/area
       else
-         call new_error(error, input_refused, "total_force: set '"//load%set//"' lies on the axis of revolution and "// &
-            'has no area')
+         call new_error(error, input_refused, &
+            "total_force: set '"//load%set//"' lies on the axis of revolution and has no area")
       end if
    end subroutine spread_total_force
 

@@ -73,7 +73,8 @@ contains
          call section%record(text)
          text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
          call section%add(text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the'// &
-            ' size of the steps)'//newline//from_rest_text(result%error_from_rest(history), energy, config%units), [energy])
+            ' size of the steps)'//newline//from_rest_text(result%error_from_rest(history), energy, config%units), &
+            [energy])
          call section%add(times_table(history, result%reached, config%units), [0.0_dp, spread(0.0_dp, 1, 3), &
             spread(force, 1, 2), spread(energy, 1, 3)])
          call section%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, length, length, &

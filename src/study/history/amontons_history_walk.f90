@@ -253,7 +253,7 @@ contains
       call self%watch%note(model, self%state, state)
       self%state = state
       self%n_steps = self%n_steps + 1
-      ! Before the first time there is no way that shorter steps could follow: what is loaded at once from rest jumps nowhere.
+      ! What is loaded at once from rest jumps nowhere: before the first time there is no way for shorter steps.
       self%is_jump = self%n_planned > 0 .and. .not. has_balance(state, model%history)
       self%tick = modulo(self%tick + self%length, n_ticks)
       if (self%tick == 0) self%n_planned = self%n_planned + 1
