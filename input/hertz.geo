@@ -1,20 +1,22 @@
-// Half of a block, 20 by 20, fine where it meets a cylinder: around (0, 0). Made with: gmsh -2 -format msh41 hertz.geo
+// Half of a block, 20 by 20, finest where it meets a cylinder: around (0, 0). Made with: gmsh -2 -format msh41 hertz.geo
 Point(1) = {0, 0, 0, 0.04};
 Point(2) = {1.5, 0, 0, 0.04};
-Point(3) = {20, 0, 0, 3};
-Point(4) = {20, 20, 0, 3};
-Point(5) = {0, 20, 0, 3};
-Point(6) = {0, 1, 0, 0.15};
+Point(3) = {5, 0, 0, 0.1};
+Point(4) = {20, 0, 0, 3};
+Point(5) = {20, 20, 0, 3};
+Point(6) = {0, 20, 0, 3};
+Point(7) = {0, 1, 0, 0.15};
 Line(1) = {1, 2};
 Line(2) = {2, 3};
 Line(3) = {3, 4};
 Line(4) = {4, 5};
 Line(5) = {5, 6};
-Line(6) = {6, 1};
-Curve Loop(1) = {1:6};
+Line(6) = {6, 7};
+Line(7) = {7, 1};
+Curve Loop(1) = {1:7};
 Plane Surface(1) = {1};
 Mesh.ElementOrder = 2;
-Physical Curve("bottom") = {1};
-Physical Curve("top") = {4};
-Physical Curve("symmetry") = {5, 6};
+Physical Curve("bottom") = {1, 2, 3};
+Physical Curve("top") = {5};
+Physical Curve("symmetry") = {6, 7};
 Physical Surface("block") = {1};
