@@ -161,13 +161,13 @@ contains
       real(dp) :: diagonal(self%n)
       integer :: j
 
-      if (allocated(self%values)) then
+      if (self%is_sparse()) then
          do j = 1, self%n
-            diagonal(j) = self%values(j, j)
+            diagonal(j) = self%element(j, j)
          end do
       else
          do j = 1, self%n
-            diagonal(j) = self%element(j, j)
+            diagonal(j) = self%values(j, j)
          end do
       end if
    end function symmetric_matrix_diagonal

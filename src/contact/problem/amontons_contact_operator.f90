@@ -19,6 +19,10 @@ module amontons_contact_operator
       integer :: n = 0 !! number of its rows
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
       logical :: is_loose = .false. !! whether springs of `set_springs` are all that holds the body
+      real(dp), allocatable :: augmentation(:)
+         !! the stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
+         !! problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others (n)
+         !! [F/L]
       type(symmetric_matrix_t), allocatable :: stiffness
          !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
@@ -28,11 +32,11 @@ module amontons_contact_operator
       real(dp) :: proximal_parameter = 0.0_dp !! alpha of the proximal iteration: 0 for a held body [F/L]
    contains
       procedure :: add_motion => contact_operator_add_motion
-      procedure :: augmentation => contact_operator_augmentation
       procedure :: copy_dense => contact_operator_copy_dense
       procedure :: copy_stiffness => contact_operator_copy_stiffness
       procedure :: cut => contact_operator_cut
       procedure :: dense_megabytes => contact_operator_dense_megabytes
+      procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
       procedure :: multiply_stiffness => contact_operator_multiply_stiffness
@@ -56,6 +60,7 @@ contains
       matrix%is_held = is_held
       allocate (matrix%stiffness)
       call new_dense_matrix(matrix%stiffness, stiffness)
+      call matrix%find_augmentation()
    end subroutine new_stiffness_operator
 
    !> Takes over a stiffness that stays the band matrix of a whole body.
@@ -67,6 +72,7 @@ contains
       matrix%n = size(band%place)
       matrix%is_held = is_held
       call move_alloc(band, matrix%band)
+      call matrix%find_augmentation()
    end subroutine new_band_operator
 
    !> Makes the operator of a reduced problem.
@@ -76,6 +82,7 @@ contains
 
       matrix%n = compliance%n
       matrix%compliance = compliance
+      call matrix%find_augmentation()
    end subroutine new_compliance_operator
 
    !> Whether the stiffness is known, so that forces follow from displacements; else displacements follow from forces.
@@ -92,20 +99,18 @@ contains
       megabytes = 8.0e-6_dp*real(self%n, dp)**2
    end function contact_operator_dense_megabytes
 
-   !> The stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
-   !> problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others (n) [F/L].
-   pure function contact_operator_augmentation(self) result(rho)
-      class(contact_operator_t), intent(in) :: self !! the operator
-      real(dp), allocatable :: rho(:)
+   !> Finds the stiffness of the points: the diagonal of S or, in a reduced problem, the reciprocal one of A.
+   pure subroutine contact_operator_find_augmentation(self)
+      class(contact_operator_t), intent(inout) :: self !! the operator, with a new matrix
 
       if (allocated(self%band)) then
-         rho = self%band%diagonal
+         self%augmentation = self%band%diagonal
       else if (allocated(self%stiffness)) then
-         allocate (rho, source=self%stiffness%diagonal())
+         self%augmentation = self%stiffness%diagonal()
       else
-         allocate (rho, source=self%compliance%reciprocal_diagonal())
+         self%augmentation = self%compliance%reciprocal_diagonal()
       end if
-   end function contact_operator_augmentation
+   end subroutine contact_operator_find_augmentation
 
    !> The product S v.
    pure subroutine contact_operator_multiply_stiffness(self, v, product)
@@ -237,6 +242,7 @@ contains
             self%stiffness%values(i, i) = body%stiffness%values(i, i) + springs(i)
          end do
       end if
+      call self%find_augmentation()
       if (allocated(self%compliance)) deallocate (self%compliance)
       self%proximal_parameter = 0.0_dp
       self%is_held = .true.
@@ -253,6 +259,7 @@ contains
       do j = 1, self%n
          self%stiffness%values(:, j) = self%stiffness%values(:, j) + spring*motion(j)*motion
       end do
+      call self%find_augmentation()
    end subroutine contact_operator_add_motion
 
    !> Numbers the parts that do not act on each other: two points are in one part if an entry of the matrix couples
@@ -354,6 +361,7 @@ contains
          if (self%compliance%is_sparse()) then
             allocate (part%compliance)
             call cut_sparse(part%compliance, self%compliance, rows)
+            call part%find_augmentation()
             return
          end if
       end if
@@ -368,6 +376,7 @@ contains
          allocate (part%compliance)
          call new_dense_matrix(part%compliance, values)
       end if
+      call part%find_augmentation()
    end subroutine contact_operator_cut
 
    !> The rows and columns of a part of a sparse matrix.

@@ -82,7 +82,7 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: rho(:)
 
-      rho = self%matrix%augmentation()
+      allocate (rho, source=self%matrix%augmentation)
    end function contact_problem_augmentation
 
    !> Counts displacements from others, v = c + w: S w = q - S c - lambda. Small steps w keep their digits after a long

@@ -207,7 +207,9 @@ contains
       type(history_t), intent(in) :: history !! the history
 
       has_balance = state%solution%is_converged
-      if (has_balance) has_balance = rounded(state%indicator) <= history%step_tolerance
+      ! Without a tolerance the digits are not asked for: they take as long as a tenth of a small step.
+      if (has_balance .and. history%step_tolerance < huge(1.0_dp)) has_balance = rounded(state%indicator) &
+         <= history%step_tolerance
    end function has_balance
 
    !> Ends the way at the last step that was kept.
