@@ -21,7 +21,7 @@ module amontons_dense
 contains
 
    !> Allocates a large matrix, its numbers undefined.
-   subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)
+   pure subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)
       real(dp), allocatable, intent(inout) :: matrix(:, :) !! the matrix (n_rows, n_columns)
       integer, intent(in) :: n_rows !! number of its rows
       integer, intent(in) :: n_columns !! number of its columns

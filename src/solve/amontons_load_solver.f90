@@ -12,7 +12,7 @@ module amontons_load_solver
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, numerical_failure
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
@@ -29,7 +29,8 @@ module amontons_load_solver
    public :: forget_start, load_solver_t, new_load_solver
 
    !> Most steps of Newton's method from a start, and how many of them without a better pair end it.
-   integer, parameter :: n_newton_steps = 20, stagnation_limit = 4
+   integer, parameter :: n_newton_steps = 20, patience = 4
+   real(dp), parameter :: decrease = 0.9_dp
 
    !> What all members of a family of loads share.
    type :: load_solver_t
@@ -65,7 +66,7 @@ contains
    end subroutine new_load_solver
 
    !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
-   subroutine load_solver_solve(self, body, acting, problem, solution, outcome, reason)
+   subroutine load_solver_solve(self, body, acting, problem, solution, outcome, reason, error_kind)
       class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       type(body_t), intent(in) :: body !! the body, condensed
       class(acting_t), intent(in) :: acting !! the member
@@ -73,16 +74,18 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_outcome_words`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
+      integer, intent(out), optional :: error_kind !! kind of the error where the outcome is `outcome_numbers`
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error
 
       reason = ''
+      if (present(error_kind)) error_kind = numerical_failure
       start = solution
       call solution%reset()
       if (self%is_auto .and. has_place(solution)) call solve_components(newton_t(tolerance=self%method%tolerance, &
-         max_iterations=min(n_newton_steps, self%method%max_iterations), stagnation_limit=stagnation_limit, &
-         patience=huge(1)), problem, solution, error)
+         max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, &
+         decrease=decrease), problem, solution, error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
          > self%size_of_body) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
@@ -112,6 +115,8 @@ contains
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
+         ! Memory may have run out, or the method takes fewer points.
+         if (present(error_kind)) error_kind = error%kind
       else
          call check_numbers(self, problem, solution, reason)
       end if

@@ -47,6 +47,7 @@ contains
       type(load_solver_t), allocatable :: solver
       type(acting_t) :: acting
       type(uniqueness_t) :: known
+      integer :: kind
 
       call result%timings%begin(phase_condense)
       call set_factor(result%factor, body)
@@ -60,9 +61,9 @@ contains
       call result%timings%begin(phase_solve)
       if (problem%is_unloaded() .and. allocated(result%started_from)) deallocate (result%started_from)
       call forget_start(problem, result%solution)
-      call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer)
+      call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
       deallocate (solver)
-      if (result%outcome == outcome_numbers) call new_error(error, numerical_failure, result%answer)
+      if (result%outcome == outcome_numbers) call new_error(error, kind, result%answer)
       if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       deallocate (result%answer)
       if (result%solution%is_at_rest) call compare_with_exact(problem, result%method%tolerance, result, error)

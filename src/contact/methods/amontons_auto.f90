@@ -1,13 +1,15 @@
-!> The default method: Newton, and where it does not arrive soon, other methods to a better start for Newton.
+!> The default method: Newton, and where it does not arrive soon, other methods to a better start for Newton. What to
+!> try next is decided here alone; each of the other methods does what its name says.
 module amontons_auto
+   use amontons_band_stiffness_system, only: spring_start_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
+   use amontons_proximal_path, only: proximal_path_t
    use amontons_psor, only: psor_t
    use amontons_splitting, only: splitting_t
    implicit none (type, external)
@@ -15,25 +17,12 @@ module amontons_auto
 
    public :: auto_t
 
-   !> Where fronts advance along a contact line each step is a little better than the one before.
-   integer, parameter :: front_stagnation_limit = 20
-   real(dp), parameter :: slow_decrease = 0.999_dp
-   !> A longer contact line on a band matrix has no dense S: it would take minutes, and gigabytes.
-   integer, parameter :: most_dense_points = 1500
    !> Steps of the first stages, and the residual that ends the splitting.
    integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
-   !> Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
-   integer, parameter :: stagnation_limit = 3
    real(dp), parameter :: coarse = 1.0e-6_dp
-   !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
-   integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
-   !> Where no number is finite, every round ends at once, but their size grows on.
-   integer, parameter :: most_sweeps = 100000000
-   !> One path of Lemke's pivots then takes some seconds (0.2 s to 0.8 s at 300 points, 4 s at 700, 9 s to 13 s at
-   !> 1000), about as long as the rounds that it saves. Longer lines have the splitting in its place.
-   integer, parameter :: most_points = 1000, n_patient_steps = 400
-   !> Bounds of Newton's regularization: more ends cycles of its active sets, but is slow where there are none.
-   real(dp), parameter :: max_regularizations(2) = [1.0_dp, 30.0_dp]
+   !> Newton's steps of a round. Semidefinite problems with strong friction take most of these, and sometimes more than
+   !> one round.
+   integer, parameter :: n_newton_steps = 100
 
    !> The default method.
    type, extends(contact_method_t) :: auto_t
@@ -48,6 +37,7 @@ module amontons_auto
       type(contact_solution_t) :: best !! the best pair so far
       type(effort_t) :: effort !! what all took
       real(dp), allocatable :: history(:) !! residual after each iteration [-]
+      type(error_t), allocatable :: refusal !! why one of them could not begin, as without room for a dense matrix
    contains
       procedure :: is_done => stages_is_done
       procedure :: run => stages_run
@@ -62,7 +52,10 @@ contains
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
+      type(error_t), allocatable, intent(out) :: error !! not solved, and memory ran out for one of the methods
+      ! Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
+      integer, parameter :: start_patience = 3
+      real(dp), parameter :: start_decrease = 0.9_dp
       type(stages_t) :: stages
 
       stages%tolerance = self%tolerance
@@ -71,76 +64,94 @@ contains
       call stages%best%reset()
       allocate (stages%history(0))
       if (any(solution%force > 0.0_dp)) then
-         call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, &
-            stagnation_limit=stagnation_limit, patience=huge(1)), problem, solution, error)
+         call stages%run(newton_t(max_iterations=n_first_steps, patience=start_patience, decrease=start_decrease), &
+            problem, solution)
       end if
       call new_contact_solution(solution, problem%n_points)
-      call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, patience=huge(1)), problem, &
-         solution, error)
-      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem, solution, error)
-      solution = stages%best
-      if (suits_splitting(problem)) then
-         call stages%run(splitting_t(tolerance=max(coarse, self%tolerance), max_iterations=n_splitting_steps), &
-            problem, solution, error)
-      end if
-      call take_rounds(stages, problem, solution, error)
+      call stages%run(newton_t(max_iterations=n_first_steps), problem, solution)
+      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
+      if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
+         tolerance=coarse)
+      call take_rounds(stages, problem)
       solution = stages%best
       solution%is_converged = solution%residual <= self%tolerance
       solution%history = stages%history
       solution%effort = stages%effort
       solution%n_iterations = size(stages%history)
+      if (.not. solution%is_converged .and. allocated(stages%refusal)) call move_alloc(stages%refusal, error)
    end subroutine auto_solve
 
-   !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on.
-   subroutine follow_fronts(stages, problem, solution, error)
+   !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on. Where fronts
+   !> advance along a contact line each step is a little better than the one before.
+   subroutine follow_fronts(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band matrix
-      type(contact_solution_t), intent(inout) :: solution !! the last pair
-      type(error_t), allocatable, intent(out) :: error !! never allocated
-      type(contact_solution_t) :: front
+      integer, parameter :: patience = 20
+      real(dp), parameter :: decrease = 0.9_dp
+      type(contact_solution_t) :: front, before
 
-      front = stages%best
-      call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=n_newton_steps, &
-         stagnation_limit=front_stagnation_limit, starts_with_springs=.true., patience=huge(1)), problem, solution, &
-         error)
-      solution = front
-      call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=stages%max_iterations, &
-         stagnation_limit=front_stagnation_limit, decrease=slow_decrease, patience=huge(1)), problem, solution, &
-         error)
+      before = stages%best
+      front = before
+      call stages%run(spring_start_t(max_iterations=n_newton_steps), problem, front)
+      call stages%run(newton_t(max_iterations=n_newton_steps, patience=patience, decrease=decrease), problem, front)
+      call stages%run(newton_t(max_iterations=stages%max_iterations, patience=patience), problem, before)
    end subroutine follow_fronts
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
    !> many as before. Lemke's pivoting, where it is quick, has its turn once, else the splitting at length. Where a line
    !> is too long for the sweeps, one round with each regularization.
-   subroutine take_rounds(stages, problem, solution, error)
+   subroutine take_rounds(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! the last pair
-      type(error_t), allocatable, intent(out) :: error !! never allocated
+      ! One path of Lemke's pivots takes some seconds on more points (0.2 s to 0.8 s at 300, 4 s at 700, 9 s to 13 s at
+      ! 1000), about as long as the rounds that it saves. Longer lines have the splitting in its place.
+      integer, parameter :: most_points = 1000, n_patient_steps = 400
+      ! Where no number is finite, every round ends at once, but their size grows on.
+      integer, parameter :: n_first_sweeps = 10, growth = 4, most_sweeps = 100000000
+      real(dp), parameter :: max_regularizations(2) = [1.0_dp, 30.0_dp]
       integer :: n_sweeps, round
 
       n_sweeps = n_first_sweeps
       round = 0
       do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(max_regularizations)))
          round = round + 1
-         call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=n_newton_steps, &
-            max_regularization=max_regularizations(1 + modulo(round - 1, 2))), problem, solution, error)
-         if (round == 2 .and. problem%n_points <= most_points) then
-            call stages%run(lemke_t(tolerance=stages%tolerance), problem, solution, error)
-            cycle
-         end if
-         solution = stages%best
+         call go_at_length(stages, problem, max_regularizations(1 + modulo(round - 1, 2)))
          if (is_long(problem)) cycle
-         if (round == 2 .and. suits_splitting(problem)) then
-            call stages%run(splitting_t(tolerance=stages%tolerance, max_iterations=n_patient_steps, &
-               patience=huge(1)), problem, solution, error)
-            cycle
+         if (round == 2 .and. problem%n_points <= most_points) then
+            call stages%run(lemke_t(), problem)
+         else if (round == 2 .and. suits_splitting(problem)) then
+            call stages%run(splitting_t(max_iterations=n_patient_steps), problem)
+         else
+            call stages%run(psor_t(max_iterations=n_sweeps, space='primal'), problem)
+            n_sweeps = growth*min(n_sweeps, most_sweeps)
          end if
-         call stages%run(psor_t(tolerance=stages%tolerance, max_iterations=n_sweeps, &
-            space=merge('dual  ', 'primal', .not. problem%matrix%has_stiffness())), problem, solution, error)
-         n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
    end subroutine take_rounds
+
+   !> Newton at length from the best pair. Where its steps lead nowhere, the proximal path from there; where that leads
+   !> nowhere either, Newton's steps go on: a front may take long to arrive.
+   subroutine go_at_length(stages, problem, max_regularization)
+      type(stages_t), intent(inout) :: stages !! the stages so far
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: max_regularization !! largest regularization of Newton's steps [-]
+      integer, parameter :: patience = 15
+      type(contact_solution_t) :: start, first
+      integer :: n_end
+
+      start = stages%best
+      first = start
+      n_end = size(stages%history) + n_newton_steps
+      if (.not. problem%matrix%has_stiffness()) then
+         call stages%run(newton_t(max_iterations=n_newton_steps, max_regularization=max_regularization), problem, first)
+         return
+      end if
+      call stages%run(newton_t(max_iterations=n_newton_steps, max_regularization=max_regularization, &
+         patience=patience), problem, first)
+      first = start
+      call stages%run(proximal_path_t(max_iterations=n_end - size(stages%history)), problem, first)
+      call stages%run(newton_t(max_iterations=n_end - size(stages%history), max_regularization=max_regularization), &
+         problem, start)
+   end subroutine go_at_length
 
    !> Whether the problem is solved or the iterations are used up.
    pure logical function stages_is_done(self) result(is_done)
@@ -149,27 +160,41 @@ contains
       is_done = self%best%residual <= self%tolerance .or. size(self%history) >= self%max_iterations
    end function stages_is_done
 
-   !> Runs one method from a solution, as far as there is need and iterations are left, and appends its record.
-   subroutine stages_run(self, method, problem, solution, error)
+   !> Runs one method, as far as there is need and iterations are left, and appends its record.
+   subroutine stages_run(self, method, problem, solution, tolerance)
       class(stages_t), intent(inout) :: self !! the stages so far
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! never allocated
+      type(contact_solution_t), intent(inout), optional :: solution !! start and result; from the best pair if absent
+      real(dp), intent(in), optional :: tolerance
+         !! residual that is small enough for the method; that of all if absent [-]
       class(contact_method_t), allocatable :: limited
+      type(contact_solution_t) :: found
+      type(error_t), allocatable :: error
 
-      if (self%is_done()) return
+      if (self%is_done() .or. method%max_iterations < 1) return
       allocate (limited, source=method)
       limited%max_iterations = min(method%max_iterations, self%max_iterations - size(self%history))
-      call limited%solve(problem, solution, error)
-      self%history = [self%history, solution%history(:solution%n_iterations)]
-      call self%effort%add(solution%effort)
-      if (solution%residual < self%best%residual) self%best = solution
+      limited%tolerance = self%tolerance
+      if (present(tolerance)) limited%tolerance = max(tolerance, self%tolerance)
+      found = self%best
+      if (present(solution)) found = solution
+      call limited%solve(problem, found, error)
+      if (allocated(error)) then
+         if (.not. allocated(self%refusal)) call move_alloc(error, self%refusal)
+         return
+      end if
+      self%history = [self%history, found%history(:found%n_iterations)]
+      call self%effort%add(found%effort)
+      if (found%residual < self%best%residual) self%best = found
+      if (present(solution)) solution = found
    end subroutine stages_run
 
-   !> Whether a problem is one of a line too long for the methods that need S as a dense matrix.
+   !> Whether a line on a band matrix is too long for the methods that need S as a dense matrix: it would take minutes,
+   !> and gigabytes.
    pure logical function is_long(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, parameter :: most_dense_points = 1500
 
       is_long = allocated(problem%matrix%band) .and. problem%n_points > most_dense_points
    end function is_long

@@ -1,4 +1,5 @@
-!> Newton's linear system in the displacements of a whole slender body, whose condensed stiffness is never made.
+!> Newton's linear system in the displacements of a whole slender body, whose condensed stiffness is never made; and a
+!> start for Newton's method on it.
 !>
 !> The rows of K u = f that hold an unknown displacement, the interior's among them; closed u_N and sticking u_T are
 !> known, and a closed sliding point has its tangential row less phi times its normal one. It gives the same steps as
@@ -7,13 +8,17 @@ module amontons_band_stiffness_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_band_matrix, only: band_lu_t, new_band_matrix
+   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_error, only: error_t
+   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
    implicit none (type, external)
    private
 
-   public :: band_stiffness_system_t
+   public :: band_stiffness_system_t, spring_start_t
 
    !> The equations of one active set, by position.
    type :: equations_t
@@ -31,11 +36,60 @@ module amontons_band_stiffness_system
       type(band_lu_t) :: factors !! the factors of the last active set
    contains
       procedure, public :: solve => band_stiffness_system_solve
-      procedure, public :: solve_softened => band_stiffness_system_solve_softened
+      procedure :: solve_softened => band_stiffness_system_solve_softened
       procedure :: solve_equations => band_stiffness_system_solve_equations
    end type band_stiffness_system_t
 
+   !> A first pair of forces and displacements found in a way that lets fronts of opening or sliding pass, which
+   !> Newton's steps move by a few points each: by springs between the points and the obstacle, so soft at first that
+   !> the ends of the line feel each other, and so hard at last that neighbors hardly do.
+   type, extends(contact_method_t) :: spring_start_t
+   contains
+      procedure :: solve => spring_start_solve
+   end type spring_start_t
+
 contains
+
+   !> Finds the pair of the hardest springs.
+   subroutine spring_start_solve(self, problem, solution, error)
+      class(spring_start_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem, on a band
+      type(contact_solution_t), intent(inout) :: solution !! the result
+      type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
+      real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
+      integer, parameter :: most_steps = 4
+      type(band_stiffness_system_t) :: system
+      type(active_set_t) :: active_set, last
+      real(dp), dimension(2*problem%n_points) :: rho, next, force, no_force
+      real(dp) :: scale, hardness
+      integer :: step, info, m
+
+      m = problem%n_points
+      call solution%reset()
+      rho = problem%augmentation()
+      scale = problem%force_scale()
+      no_force = 0.0_dp
+      call active_set%assume_stick(problem, rho, scale)
+      hardness = 1.0_dp/real(m, dp)**2
+      do while (hardness <= hardest)
+         do step = 1, most_steps
+            call system%solve_softened(problem, active_set, hardness*rho, next, force, info)
+            if (info /= 0 .or. solution%n_iterations >= self%max_iterations) exit
+            solution%displacement = next
+            call solution%record_residual(problem%violation(next, force)/scale)
+            last = active_set
+            call active_set%update(problem, hardness*rho, next, no_force)
+            if (active_set%equals(last)) exit
+         end do
+         ! Forces of the springs, cut to the contact law: Newton's first active set is that of these springs.
+         solution%force = hardness*rho*(solution%displacement - problem%reference())
+         hardness = factor*hardness
+      end do
+      solution%force(:m) = max(0.0_dp, solution%force(:m))
+      solution%force(m + 1:) = bounded(solution%force(m + 1:), problem%bound(solution%force(:m)))
+      solution%effort = system%effort
+      call solution%measure(problem)
+   end subroutine spring_start_solve
 
    !> Solves for the displacements, then takes the forces from the equilibrium.
    subroutine band_stiffness_system_solve(self, problem, active_set, regularization, displacement, force, imbalance, &

@@ -12,8 +12,9 @@
 !> where the gradient of the components held by their bounds outweighs that of the others, these are let go. The
 !> variables are scaled to a unit diagonal, so that no unit matters.
 module amontons_box_program
-   use amontons_dense, only: cholesky_factor_softly, cholesky_solve
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: effort_t
+   use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: symmetric_matrix_t
    implicit none (type, external)
@@ -46,7 +47,7 @@ contains
 
    !> Solves a box program from a starting point.
    ! allow(S902): a program alone has six parts
-   pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort)
+   pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort, error)
       character(*), intent(in) :: kind !! one of `box_names`
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
@@ -56,6 +57,7 @@ contains
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
       real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: rho(size(b)), reachable
       logical :: is_pressed(size(b))
 
@@ -70,13 +72,13 @@ contains
       if (kind == 'mprgp' .or. (kind == 'auto' .and. a%is_sparse())) then
          call mprgp(a, rows, b, lower, upper, reachable, x, effort)
       else
-         call projected_newton(a, rows, rho, b, lower, upper, reachable, x, effort)
+         call projected_newton(a, rows, rho, b, lower, upper, reachable, x, effort, error)
       end if
    end subroutine solve_box_program
 
    !> The projected Newton method, from a point in the box.
    ! allow(S902): a program alone has six parts
-   pure subroutine projected_newton(a, rows, rho, b, lower, upper, accuracy, x, effort)
+   pure subroutine projected_newton(a, rows, rho, b, lower, upper, accuracy, x, effort, error)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of the matrix (n)
@@ -86,6 +88,7 @@ contains
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough for a point not known to be exact
       real(dp), intent(inout) :: x(:) !! the point, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
       logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
       integer :: i, n_trials
@@ -103,7 +106,8 @@ contains
          else
             if (box_violation(x, rho*gradient, lower, upper, spread(1.0_dp, 1, size(b))) <= accuracy) return
          end if
-         call newton_step(a, rows, rho, gradient, is_free, step, is_newton)
+         call newton_step(a, rows, rho, gradient, is_free, step, is_newton, error)
+         if (allocated(error)) return
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
@@ -130,7 +134,7 @@ contains
 
    !> The Newton step of the free components: A_ff step_f = -gradient_f; the others stay. A singular A_ff is held
    !> softly.
-   pure subroutine newton_step(a, rows, rho, gradient, is_free, step, is_newton)
+   pure subroutine newton_step(a, rows, rho, gradient, is_free, step, is_newton, error)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of the matrix (n)
@@ -138,6 +142,7 @@ contains
       logical, intent(in) :: is_free(:) !! which components may move (n)
       real(dp), intent(out) :: step(:) !! the step (n)
       logical, intent(out) :: is_newton !! false for a step that merely leads down
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
       logical :: is_soft
@@ -145,7 +150,10 @@ contains
 
       step = 0.0_dp
       free = pack([(i, i=1, size(is_free))], is_free)
-      block = a%block(free + rows(1) - 1, free + rows(1) - 1)
+      is_newton = .false.
+      call allocate_matrix(block, size(free), size(free), 'the forces of a half step', error)
+      if (allocated(error)) return
+      call a%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
       right = -gradient(free)
       call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
       call cholesky_solve(block, right)

@@ -6,8 +6,7 @@ module amontons_components
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)

@@ -9,8 +9,7 @@
 module amontons_extragradient
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)

@@ -62,7 +62,8 @@ contains
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
          call solve_box_program(self%box, problem%matrix%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
-            solution%effort)
+            solution%effort, error)
+         if (allocated(error)) return
          call solution%effort%multiply(1.0_dp)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return

@@ -1,5 +1,4 @@
-!> Newton's linear system in the forces, on a compliance A: what a dense and a sparse one have in common, and the one on
-!> a sparse A.
+!> Newton's linear system in the forces, on a compliance A, dense or sparse.
 !>
 !> A normal force of a closed point and a tangential one of a sticking point are unknown: a row of `A lambda = B` each,
 !> of no distance and of no slip, holds them. The others follow from the law. On a dense compliance an active set that
@@ -8,14 +7,17 @@ module amontons_force_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: add_product, lu_solve, transposed_product
-   use amontons_kinds, only: dp
+   use amontons_dense, only: add_product, cholesky_factor, cholesky_solve, lu_factor, lu_solve, lu_solve_transposed, &
+      transposed_product
+   use amontons_error, only: new_error, system_failure
+   use amontons_kinds, only: dp, int64
    use amontons_newton_system, only: newton_system_t
    use amontons_sparse_lu, only: sparse_lu_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: force_system_t, sparse_compliance_system_t
+   public :: compliance_system_t, sparse_compliance_system_t
 
    !> The active set that is factorized, and its unknowns; an extension holds the factors.
    type, abstract, extends(newton_system_t) :: force_system_t
@@ -62,6 +64,19 @@ module amontons_force_system
       end subroutine solve_unknown_interface
 
    end interface
+
+   !> The system on a dense compliance A: a row for each force, an unknown one that of `A lambda = B`, the others that
+   !> of the law which gives them.
+   type, extends(force_system_t) :: compliance_system_t
+      private
+      logical :: is_symmetric = .false. !! Whether no point slides with friction, so that its matrix is symmetric.
+      real(dp), allocatable :: entries(:)
+         !! Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to get anew.
+      integer, allocatable :: pivots(:) !! Their row exchanges.
+   contains
+      procedure, public :: factorize => compliance_system_factorize
+      procedure, public :: solve_unknown => compliance_system_solve_unknown
+   end type compliance_system_t
 
    !> The rows of `A lambda = B` of the unknown forces, on a sparse compliance A, which stays sparse.
    type, extends(force_system_t) :: sparse_compliance_system_t
@@ -277,6 +292,86 @@ contains
          call add_product(self%response(:, :n), right, force)
       end associate
    end subroutine force_system_correct
+
+   !> Factorizes the system of the base.
+   subroutine compliance_system_factorize(self, problem, info)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: entries(:)
+      integer :: n
+
+      if (.not. allocated(self%entries)) allocate (self%entries(0))
+      n = size(self%unknown)
+      if (size(self%entries, kind=int64) < int(n, int64)**2) then
+         deallocate (self%entries)
+         allocate (self%entries(int(n, int64)**2), stat=info)
+         if (info /= 0) then
+            call new_error(self%error, system_failure, 'not enough memory: a dense matrix of '//to_text(n)// &
+               ' unknown contact forces needs '//to_text(nint(8.0e-6_dp*real(n, dp)**2, int64))//' MB')
+            return
+         end if
+      end if
+      self%is_symmetric = .not. any(self%base%is_closed .and. self%base%slip_direction /= 0 &
+         .and. problem%friction > 0.0_dp)
+      ! No argument may hold what another one writes.
+      call move_alloc(self%entries, entries)
+      call factorize_entries(self, problem, n, entries, info)
+      call move_alloc(entries, self%entries)
+   end subroutine compliance_system_factorize
+
+   !> Writes the transposed matrix of the active set to the first of its entries, and makes its factor of it.
+   subroutine factorize_entries(self, problem, n, factor, info)
+      class(compliance_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(out) :: factor(n, n) !! the factor
+      integer, intent(out) :: info !! 0, or nonzero where the matrix is singular
+      real(dp) :: slopes(problem%n_points)
+      integer :: i, j
+
+      slopes = self%base%slip_direction*problem%friction
+      associate (a => problem%matrix%compliance%values, unknown => self%unknown, m => problem%n_points)
+         do i = 1, n
+            do j = 1, n
+               factor(j, i) = a(unknown(j), unknown(i))
+            end do
+            do j = 1, count(unknown <= m)
+               factor(j, i) = factor(j, i) + slopes(unknown(j))*a(m + unknown(j), unknown(i))
+            end do
+            factor(i, i) = factor(i, i) + self%regularization*self%diagonal(unknown(i))
+         end do
+      end associate
+      if (self%is_symmetric) then
+         call cholesky_factor(factor, info)
+      else
+         call lu_factor(factor, self%pivots, info)
+      end if
+   end subroutine factorize_entries
+
+   !> Solves the factorized system for its unknown forces.
+   subroutine compliance_system_solve_unknown(self, right, info)
+      class(compliance_system_t), intent(in) :: self !! the system
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+      integer, intent(out) :: info !! 0, as a factor that was made is not singular
+
+      info = 0
+      call solve_entries(self, size(right, 1), self%entries, right)
+   end subroutine compliance_system_solve_unknown
+
+   !> Solves with the first of the entries as a matrix.
+   subroutine solve_entries(self, n, factor, right)
+      class(compliance_system_t), intent(in) :: self !! the system
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(in) :: factor(n, n) !! the factor
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+
+      if (self%is_symmetric) then
+         call cholesky_solve(factor, right)
+      else
+         call lu_solve_transposed(factor, self%pivots, right)
+      end if
+   end subroutine solve_entries
 
    !> Solves the factorized system.
    subroutine sparse_compliance_system_solve_unknown(self, right, info)

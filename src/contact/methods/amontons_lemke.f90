@@ -13,8 +13,7 @@ module amontons_lemke
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_relation, only: contact_relation_t, new_contact_relation
-   use amontons_contact_solution, only: contact_solution_t
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text

@@ -9,8 +9,7 @@ module amontons_methods
    use amontons_fixed_point, only: fixed_point_t
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
-   use amontons_psor, only: psor_t, space_names
-   use amontons_relaxation, only: local_names
+   use amontons_psor, only: local_names, psor_t, space_names
    use amontons_splitting, only: splitting_t, variant_names
    implicit none (type, external)
    private

@@ -4,8 +4,9 @@ module amontons_newton_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: lu_solve
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: effort_t
+   use amontons_dense, only: allocate_matrix, lu_solve
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -15,6 +16,7 @@ module amontons_newton_system
    !> A way to solve the linear equations of an active set. It may keep what serves the next active set as well.
    type, abstract :: newton_system_t
       type(effort_t) :: effort !! what the steps took so far
+      type(error_t), allocatable :: error !! memory ran out; no step was made then
       real(dp) :: first_regularization = 1.0_dp !! regularization, as part of the diagonal in the first step [-]
       real(dp) :: min_regularization = 0.0_dp !! least regularization in any step [-]
    contains
@@ -70,9 +72,12 @@ contains
       n = size(unknown)
       slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
       call take_known_load(problem, active_set, load, self%effort)
-      allocate (matrix(n, n), right(n))
+      info = 1
+      call allocate_matrix(matrix, n, n, "Newton's unknowns", self%error)
+      if (allocated(self%error)) return
+      allocate (right(n))
+      call problem%matrix%stiffness%fill_block(unknown, unknown, matrix)
       do i = 1, n
-         matrix(:, i) = problem%matrix%stiffness%values(unknown, unknown(i))
          matrix(i, i) = matrix(i, i) + regularization*self%diagonal(unknown(i))
          right(i) = load(unknown(i)) + regularization*self%diagonal(unknown(i))*displacement(unknown(i))
       end do

@@ -1,8 +1,8 @@
-!> A way to the solution of a contact problem in proximal steps, each of them solved by a method of its own.
+!> A way to the solution of a contact problem in proximal steps, each of them solved by Newton's method.
 !>
 !> Springs hold the points to where the last step led, and share the loads with the contact. With stiff springs a
-!> step is a problem of nearly independent points, which any method solves; the body creeps. Springs become softer
-!> where steps are solved, and stiffer where one is not. Where steps vanish, springs have no effect.
+!> step is a problem of nearly independent points; the body creeps. Springs become softer where steps are solved, and
+!> stiffer where one is not. Where steps vanish, springs have no effect.
 module amontons_proximal_path
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_operator, only: contact_operator_t
@@ -10,61 +10,68 @@ module amontons_proximal_path
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_newton, only: newton_t
    implicit none (type, external)
    private
 
-   public :: finish, follow_proximal_path
+   public :: proximal_path_t
+
+   !> The proximal path. Its iterations are Newton's steps.
+   type, extends(contact_method_t) :: proximal_path_t
+   contains
+      procedure :: solve => proximal_path_solve
+   end type proximal_path_t
 
 contains
 
-   !> Takes proximal steps from where a solution is.
-   recursive subroutine follow_proximal_path(method, problem, max_iterations, solution, error, last)
-      class(contact_method_t), intent(in) :: method !! the method that solves each step, its iterations limited
+   !> Takes proximal steps from where a solution is, and keeps the best pair.
+   subroutine proximal_path_solve(self, problem, solution, error)
+      class(proximal_path_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
-      integer, intent(in) :: max_iterations !! most iterations of all steps
       type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
-      type(error_t), allocatable, intent(out) :: error !! what the method refuses
-      class(contact_method_t), intent(in), optional :: last
-         !! the method that takes the last steps, without springs, its iterations limited
-      ! Stiff springs spoil a step more than its residual does.
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      ! Stiff springs spoil a step more than its residual does. Steps that are solved take about three of Newton's.
       real(dp), parameter :: stiffest = 1.0e3_dp, coarse = 1.0e-6_dp, first_factor = 10.0_dp
+      integer, parameter :: steps_of_one = 6
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: step
       type(contact_solution_t) :: found, best
-      class(contact_method_t), allocatable :: limited
+      type(newton_t) :: newton
       real(dp), dimension(2*problem%n_points) :: center, rho
       real(dp) :: share, factor
+      integer :: i
       logical :: may_continue
 
-      allocate (limited, source=method)
+      call solution%reset()
       call problem%matrix%copy_stiffness(matrix, error)
       if (allocated(error)) return
       rho = problem%augmentation()
-      call solution%reset()
       best = solution
       found = solution
       center = solution%displacement
       share = 1.0_dp
       factor = first_factor
       may_continue = .true.
-      do while (may_continue .and. solution%n_iterations < max_iterations .and. share <= stiffest)
+      do while (may_continue .and. solution%n_iterations < self%max_iterations .and. share <= stiffest)
          step = problem
          call step%count_from(center)
          call matrix%set_springs(problem%matrix, share*rho)
          step%matrix => matrix
-         limited%tolerance = max(method%tolerance, min(coarse, share))
-         limited%max_iterations = min(method%max_iterations, max_iterations - solution%n_iterations)
+         newton%tolerance = max(self%tolerance, min(coarse, share))
+         newton%max_iterations = min(steps_of_one, self%max_iterations - solution%n_iterations)
          found%displacement = 0.0_dp
-         call limited%solve(step, found, error)
+         call newton%solve(step, found, error)
          if (allocated(error)) return
-         call append(solution, found)
+         call solution%effort%add(found%effort)
+         ! The last iteration of a step that is solved is recorded with the pair that it leads to.
+         do i = 1, found%n_iterations - merge(1, 0, found%is_converged)
+            call solution%record_residual(found%history(i))
+         end do
          call change_springs(share, factor, found%is_converged, found%n_iterations)
          if (found%is_converged) then
             center = center + found%displacement
-            call solution%record(problem, center, found%force, method%tolerance, may_continue)
+            call solution%record(problem, center, found%force, self%tolerance, may_continue)
             call best%take_better(solution)
-            if (may_continue) call finish(problem, max_iterations, solution, error, last)
-            if (solution%is_converged) exit
          else if (found%residual <= coarse) then
             center = center + found%displacement
          else
@@ -72,7 +79,7 @@ contains
          end if
       end do
       call solution%take_better(best)
-   end subroutine follow_proximal_path
+   end subroutine proximal_path_solve
 
    !> Makes the springs of the next step softer, or stiffer after one that is not solved.
    pure subroutine change_springs(share, factor, is_solved, n_iterations)
@@ -92,37 +99,5 @@ contains
          factor = change
       end if
    end subroutine change_springs
-
-   !> Goes on from a solution that is close by a method that may find it, if there is one and room for its iterations;
-   !> keeps the pair otherwise, with the record of both.
-   recursive subroutine finish(problem, max_iterations, solution, error, method)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: max_iterations !! most iterations of both
-      type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
-      type(error_t), allocatable, intent(out) :: error !! what the method refuses
-      class(contact_method_t), intent(in), optional :: method !! the method, its iterations limited
-      ! Statuses are then mostly right.
-      real(dp), parameter :: close_by = 1.0e-4_dp
-      type(contact_solution_t) :: first
-
-      if (.not. present(method) .or. solution%residual > close_by) return
-      if (solution%n_iterations + method%max_iterations > max_iterations) return
-      first = solution
-      call method%solve(problem, solution, error)
-      call solution%follow(first)
-      call solution%take_better(first)
-   end subroutine finish
-
-   !> Adds the record of a step, but for its last iteration where the pair that this leads to is recorded next.
-   pure subroutine append(solution, found)
-      type(contact_solution_t), intent(inout) :: solution !! gains the record
-      type(contact_solution_t), intent(in) :: found !! solution of the step
-      integer :: i
-
-      call solution%effort%add(found%effort)
-      do i = 1, found%n_iterations - merge(1, 0, found%is_converged)
-         call solution%record_residual(found%history(i))
-      end do
-   end subroutine append
 
 end module amontons_proximal_path

@@ -3,21 +3,52 @@
 !>
 !> Sweeps can be accelerated: where a proposal of Anderson's or Aitken's has a smaller residual than the sweep, the way
 !> goes on from there.
+!>
+!> A sweep carries what its equations still lack, distance and slip in the dual space, forces in the primal one, and
+!> updates that by a column of the matrix for each component that changes: the matrix is read once, less what stays, and
+!> the residual after the sweep is known without another product. A point is relaxed component by component, or solved
+!> as a whole.
 module amontons_psor
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_acceleration, only: acceleration_t, new_acceleration
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t
    use amontons_error, only: error_t
+   use amontons_friction_law, only: bounded, solve_point
    use amontons_kinds, only: dp
-   use amontons_relaxation, only: new_relaxation, relaxation_t
    implicit none (type, external)
    private
 
-   public :: psor_t, space_names
+   public :: local_names, psor_t, space_names
 
    !> The spaces that sweeps can be done in, as a deck writes them.
    character(6), parameter :: space_names(2) = [character(6) :: 'dual', 'primal']
+
+   !> How a point is treated, as a deck writes it: component by component, or as a whole.
+   character(5), parameter :: local_names(2) = [character(5) :: 'point', 'block']
+
+   !> Where sweeps have come to, and how they go on.
+   type :: relaxation_t
+      logical :: is_dual = .true. !! whether they are done in the forces
+      logical :: is_block = .false. !! whether a point is solved as a whole
+      real(dp) :: omega = 1.0_dp !! relaxation [-]
+      real(dp) :: scale = 1.0_dp !! force scale of the problem [F]
+      real(dp), allocatable :: unknown(:) !! dual: lambda [F]; primal: v [L] (2m)
+      real(dp), allocatable :: residual(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
+      type(effort_t) :: effort !! what the sweeps took
+      real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
+      real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
+      real(dp), allocatable, private :: coupling(:) !! its element between the components of each point (m)
+      real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal (2m)
+   contains
+      procedure :: advance => relaxation_advance
+      procedure :: admit => relaxation_admit
+      procedure :: move_center => relaxation_move_center
+      procedure :: pair => relaxation_pair
+      procedure :: refresh => relaxation_refresh
+      procedure :: scaled_residual => relaxation_scaled_residual
+   end type relaxation_t
 
    !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S). A reduced problem has the
    !> dual space only.
@@ -134,5 +165,248 @@ contains
          call acceleration%forget()
       end if
    end subroutine accelerate
+
+   !> Begins sweeps at a solution.
+   pure subroutine new_relaxation(sweep, problem, is_dual, is_block, omega, solution)
+      type(relaxation_t), intent(out) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared for dual sweeps
+      logical, intent(in) :: is_dual !! whether to sweep in the forces
+      logical, intent(in) :: is_block !! whether to solve each point as a whole
+      real(dp), intent(in) :: omega !! relaxation [-]
+      type(contact_solution_t), intent(in) :: solution !! where to start
+      integer :: i, m
+
+      m = problem%n_points
+      sweep%is_dual = is_dual
+      sweep%is_block = is_block
+      sweep%omega = omega
+      sweep%scale = problem%force_scale()
+      sweep%center = solution%displacement
+      if (is_dual) then
+         sweep%unknown = solution%force
+         sweep%diagonal = problem%matrix%compliance%diagonal()
+         sweep%rho = problem%matrix%compliance%reciprocal_diagonal()
+         sweep%coupling = [(problem%matrix%compliance%element(m + i, i), i=1, m)]
+      else
+         sweep%unknown = solution%displacement
+         sweep%unknown(:m) = min(sweep%unknown(:m), problem%gap)
+         sweep%diagonal = problem%matrix%stiffness%diagonal()
+         sweep%rho = 1.0_dp/sweep%diagonal
+         sweep%coupling = [(problem%matrix%stiffness%element(m + i, i), i=1, m)]
+      end if
+      call sweep%refresh(problem)
+   end subroutine new_relaxation
+
+   !> Computes the residual anew, free of the rounding of many updates.
+   pure subroutine relaxation_refresh(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp) :: product(size(self%unknown))
+
+      if (self%is_dual) then
+         self%residual = problem%displacement(problem%dual_load(self%center), self%unknown)
+         call self%effort%multiply(merge(2.0_dp, 1.0_dp, problem%matrix%has_stiffness()))
+         self%residual = self%residual - problem%reference()
+      else
+         call problem%matrix%stiffness%multiply(self%unknown, product)
+         self%residual = problem%load - product
+         call self%effort%multiply(1.0_dp)
+      end if
+   end subroutine relaxation_refresh
+
+   !> Sweeps once over all points.
+   pure subroutine relaxation_advance(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer :: point
+
+      do point = 1, problem%n_points
+         if (self%is_dual) then
+            call relax_force(self, problem, point)
+         else
+            call relax_displacement(self, problem, point)
+         end if
+      end do
+   end subroutine relaxation_advance
+
+   !> Gives one component a value, and the residual what this changes.
+   pure subroutine set_unknown(sweep, problem, i, value)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: i !! which component
+      real(dp), intent(in) :: value !! its value
+      real(dp) :: change
+
+      change = value - sweep%unknown(i)
+      sweep%unknown(i) = value
+      if (.not. abs(change) > 0.0_dp) return
+      call sweep%effort%multiply(1.0_dp/size(sweep%residual))
+      if (sweep%is_dual) then
+         call problem%matrix%compliance%add_column(i, -change, sweep%residual)
+      else
+         call problem%matrix%stiffness%add_column(i, -change, sweep%residual)
+      end if
+   end subroutine set_unknown
+
+   !> Relaxes the force of one point, and cuts it to the contact law.
+   pure subroutine relax_force(sweep, problem, n)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      integer, intent(in) :: n !! the point
+      real(dp) :: change(2), solved(2)
+      integer :: t
+
+      t = n + problem%n_points
+      associate (x => sweep%unknown, w => sweep%residual, a => sweep%diagonal, a_nt => sweep%coupling(n))
+         if (sweep%is_block) then
+            solved = solve_point(a(n), a_nt, a(t), [w(n) + a(n)*x(n) + a_nt*x(t), w(t) + a_nt*x(n) + a(t)*x(t)], &
+               problem%friction(n), problem%slip_bound(n), [x(n), x(t)])
+            change = sweep%omega*(solved - [x(n), x(t)])
+            call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + change(1)))
+         else
+            call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + sweep%omega*sweep%rho(n)*w(n)))
+            change(2) = sweep%omega*sweep%rho(t)*w(t)
+         end if
+         call set_unknown(sweep, problem, t, bounded(x(t) + change(2), &
+            problem%slip_bound(n) + problem%friction(n)*x(n)))
+      end associate
+   end subroutine relax_force
+
+   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is shrunk by what friction
+   !> holds.
+   pure subroutine relax_displacement(sweep, problem, n)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! the point
+      real(dp), parameter :: singular = 1.0e-12_dp
+      real(dp) :: bound, det
+      integer :: t
+
+      t = n + problem%n_points
+      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal, omega => sweep%omega)
+         det = s(n)*s(t) - sweep%coupling(n)**2
+         if (sweep%is_block .and. det > singular*s(n)*s(t)) then
+            call solve_displacement(sweep, problem, n, det)
+            return
+         end if
+         call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
+         bound = problem%slip_bound(n)
+         if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
+         call set_unknown(sweep, problem, t, problem%anchor(n) &
+            + shrunk(v(t) - problem%anchor(n) + omega*f(t)/s(t), omega*bound/s(t)))
+      end associate
+   end subroutine relax_displacement
+
+   !> Solves one point as a whole for its displacement. A closed one is put on the gap exactly.
+   pure subroutine solve_displacement(sweep, problem, n, det)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! the point
+      real(dp), intent(in) :: det !! determinant of its stiffness
+      real(dp) :: w_nn, w_nt, w_tt, free(2), force(2), slip, distance
+      integer :: t
+
+      t = n + problem%n_points
+      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal)
+         w_nn = s(t)/det
+         w_nt = -sweep%coupling(n)/det
+         w_tt = s(n)/det
+         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
+            v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
+         force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
+         distance = free(1) - w_nn*force(1) - w_nt*force(2)
+         slip = free(2) - w_nt*force(1) - w_tt*force(2)
+         slip = v(t) + sweep%omega*(problem%anchor(n) + slip - v(t))
+         if (force(1) > 0.0_dp) then
+            call set_unknown(sweep, problem, n, problem%gap(n))
+         else
+            call set_unknown(sweep, problem, n, min(problem%gap(n), &
+               v(n) + sweep%omega*(problem%gap(n) + distance - v(n))))
+         end if
+         call set_unknown(sweep, problem, t, slip)
+      end associate
+   end subroutine solve_displacement
+
+   !> A value moved towards zero by a distance, at most to zero itself.
+   pure real(dp) function shrunk(value, distance)
+      real(dp), intent(in) :: value !! the value
+      real(dp), intent(in) :: distance !! how far, at least 0
+
+      shrunk = sign(max(0.0_dp, abs(value) - distance), value)
+   end function shrunk
+
+   !> Displacements and forces that a sweep ended with; in the primal space the forces are what the displacements
+   !> leave, cut to the contact law.
+   pure subroutine relaxation_pair(self, problem, displacement, force)
+      class(relaxation_t), intent(in) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(out) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
+      integer :: m
+
+      m = problem%n_points
+      if (self%is_dual) then
+         displacement = self%residual + problem%reference()
+         force = self%unknown
+      else
+         displacement = self%unknown
+         force = self%residual
+         force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
+         force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
+      end if
+   end subroutine relaxation_pair
+
+   !> The residual of the pair at hand as the contact problem measures it, rounding aside: what lacks for equilibrium is
+   !> the move of the proximal center in the dual space, and what the contact law cut off in the primal one [-].
+   pure real(dp) function relaxation_scaled_residual(self, problem) result(residual)
+      class(relaxation_t), intent(in) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), dimension(size(self%unknown)) :: displacement, force, imbalance
+
+      call self%pair(problem, displacement, force)
+      if (self%is_dual) then
+         imbalance = problem%matrix%proximal_parameter*(displacement - self%center)
+      else
+         imbalance = self%residual - force
+      end if
+      residual = huge(residual)
+      if (.not. all(ieee_is_finite(self%residual))) return
+      residual = max(0.0_dp, maxval(abs(imbalance)), problem%violation(displacement, force))/self%scale
+   end function relaxation_scaled_residual
+
+   !> Moves the proximal center of a body that only contact holds to the displacement at hand.
+   pure subroutine relaxation_move_center(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), dimension(size(self%unknown)) :: displacement, force, change
+
+      call self%pair(problem, displacement, force)
+      call problem%matrix%compliance%multiply(problem%matrix%proximal_parameter*(displacement - self%center), change)
+      call self%effort%multiply(1.0_dp)
+      self%residual = self%residual + change
+      self%center = displacement
+   end subroutine relaxation_move_center
+
+   !> Makes a point put together from others admissible: forces are cut to the contact law; a displacement stays off the
+   !> obstacle, and on it where it was on it before.
+   pure subroutine relaxation_admit(self, problem, before)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: before(:) !! the unknowns before (2m)
+      integer :: n, t
+
+      do n = 1, problem%n_points
+         t = n + problem%n_points
+         if (self%is_dual) then
+            call set_unknown(self, problem, n, max(0.0_dp, self%unknown(n)))
+            call set_unknown(self, problem, t, bounded(self%unknown(t), &
+               problem%slip_bound(n) + problem%friction(n)*self%unknown(n)))
+         else if (before(n) < problem%gap(n)) then
+            call set_unknown(self, problem, n, min(self%unknown(n), problem%gap(n)))
+         else
+            call set_unknown(self, problem, n, problem%gap(n))
+         end if
+      end do
+   end subroutine relaxation_admit
 
 end module amontons_psor

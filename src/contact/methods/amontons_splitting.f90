@@ -21,19 +21,15 @@
 !> zero, which is right only if nothing separates. `printed` is the left-hand side to the letter; it comes to rest at a
 !> wrong answer, and says so.
 module amontons_splitting
-   use amontons_acceleration, only: acceleration_t, new_acceleration
+   use amontons_acceleration, only: accelerate, acceleration_t, new_acceleration, proximal_center_t
    use amontons_box_program, only: solve_box_program
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t
-   use amontons_dense, only: cholesky_factor_softly, cholesky_solve
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
-   use amontons_newton, only: newton_t
-   use amontons_proximal_center, only: accelerate, proximal_center_t
-   use amontons_proximal_path, only: finish, follow_proximal_path
    implicit none (type, external)
    private
 
@@ -47,7 +43,6 @@ module amontons_splitting
 
    !> The splitting method.
    type, extends(contact_method_t) :: splitting_t
-      integer :: patience = 50 !! how many iterations without a better pair lead to proximal steps
    contains
       procedure :: prepare => splitting_prepare
       procedure :: solve => splitting_solve
@@ -72,190 +67,126 @@ contains
       call problem%matrix%prepare_compliance(error)
    end subroutine splitting_prepare
 
-   !> Alternates the two half steps. Where these lead nowhere, the statuses may be right all the same, so that a linear
-   !> system gives the forces; else takes proximal steps from the start, until they are.
-   recursive subroutine splitting_solve(self, problem, solution, error)
+   !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest;
+   !> keeps the best pair where none is the solution.
+   subroutine splitting_solve(self, problem, solution, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      ! Of a step between springs; and of Newton's, one more than exact statuses need.
-      integer, parameter :: steps_of_one = 30, n_last_steps = 3
-      type(splitting_t) :: alone
-      type(newton_t) :: last
-      type(contact_solution_t) :: first
-
-      alone = self
-      if (.not. problem%matrix%has_stiffness() .or. self%variant /= 'exact') alone%patience = huge(1)
-      first = solution
-      call alternate(alone, problem, first, error)
-      if (allocated(error)) return
-      last = newton_t(tolerance=self%tolerance, max_iterations=n_last_steps, patience=huge(1))
-      if (alone%patience < huge(1)) then
-         if (.not. first%is_converged) call finish(problem, self%max_iterations, first, error, last)
-      end if
-      if (first%is_converged .or. first%n_iterations >= self%max_iterations .or. alone%patience == huge(1)) then
-         solution = first
-         return
-      end if
-      alone%patience = huge(1)
-      alone%max_iterations = steps_of_one
-      call follow_proximal_path(alone, problem, self%max_iterations - first%n_iterations, solution, error, last)
-      if (allocated(error)) return
-      call solution%follow(first)
-      call solution%take_better(first)
-   end subroutine splitting_solve
-
-   !> Alternates the two half steps until the residual is small, the forces come to rest in the inexact variants, or
-   !> nothing is better for long; keeps the best pair where none is the solution.
-   subroutine alternate(self, problem, solution, error)
-      type(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: force(:), displacement(:), place(:)
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+      ! An iteration that leaves more of the residual may have met the rounding errors of A.
+      real(dp), parameter :: slow = 0.9_dp
+      ! Iterations that make less of the residual are accelerated.
+      integer, parameter :: recent = 10
+      real(dp), parameter :: tenth = 0.1_dp
       type(printed_matrices_t) :: printed
       type(proximal_center_t) :: center
       type(acceleration_t) :: acceleration
       type(contact_solution_t) :: best
-      ! An iteration that leaves more of the residual may have met the rounding errors of A.
-      real(dp), parameter :: slow = 0.9_dp
-      real(dp), parameter :: half = 0.5_dp
-      real(dp) :: change, force_scale, previous
+      real(dp), dimension(2*problem%n_points) :: force, displacement, product, start
+      real(dp), allocatable :: place(:)
+      real(dp) :: force_scale, previous
       integer :: iteration
-      logical :: may_continue, is_refining
+      logical :: is_exact, may_continue, is_refining
 
       call solution%reset()
       best = solution
       call solution%effort%factorize(.not. allocated(problem%matrix%compliance))
       call self%prepare(problem, error)
       if (allocated(error)) return
+      is_exact = self%variant == 'exact'
+      if (.not. is_exact) call new_printed_matrices(printed, self%variant, problem, solution%effort, error)
+      if (allocated(error)) return
       call new_acceleration(acceleration, 'anderson')
       force = solution%force
       force(:problem%n_points) = max(0.0_dp, force(:problem%n_points))
       center%place = solution%displacement
-      allocate (displacement, source=problem%displacement(problem%dual_load(center%place), force))
+      displacement = problem%displacement(problem%dual_load(center%place), force)
       force_scale = problem%force_scale()
-      call new_printed_matrices(printed, self%variant, problem, solution%effort)
       call solution%effort%multiply(2.0_dp)
       previous = huge(previous)
       is_refining = .false.
 
-      do iteration = 1, self%max_iterations
-         solution%force = force
-         place = center%place
-         call iterate(self, problem, center%place, is_refining, printed, force, displacement, solution%effort)
-         ! A proximal step counts as the force that it takes.
-         change = maxval(abs([force - solution%force, problem%matrix%proximal_parameter &
-            *(displacement - center%place)]))/force_scale
-         associate (start => [solution%force, problem%matrix%proximal_parameter*place])
+      associate (alpha => problem%matrix%proximal_parameter, a => problem%matrix%compliance)
+         do iteration = 1, self%max_iterations
+            start = force
+            place = center%place
+            if (is_exact) then
+               call half_steps(self, problem, displacement - problem%reference(), is_refining, force, &
+                  solution%effort, error)
+            else
+               call printed_half_steps(self, problem, displacement - problem%reference(), &
+                  problem%dual_load(center%place), printed, force, solution%effort, error)
+            end if
+            if (allocated(error)) return
+            call a%multiply(force - start, product)
+            displacement = displacement - product
+            call solution%effort%multiply(1.0_dp)
+            if (is_refining) call refine(problem, center%place, force, displacement, solution%effort)
+
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
-            solution%is_at_rest = is_stopped(self, change, solution%residual)
+            ! A proximal step counts as the force that it takes.
+            if (.not. is_exact) solution%is_at_rest = is_stopped(self, maxval(abs([force - start, alpha &
+               *(displacement - center%place)]))/force_scale, solution%residual)
             if (solution%is_at_rest) return
             call best%take_better(solution)
-            if (solution%is_stagnant(self%patience, half)) exit
             is_refining = is_refining .or. solution%residual > slow*previous .and. problem%matrix%has_stiffness()
             previous = solution%residual
-            call move_on(self, problem, start, center, force, displacement, acceleration, solution)
-         end associate
-      end do
+
+            if (.not. problem%matrix%is_held) call center%move(problem, displacement, solution%effort)
+            if (is_exact .and. solution%is_stagnant(recent, tenth)) call accelerate(acceleration, problem, &
+               [start, alpha*place], force, center%place, displacement, solution)
+         end do
+      end associate
       call solution%take_better(best)
-   end subroutine alternate
+   end subroutine splitting_solve
 
-   !> Makes the start of the next iteration: moves the center of a loose body, and accelerates slow iterations.
-   subroutine move_on(self, problem, start, center, force, displacement, acceleration, solution)
-      type(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: start(:) !! forces, and the center times alpha, before the iteration (4m) [F]
-      type(proximal_center_t), intent(inout) :: center !! the center
-      real(dp), intent(inout) :: force(:) !! lambda after it (2m) [F]
-      real(dp), intent(inout) :: displacement(:) !! v of these forces and the center (2m) [L]
-      type(acceleration_t), intent(inout) :: acceleration !! the last iterations
-      type(contact_solution_t), intent(inout) :: solution !! its record
-      integer, parameter :: recent = 10
-      real(dp), parameter :: tenth = 0.1_dp
-
-      if (.not. problem%matrix%is_held) call center%move(problem, displacement, solution%effort)
-      if (self%variant /= 'exact' .or. .not. solution%is_stagnant(recent, tenth)) return
-      call accelerate(acceleration, problem, start, force, center%place, displacement, solution)
-   end subroutine move_on
-
-   !> One iteration: both half steps, and the displacements of the forces that they lead to.
-   pure subroutine iterate(self, problem, center, is_refining, printed, force, displacement, effort)
+   !> The two half steps, each (2.3) with the other forces held: lambda_T within the bounds of lambda_N, then lambda_N.
+   subroutine half_steps(self, problem, distance, is_refining, force, effort, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
-      logical, intent(in) :: is_refining !! whether rounding errors of A are taken out
-      type(printed_matrices_t), intent(in) :: printed !! what the printed lines take besides A
-      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(inout) :: displacement(:) !! v of these forces (2m) [L]
-      type(effort_t), intent(inout) :: effort !! gains theirs
-      ! Half steps a hundredth as wrong as the forces may be.
-      real(dp), parameter :: half_step_part = 1.0e-2_dp
-      real(dp), dimension(size(force)) :: before, product
-      real(dp) :: accuracy
-
-      before = force
-      accuracy = half_step_part*self%tolerance*problem%force_scale(force)
-      ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
-      if (is_refining) accuracy = accuracy &
-         *minval(problem%matrix%compliance%reciprocal_diagonal()/problem%augmentation())
-      call half_steps(self, problem, center, displacement - problem%reference(), accuracy, printed, force, effort)
-      call problem%matrix%compliance%multiply(force - before, product)
-      displacement = displacement - product
-      call effort%multiply(1.0_dp)
-      if (is_refining) call refine(problem, center, force, displacement, effort)
-   end subroutine iterate
-
-   !> Both half steps, lambda_T within the bounds of lambda_N and then lambda_N: each as the paper prints it, in the
-   !> comment above, or as it is right (`minimize`).
-   pure subroutine half_steps(self, problem, center, distance, accuracy, printed, force, effort)
-      class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
       real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
-      real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
-      type(printed_matrices_t), intent(in) :: printed !! what the printed lines take besides A
+      logical, intent(in) :: is_refining !! whether rounding errors of A are taken out
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains theirs
-      real(dp) :: b(2*problem%n_points)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp), dimension(problem%n_points) :: bound, change, coupled
+      real(dp) :: accuracy
       integer :: m
 
       m = problem%n_points
+      accuracy = half_step_accuracy(self, problem, force)
+      ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
+      if (is_refining) accuracy = accuracy &
+         *minval(problem%matrix%compliance%reciprocal_diagonal()/problem%augmentation())
+      ! lambda_T := arg min  1/2 l.A22 l - l.(B2 - A21 lambda_N)  over |l| <= g + phi lambda_N
       bound = problem%bound(force(:m))
-      b = 0.0_dp
-      if (self%variant /= 'exact') then
-         b = problem%dual_load(center)
-         call effort%multiply(1.0_dp)
-      end if
-
-      ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
-      if (self%variant == 'printed') then
-         call printed_tangential_step(printed%schur, b(m + 1:), bound, force(m + 1:))
-         call effort%multiply(quarter)
-      else
-         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
-            change, effort)
-      end if
-
-      ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
-      if (self%variant /= 'exact') then
-         call clipped_normal_step(problem, printed%a11_factor, b(:m), force(m + 1:), force(:m))
-      else
-         call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
-         call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
-            spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort)
-      end if
+      call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
+         change, effort, error)
+      if (allocated(error)) return
+      ! lambda_N := arg min  1/2 l.A11 l - l.(B1 - A12 lambda_T)  over l >= 0
+      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
       call effort%multiply(quarter)
+      call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
+         spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort, error)
    end subroutine half_steps
+
+   !> What a half step may be wrong by: a hundredth of what the forces may be [F].
+   pure real(dp) function half_step_accuracy(self, problem, force) result(accuracy)
+      class(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), parameter :: share = 1.0e-2_dp
+
+      accuracy = share*self%tolerance*problem%force_scale(force)
+   end function half_step_accuracy
 
    !> A half step, (2.3) for the forces of one direction alone: min 1/2 l.A l - l.(B - A' l') between bounds, l' the
    !> other forces. It is solved for the change of the forces: its linear term is then the distance, small at last, and
    !> loses no digits as that of the forces does, the difference of large displacements.
    ! allow(S902): a program alone has six parts
-   pure subroutine minimize(box, problem, rows, distance, lower, upper, accuracy, force, change, effort)
+   subroutine minimize(box, problem, rows, distance, lower, upper, accuracy, force, change, effort, error)
       character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       integer, intent(in) :: rows(2) !! first and last row of the direction
@@ -266,12 +197,42 @@ contains
       real(dp), intent(inout) :: force(:) !! the forces of the direction (m) [F]
       real(dp), intent(out) :: change(:) !! what they change by (m) [F]
       type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
 
       change = 0.0_dp
       call solve_box_program(box, problem%matrix%compliance, rows, distance, lower - force, upper - force, accuracy, &
-         change, effort)
+         change, effort, error)
       force = min(max(force + change, lower), upper)
    end subroutine minimize
+
+   !> The half steps of the variants: with `printed` both lines as the paper prints them, with `clip` the second one.
+   subroutine printed_half_steps(self, problem, distance, b, printed, force, effort, error)
+      class(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
+      real(dp), intent(in) :: b(:) !! B (2m) [L]
+      type(printed_matrices_t), intent(in) :: printed !! the matrices of the lines
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains theirs
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      real(dp), dimension(problem%n_points) :: bound, change
+      integer :: m
+
+      m = problem%n_points
+      bound = problem%bound(force(:m))
+      ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
+      if (self%variant == 'printed') then
+         call printed_tangential_step(printed%schur, b(m + 1:), bound, force(m + 1:))
+         call effort%multiply(quarter)
+      else
+         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, &
+            half_step_accuracy(self, problem, force), force(m + 1:), change, effort, error)
+         if (allocated(error)) return
+      end if
+      ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
+      call clipped_normal_step(problem, printed%a11_factor, b(:m), force(m + 1:), force(:m))
+      call effort%multiply(1.0_dp + quarter)
+   end subroutine printed_half_steps
 
    !> Tangential half step as printed: (D - L)^-1 (U lambda_T + B2), then cut at the slip bound. That is one sweep of
    !> Gauss-Seidel on S lambda_T = B2. Where nothing slides and nothing separates, -S lambda_T = B2 - A21 A11^-1 B1 is
@@ -314,63 +275,45 @@ contains
       ! Forces that rest while the residual is this many tolerances away will not lower it any more.
       real(dp), parameter :: far_from_solved = 1.0e3_dp
 
-      is_stopped = self%variant /= 'exact' .and. change <= self%tolerance &
-         .and. residual > far_from_solved*self%tolerance
+      is_stopped = change <= self%tolerance .and. residual > far_from_solved*self%tolerance
    end function is_stopped
 
-   !> Makes what the printed half steps take besides A.
-   pure subroutine new_printed_matrices(printed, variant, problem, effort)
+   !> Makes the Cholesky factor of A11 and, for `printed`, the paper's S = A21 A11^-1 A12 - A22, minus the Schur
+   !> complement that it is called.
+   subroutine new_printed_matrices(printed, variant, problem, effort, error)
       type(printed_matrices_t), intent(out) :: printed !! the matrices
       character(*), intent(in) :: variant !! which reading
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       type(effort_t), intent(inout) :: effort !! gains theirs
-
-      if (variant == 'exact') return
-      printed%a11_factor = factor_of_a11(problem)
-      call effort%factorize(.true.)
-      if (variant /= 'printed') return
-      printed%schur = printed_schur(problem, printed%a11_factor)
-      call effort%multiply(quarter*problem%n_points)
-   end subroutine new_printed_matrices
-
-   !> The Cholesky factor of A11 (m, m).
-   pure function factor_of_a11(problem) result(factor)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), allocatable :: factor(:, :)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      character(*), parameter :: owner = 'the normal or tangential contact forces'
+      real(dp), allocatable :: columns(:, :), block(:, :)
       logical :: is_soft
-      integer :: m
+      integer :: i, m
 
       m = problem%n_points
-      factor = part(problem, [1, m], [1, m])
-      associate (rho => problem%matrix%compliance%reciprocal_diagonal())
-         call cholesky_factor_softly(factor, 1.0_dp/rho(:m), is_soft)
+      associate (a => problem%matrix%compliance, normal => [(i, i=1, m)], tangential => [(m + i, i=1, m)])
+         call allocate_matrix(printed%a11_factor, m, m, owner, error)
+         if (allocated(error)) return
+         call a%fill_block(normal, normal, printed%a11_factor)
+         associate (rho => a%reciprocal_diagonal())
+            call cholesky_factor_softly(printed%a11_factor, 1.0_dp/rho(:m), is_soft)
+         end associate
+         call effort%factorize(.true.)
+         if (variant /= 'printed') return
+         call allocate_matrix(columns, m, m, owner, error)
+         if (.not. allocated(error)) call allocate_matrix(block, m, m, owner, error)
+         if (.not. allocated(error)) call allocate_matrix(printed%schur, m, m, owner, error)
+         if (allocated(error)) return
+         call a%fill_block(normal, tangential, columns)
+         call cholesky_solve(printed%a11_factor, columns)
+         call a%fill_block(tangential, normal, block)
+         printed%schur(:, :) = matmul(block, columns)
+         call a%fill_block(tangential, tangential, block)
+         printed%schur(:, :) = printed%schur - block
+         call effort%multiply(quarter*m)
       end associate
-   end function factor_of_a11
-
-   !> The paper's S = A21 A11^-1 A12 - A22, minus the Schur complement that it is called (m, m) [L/F].
-   pure function printed_schur(problem, a11_factor) result(schur)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
-      real(dp), allocatable :: schur(:, :)
-      real(dp), allocatable :: columns(:, :)
-      integer :: m
-
-      m = problem%n_points
-      columns = part(problem, [1, m], [m + 1, 2*m])
-      call cholesky_solve(a11_factor, columns)
-      schur = matmul(part(problem, [m + 1, 2*m], [1, m]), columns) - part(problem, [m + 1, 2*m], [m + 1, 2*m])
-   end function printed_schur
-
-   !> A part of A as a full array.
-   pure function part(problem, rows, columns)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      integer, intent(in) :: rows(2) !! first and last row of the part
-      integer, intent(in) :: columns(2) !! its first and last column
-      real(dp), allocatable :: part(:, :)
-      integer :: i
-
-      part = problem%matrix%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
-   end function part
+   end subroutine new_printed_matrices
 
    !> Takes the rounding errors of A out of displacements, by one step of refinement with S.
    pure subroutine refine(problem, center, force, displacement, effort)

@@ -5,6 +5,7 @@ module amontons_certificate
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes, binary_scale
@@ -241,6 +242,7 @@ contains
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_points), largest_displacement
       real(dp) :: at_points(2*body%zone%n_points), depth, place(2)
+      type(point_violations_t) :: points(body%zone%n_points)
       integer :: m, deepest, set
 
       m = body%zone%n_points
@@ -257,15 +259,14 @@ contains
       associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale)
-         certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
-         certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
-         certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
-         certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
-            relative(distance, largest_displacement))))
-         certificate%slip_below_bound = max(0.0_dp, maxval(min(relative(bound - abs(tangential), largest_force), &
-            relative(abs(slip), largest_displacement)), mask=.not. zone%is_tangent_fixed))
-         certificate%wrong_dissipation = max(0.0_dp, maxval(min(relative(abs(tangential), largest_force), &
-            relative(abs(slip), largest_displacement)), mask=sign(1.0_dp, tangential)*slip < 0.0_dp))
+         points = point_violations(relative(distance, largest_displacement), relative(slip, largest_displacement), &
+            relative(normal, largest_force), relative(tangential, largest_force), relative(bound, largest_force))
+         certificate%penetration = max(0.0_dp, maxval(points%penetration))
+         certificate%tension = max(0.0_dp, maxval(points%tension))
+         certificate%friction_excess = max(0.0_dp, maxval(points%friction_excess))
+         certificate%complementarity = max(0.0_dp, maxval(points%complementarity))
+         certificate%slip_below_bound = max(0.0_dp, maxval(points%slip_below_bound, mask=.not. zone%is_tangent_fixed))
+         certificate%wrong_dissipation = max(0.0_dp, maxval(points%wrong_dissipation))
          certificate%dissipation = sum(tangential*slip)
          ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
          certificate%has_duality_gap = all(zone%is_tangent_fixed .or. .not. load_case%friction > 0.0_dp)

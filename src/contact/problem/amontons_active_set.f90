@@ -4,7 +4,6 @@
 !> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = a. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
 module amontons_active_set
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -37,15 +36,13 @@ contains
       self%slip_direction = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
    end subroutine active_set_assume_stick
 
-   !> Makes it that of a pair (v, lambda), by the side of the law that its augmented forces lie on; finds how much the
-   !> pair violates the law.
-   pure subroutine active_set_update(self, problem, rho, displacement, force, violation)
+   !> Makes it that of a pair (v, lambda), by the side of the law that its augmented forces lie on.
+   pure subroutine active_set_update(self, problem, rho, displacement, force)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(out) :: violation !! the largest violation of the contact law, with its weight [F]
       real(dp) :: augmented(2*problem%n_points), bound(problem%n_points)
 
       augmented = force + rho*(displacement - problem%reference())
@@ -54,8 +51,6 @@ contains
          self%is_closed = augmented(:m) > 0.0_dp
          self%slip_direction = merge(nint(sign(1.0_dp, augmented(m + 1:))), 0, abs(augmented(m + 1:)) > bound)
          where (.not. bound > 0.0_dp) self%slip_direction = 1
-         violation = max(0.0_dp, maxval(problem%weight()*max(abs(force(:m) - max(0.0_dp, augmented(:m))), &
-            abs(force(m + 1:) - bounded(augmented(m + 1:), problem%bound(force(:m)))))))
       end associate
    end subroutine active_set_update
 

@@ -6,7 +6,7 @@
 !> pivots follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path leaves
 !> on a ray. Ties are broken by the lexicographic rule, so that no basis comes twice.
 module amontons_complementarity
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: effort_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private

@@ -1,13 +1,23 @@
 !> The solution of a contact problem, and the record of how a method came to it.
 module amontons_contact_solution
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_effort, only: effort_t
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: contact_solution_t, new_contact_solution
+   public :: contact_solution_t, effort_t, new_contact_solution
+
+   !> The effort that a method has spent: products with matrices, and factorizations. A product with a part of S or A
+   !> counts by the size of the part, so does an update by a few of its columns; triangular solves are not counted.
+   type :: effort_t
+      real(dp) :: n_products = 0.0_dp !! products of S or A with a vector [-]
+      integer :: n_factorizations = 0 !! factorizations of a dense or sparse matrix, of any order
+   contains
+      procedure :: add => effort_add
+      procedure :: factorize => effort_factorize
+      procedure :: multiply => effort_multiply
+   end type effort_t
 
    !> Forces, displacements and statuses of the contact points. A method starts from the forces and displacements it
    !> finds here, and leaves its result.
@@ -84,18 +94,15 @@ contains
    end subroutine contact_solution_measure
 
    !> Whether the best of the last residuals is a larger part of the best before them than it should be.
-   pure logical function contact_solution_is_stagnant(self, limit, decrease, first) result(is_stagnant)
+   pure logical function contact_solution_is_stagnant(self, limit, decrease) result(is_stagnant)
       class(contact_solution_t), intent(in) :: self !! the solution
       integer, intent(in) :: limit !! how many residuals are the last ones
       real(dp), intent(in) :: decrease !! the part that it should be at the most [-]
-      integer, intent(in), optional :: first !! number of the first iteration that counts; 1 if absent
-      integer :: n, before
+      integer :: n
 
-      before = 0
-      if (present(first)) before = first - 1
       n = self%n_iterations - limit
-      is_stagnant = n > before
-      if (is_stagnant) is_stagnant = minval(self%history(n + 1:n + limit)) > decrease*minval(self%history(before + 1:n))
+      is_stagnant = n > 0
+      if (is_stagnant) is_stagnant = minval(self%history(n + 1:n + limit)) > decrease*minval(self%history(:n))
    end function contact_solution_is_stagnant
 
    !> Takes the pair of another solution, with its residual and statuses, if it is better; keeps its own record.
@@ -132,5 +139,30 @@ contains
       end if
       self%history(self%n_iterations) = residual
    end subroutine contact_solution_record_residual
+
+   !> Adds the effort of a part of the way.
+   pure subroutine effort_add(self, part)
+      class(effort_t), intent(inout) :: self !! the effort
+      type(effort_t), intent(in) :: part !! that of the part
+
+      self%n_products = self%n_products + part%n_products
+      self%n_factorizations = self%n_factorizations + part%n_factorizations
+   end subroutine effort_add
+
+   !> Counts a factorization, if there is one.
+   pure subroutine effort_factorize(self, is_made)
+      class(effort_t), intent(inout) :: self !! the effort
+      logical, intent(in) :: is_made !! whether a matrix is factorized
+
+      if (is_made) self%n_factorizations = self%n_factorizations + 1
+   end subroutine effort_factorize
+
+   !> Counts products.
+   pure subroutine effort_multiply(self, n_products)
+      class(effort_t), intent(inout) :: self !! the effort
+      real(dp), intent(in) :: n_products !! how many products with the whole matrix they are worth [-]
+
+      self%n_products = self%n_products + n_products
+   end subroutine effort_multiply
 
 end module amontons_contact_solution

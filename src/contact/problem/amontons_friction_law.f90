@@ -14,8 +14,8 @@ module amontons_friction_law
    implicit none (type, external)
    private
 
-   public :: bounded, contact_status, law_violation, open_point, slip_minus, slip_plus, solve_point, status_names, &
-      stick_point
+   public :: bounded, contact_status, law_violation, open_point, point_violations, point_violations_t, slip_minus, &
+      slip_plus, solve_point, status_names, stick_point
 
    !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
@@ -27,6 +27,18 @@ module amontons_friction_law
    integer, parameter :: slip_minus = 4
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(4) = [character(5) :: 'open', 'stick', 'slip+', 'slip-']
+
+   !> How far a point is from the conditions of the law, each by itself.
+   type :: point_violations_t
+      real(dp) :: penetration = 0.0_dp !! overlap with the obstacle [-]
+      real(dp) :: tension = 0.0_dp !! normal force that pulls [-]
+      real(dp) :: friction_excess = 0.0_dp !! tangential force above its bound [-]
+      real(dp) :: complementarity = 0.0_dp !! smaller one of gap and normal force [-]
+      real(dp) :: slip_below_bound = 0.0_dp
+         !! smaller one of the slip and what the tangential force lacks to its bound [-]
+      real(dp) :: wrong_dissipation = 0.0_dp
+         !! smaller one of slip and tangential force where they point in opposite directions [-]
+   end type point_violations_t
 
 contains
 
@@ -78,6 +90,24 @@ contains
       violation = max(abs(min(normal_force, -rho_normal*distance)), &
          abs(max(min(-rho_tangential*slip, tangential_force + bound), tangential_force - bound)))
    end function law_violation
+
+   !> How far a point is from the conditions of the law, lengths over one length and forces over one force.
+   elemental function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
+      real(dp), intent(in) :: gap !! distance to the obstacle, d - u_N [-]
+      real(dp), intent(in) :: slip !! u_T - a [-]
+      real(dp), intent(in) :: normal_force !! lambda_N [-]
+      real(dp), intent(in) :: tangential_force !! lambda_T [-]
+      real(dp), intent(in) :: bound !! slip bound g + phi max(0, lambda_N) [-]
+      type(point_violations_t) :: violations
+
+      violations%penetration = max(0.0_dp, -gap)
+      violations%tension = max(0.0_dp, -normal_force)
+      violations%friction_excess = max(0.0_dp, abs(tangential_force) - bound)
+      violations%complementarity = max(0.0_dp, min(gap, normal_force))
+      violations%slip_below_bound = max(0.0_dp, min(abs(slip), bound - abs(tangential_force)))
+      if (sign(1.0_dp, tangential_force)*slip < 0.0_dp) violations%wrong_dissipation = min(abs(slip), &
+         abs(tangential_force))
+   end function point_violations
 
    !> The force that fulfills the contact law best; of several that do, the one next to a given force.
    pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)

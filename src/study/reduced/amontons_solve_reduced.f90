@@ -8,9 +8,9 @@ module amontons_solve_reduced
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_effort, only: effort_t
+   use amontons_contact_solution, only: contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short_text
    use amontons_methods, only: method_options_t, new_contact_method
@@ -234,6 +234,7 @@ contains
    pure subroutine new_reduced_check(check, system)
       type(reduced_check_t), intent(out) :: check !! the violations
       type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
+      type(point_violations_t) :: points(system%n_contacts)
       real(dp) :: length, force
 
       if (system%n_contacts == 0) return
@@ -241,13 +242,14 @@ contains
       force = maxval(abs(system%r))
       associate (gap => relative(system%u(1::2), length), slip => relative(system%u(2::2), length), &
          normal => relative(system%r(1::2), force), tangential => relative(system%r(2::2), force))
-         check%penetration = maxval(max(0.0_dp, -gap))
-         check%tension = maxval(max(0.0_dp, -normal))
-         check%friction_excess = maxval(max(0.0_dp, abs(tangential) - system%friction*max(0.0_dp, normal)))
-         check%complementarity = maxval(max(0.0_dp, min(gap, normal)))
-         check%slip_below_bound = maxval(max(0.0_dp, min(abs(slip), system%friction*normal - abs(tangential))))
-         check%wrong_dissipation = maxval(merge(min(abs(slip), abs(tangential)), 0.0_dp, &
-            slip*sign(1.0_dp, tangential) > 0.0_dp))
+         ! r_T opposes the slip.
+         points = point_violations(gap, slip, normal, -tangential, system%friction*max(0.0_dp, normal))
+         check%penetration = maxval(points%penetration)
+         check%tension = maxval(points%tension)
+         check%friction_excess = maxval(points%friction_excess)
+         check%complementarity = maxval(points%complementarity)
+         check%slip_below_bound = maxval(points%slip_below_bound)
+         check%wrong_dissipation = maxval(points%wrong_dissipation)
       end associate
    end subroutine new_reduced_check
 
