@@ -2,8 +2,9 @@
 !> in `amontons_decks`.
 !>
 !> A body: `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`,
-!> `new_load`, `solve_body`. A contact problem alone: `new_compliance_operator` and `new_reduced_problem`, `new_contact_method`,
-!> `new_contact_solution`. A reduced problem in arrays: `new_dense_system`, `solve_reduced_system`.
+!> `new_load`, `solve_body`. A contact problem alone: `new_compliance_operator` and `new_reduced_problem`,
+!> `new_contact_method`, `new_contact_solution`. A reduced problem in arrays: `new_dense_system`,
+!> `solve_reduced_system`.
 module amontons
    use amontons_body, only: body_t, new_body
    use amontons_constraints, only: new_support, support_t

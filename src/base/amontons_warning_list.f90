@@ -1,8 +1,7 @@
 !> Warnings: what a user should know before trusting a result that is otherwise in order, a sentence each.
 module amontons_warning_list
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: pair_text, short_text, with_unit
-   use amontons_text, only: newline
+   use amontons_text, only: newline, pair_text, short_text, with_unit
    implicit none (type, external)
    private
 

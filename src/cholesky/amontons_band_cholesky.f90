@@ -1,6 +1,6 @@
 !> Band Cholesky by LAPACK: the plain and quick way for small problems.
 module amontons_band_cholesky
-   use amontons_cholesky, only: cholesky_t
+   use amontons_condenser, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp, int64

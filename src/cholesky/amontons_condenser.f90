@@ -1,18 +1,26 @@
-!> The seam between contact and whatever factorizes a body: condensation of a symmetric positive definite system.
+!> Condensation of a symmetric positive definite system, the seam between contact and the library that factorizes a
+!> body; and condensation by a Cholesky factor with the Schur variables eliminated last, whatever library makes the
+!> factor.
 !>
-!> The Schur variables c are the last unknowns of the matrix K, the interior i are the others. A condenser makes
-!> S = K_cc - K_ci K_ii^-1 K_ic, for any load b the condensed load q = b_c - K_ci K_ii^-1 b_i, and from the Schur
-!> variables v, given or found by S v = q, all unknowns. How and where it keeps its factors is its own affair.
+!> The Schur variables c are the last unknowns of the matrix K, the interior i are the others. A condenser makes S =
+!> K_cc - K_ci K_ii^-1 K_ic, for any load b the condensed load q = b_c - K_ci K_ii^-1 b_i, and from the Schur variables
+!> v, given or found by S v = q, all unknowns. How and where it keeps its factors is its own affair.
+!>
+!> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the Schur variables last. The last block of
+!> L is the Cholesky factor of the Schur complement S, and a forward substitution that stops before this block leaves
+!> the condensed load in place of the load on the Schur variables.
 module amontons_condenser
-   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_dense, only: fill_upper
+   use amontons_error, only: error_t, new_error, numerical_failure, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dlacn2
+   use amontons_lapack, only: dlacn2, dlauum
+   use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, return_memory
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: condenser_t
+   public :: cholesky_t, condenser_t
 
    !> A condenser. What comes after `complete` only reads it, so several threads may use one at the same time.
    type, abstract :: condenser_t
@@ -87,6 +95,70 @@ module amontons_condenser
       end subroutine solve
    end interface
 
+   !> A Cholesky factorization.
+   type, abstract, extends(condenser_t) :: cholesky_t
+      integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
+      integer, allocatable :: schur_order(:) !! Their k-th position holds Schur variable schur_order(k) (n_schur).
+      real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, until its pivots are checked (n).
+      type(sparse_matrix_t) :: matrix !! P K P^T, until `complete` has put it where the factor will be.
+   contains
+      procedure(analyze), deferred :: analyze
+      procedure(substitute_forward), deferred :: substitute_forward
+      procedure(substitute_backward), deferred :: substitute_backward
+      procedure(schur_factor), deferred :: schur_factor
+      procedure :: factorize => cholesky_factorize
+      procedure :: solve => cholesky_solve
+      procedure :: schur_complement => cholesky_schur_complement
+      procedure :: condense => cholesky_condense
+      procedure :: expand => cholesky_expand
+      procedure :: expand_all => cholesky_expand_all
+      procedure :: set_order => cholesky_set_order
+      procedure :: take_values => cholesky_take_values
+      procedure :: check_pivots => cholesky_check_pivots
+      procedure :: refuse => cholesky_refuse
+   end type cholesky_t
+
+   abstract interface
+      !> Orders a matrix and finds the size of its factor. Takes what it needs of the matrix, which the caller may give
+      !> up before `complete`.
+      subroutine analyze(self, matrix, n_schur, error)
+         import :: cholesky_t, error_t, sparse_matrix_t
+         implicit none (type, external)
+         class(cholesky_t), intent(inout) :: self !! the factorization
+         type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+         integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+         type(error_t), allocatable, intent(out) :: error !! memory ran out
+      end subroutine analyze
+
+      !> Does the steps of a forward substitution that belong to the first columns of L.
+      subroutine substitute_forward(self, n_steps, y)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      end subroutine substitute_forward
+
+      !> Does the steps of backward substitutions that belong to the first columns of L. What keeps its columns in
+      !> blocks reads them once for all vectors.
+      subroutine substitute_backward(self, n_steps, y)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      end subroutine substitute_backward
+
+      !> The last block of L, the Cholesky factor of the Schur complement.
+      subroutine schur_factor(self, l22)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         real(dp), contiguous, intent(out) :: l22(:, :)
+            !! lower triangular, zeros above, in the order `schur_order` (n_schur, n_schur)
+      end subroutine schur_factor
+   end interface
+
 contains
 
    !> All unknowns from the Schur variables under several loads. What can share its passes over the factor between them
@@ -151,5 +223,173 @@ contains
 
       condition = 1.0_dp/(epsilon(1.0_dp)*self%n)
    end function condenser_least_refused_condition
+
+   !> Factorizes a symmetric positive definite matrix.
+   subroutine cholesky_factorize(self, matrix, n_schur, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
+
+      call self%analyze(matrix, n_schur, error)
+      if (allocated(error)) return
+      call self%check_memory(error)
+      if (allocated(error)) return
+      call self%complete(error)
+   end subroutine cholesky_factorize
+
+   !> Sets the order of elimination and takes the matrix in this order; for `analyze`.
+   subroutine cholesky_set_order(self, matrix, n_schur, order, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_schur !! number of Schur variables
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+
+      self%n = size(order)
+      self%n_schur = n_schur
+      self%order = order
+      self%schur_order = order(self%n - n_schur + 1:) - (self%n - n_schur)
+      self%n_work_entries = 0
+      call self%take_values(matrix, error)
+   end subroutine cholesky_set_order
+
+   !> Takes a matrix in the order of elimination. For a matrix with the pattern of the one analyzed, and other values,
+   !> this and `complete` renew the factor without another analysis.
+   subroutine cholesky_take_values(self, matrix, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization, its order set
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+
+      self%refused_unknown = 0
+      self%matrix_norm = matrix%norm()
+      self%diagonal = matrix%value(matrix%column_start(self%order))
+      call matrix%permute(self%order, self%matrix, error)
+   end subroutine cholesky_take_values
+
+   !> Solves K x = b.
+   subroutine cholesky_solve(self, b, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: b(:) !! right-hand side (n)
+      real(dp), intent(out) :: x(:) !! the solution (n)
+      real(dp), allocatable :: y(:, :)
+
+      allocate (y(self%n, 1))
+      y(:, 1) = b(self%order)
+      call self%substitute_forward(self%n, y(:, 1))
+      call self%substitute_backward(self%n, y)
+      x(self%order) = y(:, 1)
+   end subroutine cholesky_solve
+
+   !> The Schur complement S = L22 L22^T of the matrix that was factorized.
+   subroutine cholesky_schur_complement(self, s)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), contiguous, intent(out) :: s(:, :)
+         !! S, both triangles, Schur variables in matrix order (n_schur, n_schur)
+      real(dp), allocatable :: diagonal(:)
+      integer :: i, j, m, info
+
+      m = self%n_schur
+      call self%schur_factor(s)
+      ! LAPACK has U U^T in place but not L L^T; with rows and columns reversed L22 is such a U. The lower triangle is
+      ! turned into the upper one, and the result, in matrix order, back into the lower one.
+      diagonal = [(s(i, i), i=1, m)]
+      do j = 1, m
+         do i = 1, j - 1
+            s(i, j) = s(m + 1 - i, m + 1 - j)
+         end do
+         s(j, j) = diagonal(m + 1 - j)
+      end do
+      call dlauum('U', m, s, max(1, m), info)
+      diagonal = [(s(i, i), i=1, m)]
+      associate (order => self%schur_order(m:1:-1))
+         do j = 1, m
+            do i = 1, j - 1
+               s(max(order(i), order(j)), min(order(i), order(j))) = s(i, j)
+            end do
+         end do
+         do j = 1, m
+            s(order(j), order(j)) = diagonal(j)
+         end do
+      end associate
+      call fill_upper(s)
+   end subroutine cholesky_schur_complement
+
+   !> Eliminates the interior from a load by the forward substitution of the interior.
+   subroutine cholesky_condense(self, b, partial, q)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: b(:) !! the load (n)
+      real(dp), contiguous, intent(out) :: partial(:) !! the vector after the forward substitution (n)
+      real(dp), intent(out) :: q(:) !! the condensed load, Schur variables in matrix order (n_schur)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_schur
+      partial = b(self%order)
+      call self%substitute_forward(n_interior, partial)
+      q(self%schur_order) = partial(n_interior + 1:)
+   end subroutine cholesky_condense
+
+   !> All unknowns from the Schur variables by the backward substitution of the interior.
+   subroutine cholesky_expand(self, partial, v, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
+      real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
+      real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
+
+      call expand_loads(self, 1, partial, v, x)
+   end subroutine cholesky_expand
+
+   !> All unknowns from the Schur variables under several loads.
+   subroutine cholesky_expand_all(self, partial, v, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+      real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
+      real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
+
+      call expand_loads(self, size(v, 2), partial, v, x)
+   end subroutine cholesky_expand_all
+
+   !> Does it for some loads, with one pass over the factor.
+   subroutine expand_loads(cholesky, n_loads, partial, v, x)
+      class(cholesky_t), intent(in) :: cholesky !! the factorization
+      integer, intent(in) :: n_loads !! number of loads
+      real(dp), intent(in) :: partial(cholesky%n, n_loads) !! what `condense` made of them
+      real(dp), intent(in) :: v(cholesky%n_schur, n_loads) !! the Schur variables in matrix order
+      real(dp), intent(out) :: x(cholesky%n, n_loads) !! all unknowns
+      real(dp), allocatable :: work(:, :)
+
+      associate (n_interior => cholesky%n - cholesky%n_schur)
+         allocate (work, source=partial)
+         work(n_interior + 1:, :) = v(cholesky%schur_order, :)
+         call cholesky%substitute_backward(n_interior, work)
+      end associate
+      x(cholesky%order, :) = work
+   end subroutine expand_loads
+
+   !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
+   pure subroutine cholesky_check_pivots(self, pivots, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      real(dp), intent(in) :: pivots(:) !! the diagonal of L by position (n)
+      type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
+      integer :: position
+
+      do position = 1, self%n
+         if (pivots(position)**2 > epsilon(1.0_dp)*self%n*self%diagonal(position)) cycle
+         call self%refuse(position, error)
+         return
+      end do
+      deallocate (self%diagonal)
+   end subroutine cholesky_check_pivots
+
+   !> Reports that the matrix is not positive definite.
+   pure subroutine cholesky_refuse(self, position, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      integer, intent(in) :: position !! position of the first pivot that is not positive
+      type(error_t), allocatable, intent(out) :: error !! what is wrong, naming the unknown
+
+      self%refused_unknown = self%order(position)
+      call new_error(error, numerical_failure, 'the matrix is not positive definite: the pivot of unknown '// &
+         to_text(self%refused_unknown)//' of '//to_text(self%n)//' is not positive')
+   end subroutine cholesky_refuse
 
 end module amontons_condenser

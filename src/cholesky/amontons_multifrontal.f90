@@ -12,7 +12,7 @@
 !>
 !> Sums run in the order of the fronts, so results do not depend on the number of threads.
 module amontons_multifrontal
-   use amontons_cholesky, only: cholesky_t
+   use amontons_condenser, only: cholesky_t
    use amontons_dense, only: cholesky_factor_tiled
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t, new_error, system_failure

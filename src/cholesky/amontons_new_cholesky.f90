@@ -1,8 +1,7 @@
 !> The choice of a factorization: by name, or by what the matrix would cost.
 module amontons_new_cholesky
    use amontons_band_cholesky, only: band_cholesky_t
-   use amontons_cholesky, only: cholesky_t
-   use amontons_condenser, only: condenser_t
+   use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_error, only: error_t
    use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp

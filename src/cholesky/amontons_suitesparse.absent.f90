@@ -1,6 +1,6 @@
 !> Sparse Cholesky in a build without SuiteSparse: it is refused.
 module amontons_suitesparse
-   use amontons_cholesky, only: cholesky_t
+   use amontons_condenser, only: cholesky_t
    use amontons_error, only: error_t, input_refused, new_error
    implicit none (type, external)
    private

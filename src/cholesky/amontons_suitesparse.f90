@@ -3,7 +3,7 @@
 module amontons_suitesparse
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int64_t, c_null_char, c_null_ptr, &
       c_ptr
-   use amontons_cholesky, only: cholesky_t
+   use amontons_condenser, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_fronts, only: backward_columns, forward_columns
    use amontons_graph, only: graph_t, new_graph

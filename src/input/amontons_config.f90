@@ -4,17 +4,16 @@
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
-   use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
-      material_group, mesh_group, require_expansion, support_group
-   use amontons_config_case, only: accuracy_group, accuracy_options_t, case_group, describe_accuracy, describe_case, &
-      describe_output, describe_problem, output_group, problem_group, reduced_source_t
-   use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
+   use amontons_config_groups, only: accuracy_group, accuracy_options_t, case_group, contact_group, &
+      describe_accuracy, describe_case, describe_contact, describe_load, describe_material, describe_mesh, &
+      describe_output, describe_problem, describe_support, describe_tie, load_group, material_group, mesh_group, &
+      output_group, problem_group, reduced_source_t, require_expansion, support_group, tie_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, deck_t, read_deck, read_deck_text, read_settings, setting_t
    use amontons_deck_contents, only: suggestion
-   use amontons_deck_reader, only: deck_reader_t
-   use amontons_deck_visitor, only: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
+   use amontons_deck_visitor, only: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, &
+      is_filled, key_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_fault_list, only: fault_list_t
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_model_t, &

@@ -3,11 +3,10 @@ module amontons_rectangle
    use amontons_element, only: element_names, is_triangle, n_element_nodes, quad4, tri3
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_listing_text, only: short_text
    use amontons_mesh, only: boundary_set_t, mesh_t
    use amontons_refined_mesh, only: raise_order
    use amontons_system, only: available_memory_mb
-   use amontons_text, only: to_text
+   use amontons_text, only: short_text, to_text
    implicit none (type, external)
    private
 

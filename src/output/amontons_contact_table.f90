@@ -9,9 +9,8 @@ module amontons_contact_table
    use amontons_document, only: document_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: columns, flush_right, heading, unit_of
    use amontons_result, only: result_t
-   use amontons_text, only: as_lines, comma_separated, n_characters, to_text
+   use amontons_text, only: as_lines, columns, comma_separated, flush_right, heading, n_characters, to_text, unit_of
    implicit none (type, external)
    private
 

@@ -1,6 +1,8 @@
 !> NAME.lst: the listing, which an engineer reads top to bottom and needs nothing else; and what the listings of decks,
-!> sweeps and reduced problems have in common: the head, the model, the method and its outcome, the verdict, the times.
+!> sweeps and reduced problems have in common: the head, the model, the method and its outcome, uniqueness and all
+!> solutions (NAME.solutions.csv, too), the verdict, the times.
 module amontons_listing
+   use amontons_all_solutions, only: all_solutions_t
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
@@ -13,11 +15,9 @@ module amontons_listing
    use amontons_document, only: document_t
    use amontons_element, only: quad4
    use amontons_error, only: error_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text, unit_of, &
-      with_unit
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
@@ -27,10 +27,11 @@ module amontons_listing
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, result_t
-   use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
-   use amontons_text, only: as_lines, counted, line_end, newline, to_text
+   use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
+      pair_text, scientific, short_text, to_text, unit_of, with_unit
+   use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
    use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
@@ -38,14 +39,95 @@ module amontons_listing
    private
 
    public :: certificate_text, closed_text, factorization_text, head_text, listed_phases, method_text, model_text, &
-      new_listing, outcome_text, quantities_text, residual_text, status_counts, times_text, violations_text, &
-      warnings_text
+      new_listing, outcome_text, quantities_text, residual_text, solutions_table_text, solutions_text, &
+      status_counts, times_text, uniqueness_text, violations_text, warnings_text
 
    !> The phases that lie behind a deck when its listing is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &
       phase_recover]
 
 contains
+
+   !> The lines on uniqueness.
+   pure function uniqueness_text(uniqueness, friction) result(text)
+      type(uniqueness_t), intent(in) :: uniqueness !! the bound
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the problem (m) [-]
+      character(:), allocatable :: text
+      character(:), allocatable :: known
+
+      text = ''
+      if (size(friction) == 0) return
+      if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
+         known = 'unique, since there is no Coulomb friction'
+      else if (.not. uniqueness%has_bound) then
+         known = 'no bound is known'
+      else if (uniqueness%is_for_any) then
+         known = 'unique for any friction'
+      else
+         known = 'proven below '//short_text(uniqueness%friction)
+         if (uniqueness%is_exact) known = known//', the exact bound'
+         if (uniqueness%is_unique) known = 'unique (friction '//short_text(maxval(friction))//'; '//known//')'
+      end if
+      if (.not. uniqueness%is_unique) known = 'not proven (friction '//short_text(maxval(friction))//'; '//known//')'
+      text = labeled('Uniqueness', known)
+   end function uniqueness_text
+
+   !> The section on all solutions.
+   pure function solutions_text(solutions, force) result(text)
+      type(all_solutions_t), intent(in) :: solutions !! all solutions
+      real(dp), intent(in) :: force(:) !! forces of the solution that the listing reports (2m) [F]
+      character(:), allocatable :: text
+      integer :: i, m, p
+
+      m = size(force)/2
+      text = heading('All solutions')//labeled('Found', to_text(solutions%n))
+      if (solutions%has_family) text = text//labeled('Note', 'some statuses admit a continuum of solutions, of '// &
+         'which only the corners are found')
+      do i = 1, solutions%n
+         text = text//labeled('Solution '//to_text(i), kind_of(i))
+         do p = 1, m
+            text = text//labeled('', 'point '//to_text(p)//': '//trim(status_names(solutions%status(p, i)))// &
+               ', forces '//short_text(solutions%force(p, i))//', '//short_text(solutions%force(m + p, i)))
+         end do
+      end do
+
+   contains
+
+      !> Whether a solution is alone, and whether it is the one reported.
+      pure function kind_of(solution) result(words)
+         integer, intent(in) :: solution !! number of the solution
+         character(:), allocatable :: words
+         ! Rounding, and the tolerance of the method that found the reported one.
+         real(dp), parameter :: same = 1.0e-6_dp
+
+         words = trim(merge('isolated            ', 'between two statuses', solutions%is_isolated(solution)))
+         if (maxval(abs(solutions%force(:, solution) - force)) <= same*maxval(abs(force))) words = words// &
+            '; the one reported'
+      end function kind_of
+
+   end function solutions_text
+
+   !> NAME.solutions.csv: one row for each point of each solution.
+   pure function solutions_table_text(solutions, gap) result(text)
+      type(all_solutions_t), intent(in) :: solutions !! all solutions
+      real(dp), intent(in) :: gap(:) !! initial distance to the obstacle along the normal (m) [L]
+      character(:), allocatable :: text
+      character(150) :: rows(size(gap), solutions%n)
+      integer :: i, p, m
+
+      m = size(gap)
+      do i = 1, solutions%n
+         associate (v => solutions%displacement(:, i), force => solutions%force(:, i))
+            do p = 1, m
+               rows(p, i) = to_text(i)//','//trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p) &
+                  //','//comma_separated([gap(p) - v(p), v(m + p), force(p), force(m + p)]) &
+                  //','//status_names(solutions%status(p, i))
+            end do
+         end associate
+      end do
+      text = 'solution,isolated,point,gap,slip,normal_force,tangential_force,status'//newline &
+         //as_lines(reshape(rows, [size(rows)]))
+   end function solutions_table_text
 
    !> Mesh, material, supports, contact sets and loads.
    function model_text(body, load_case, units) result(text)

@@ -7,11 +7,10 @@ module amontons_report
    use amontons_document, only: document_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_listing, only: new_listing
+   use amontons_listing, only: new_listing, solutions_table_text
    use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
-   use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: new_summary
    use amontons_system, only: file_name_t, make_directory
    use amontons_terminal, only: phase_write

@@ -14,7 +14,6 @@ module amontons_load_solver
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
    use amontons_load_family, only: acting_t, load_family_t, new_load_family, parting_t
    use amontons_methods, only: method_options_t, new_contact_method
@@ -23,6 +22,7 @@ module amontons_load_solver
    use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
    use amontons_spin, only: can_spin, check_spin
+   use amontons_text, only: short_text
    implicit none (type, external)
    private
 

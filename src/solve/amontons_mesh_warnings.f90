@@ -5,10 +5,9 @@ module amontons_mesh_warnings
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: pair_text
    use amontons_model_warnings, only: percent
    use amontons_result, only: result_t
-   use amontons_text, only: to_text
+   use amontons_text, only: pair_text, to_text
    implicit none (type, external)
    private
 

@@ -3,12 +3,11 @@ module amontons_outcome
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: scientific
    use amontons_outcome_words, only: solution_word, word_no_equilibrium, word_not_certified, word_not_converged, &
       word_solved
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, status_not_converged
-   use amontons_text, only: counted
+   use amontons_text, only: counted, scientific
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private

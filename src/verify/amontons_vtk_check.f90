@@ -1,12 +1,11 @@
 !> A grid as it was written, compared with what should stand there: whoever hands the arrays over to a file that is
 !> written can hand them over to this one.
 module amontons_vtk_check
-   use amontons_base64, only: base64_size, decode_base64
    use amontons_document_check, only: contradiction, first_disagreement
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_text, only: to_text
-   use amontons_vtu, only: bytes_per_length, vtk_file_t
+   use amontons_vtu, only: base64_size, bytes_per_length, decode_base64, vtk_file_t
    implicit none (type, external)
    private
 

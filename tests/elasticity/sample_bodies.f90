@@ -1,7 +1,7 @@
 !> Supports and loads in one line each, and the plain displacement method, for bodies without contact.
 module sample_bodies
    use amontons_assembly, only: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
-   use amontons_cholesky, only: cholesky_t
+   use amontons_condenser, only: cholesky_t
    use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
       spring_side_t, support_t
    use amontons_error, only: error_t

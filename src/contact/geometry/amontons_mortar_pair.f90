@@ -10,12 +10,12 @@ module amontons_mortar_pair
    use amontons_contact_set, only: pairing_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: place_text, short_text
    use amontons_mesh, only: mesh_t
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
       place_on
    use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
    use amontons_surface, only: meshed_body_t, new_surface, surface_place_t, surface_t
+   use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private
 

@@ -5,13 +5,13 @@ module amontons_pair_refusals
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: place_text, short_text
    use amontons_mesh, only: mesh_t
    use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: mortar_points_t
    use amontons_mortar_segments, only: meet_side
    use amontons_surface, only: cross_product
+   use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private
 

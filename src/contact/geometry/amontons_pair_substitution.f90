@@ -9,9 +9,9 @@ module amontons_pair_substitution
    use amontons_contact_rows, only: turned
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: place_text
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
    use amontons_mortar_points, only: mortar_points_t
+   use amontons_text, only: place_text
    implicit none (type, external)
    private
 

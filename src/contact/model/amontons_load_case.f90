@@ -8,12 +8,11 @@ module amontons_load_case
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: place_text
    use amontons_loads, only: load_t, load_vector, spread_total_force, sum_thermal_strain
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
-   use amontons_text, only: to_text
+   use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 

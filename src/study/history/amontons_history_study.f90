@@ -6,7 +6,6 @@ module amontons_history_study
    use amontons_history_report, only: describe_history
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: scientific, short_text, with_unit
    use amontons_model_warnings, only: add_history_warnings
    use amontons_outcome, only: outcome_t
    use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium, word_not_converged
@@ -17,7 +16,7 @@ module amontons_history_study
    use amontons_solve_history, only: history_result_t, solve_history
    use amontons_study, only: report_size, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: to_text
+   use amontons_text, only: scientific, short_text, to_text, with_unit
    implicit none (type, external)
    private
 

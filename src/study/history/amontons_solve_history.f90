@@ -11,7 +11,6 @@ module amontons_solve_history
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: scientific
    use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_outcome_words, only: outcome_no_equilibrium
@@ -23,7 +22,7 @@ module amontons_solve_history
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: newline, scientific, to_text
    use amontons_uniqueness, only: new_uniqueness
    use amontons_version, only: version
    implicit none (type, external)

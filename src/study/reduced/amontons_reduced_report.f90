@@ -7,9 +7,8 @@ module amontons_reduced_report
    use amontons_json, only: json_number, json_string
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text, warnings_text
-   use amontons_listing_text, only: heading, labeled, scientific, short_text
+   use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
+      solutions_text, status_counts, times_text, uniqueness_text, violations_text, warnings_text
    use amontons_manifest, only: manifest_t
    use amontons_outcome_words, only: solution_word
    use amontons_output_file, only: output_file_t
@@ -17,13 +16,12 @@ module amontons_reduced_report
    use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: commit_case, write_documents
    use amontons_result, only: certificate_limit
-   use amontons_solutions_report, only: solutions_table_text, solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_summary, only: add_head, certificate_member, count_members => status_counts, effort_members, &
       last_members, member, quantities_member, uniqueness_member
    use amontons_system, only: make_directory
    use amontons_terminal, only: phase_read, phase_recover, phase_solve, phase_write
-   use amontons_text, only: to_text
+   use amontons_text, only: heading, labeled, scientific, short_text, to_text
    implicit none (type, external)
    private
 

@@ -12,12 +12,12 @@ module amontons_solve_reduced
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
    use amontons_methods, only: method_options_t, new_contact_method
    use amontons_quantity, only: quantity_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_reduced_file
    use amontons_terminal, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
+   use amontons_text, only: short_text
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)

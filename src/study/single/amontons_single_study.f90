@@ -10,7 +10,6 @@ module amontons_single_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
-   use amontons_listing_text, only: short_text, with_unit
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
    use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t, value_of
@@ -22,7 +21,7 @@ module amontons_single_study
    use amontons_study, only: report_size, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_terminal, only: phase_solve, phase_write
-   use amontons_text, only: to_text
+   use amontons_text, only: short_text, to_text, with_unit
    implicit none (type, external)
    private
 

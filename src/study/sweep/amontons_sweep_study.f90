@@ -4,7 +4,6 @@ module amontons_sweep_study
    use amontons_conditioning, only: rounded
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t
    use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved, &
       word_no_equilibrium, word_not_converged
@@ -18,7 +17,7 @@ module amontons_sweep_study
    use amontons_sweep_chunk, only: prepare_sweep, sweep_task_t
    use amontons_sweep_report, only: write_sweep_report
    use amontons_sweep_statistics, only: ranked_quantities, sweep_statistics_t
-   use amontons_text, only: counted, to_text
+   use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
    private
 

@@ -1,0 +1,738 @@
+!> The groups of a deck that describe a case: name, options and output; mesh, materials, supports and loads; contact
+!> sets, ties and their obstacles.
+module amontons_config_groups
+   use amontons_case_label, only: case_label_t
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_set, only: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, &
+      pairing_t, tie_t
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
+   use amontons_element, only: element_names
+   use amontons_error, only: error_t
+   use amontons_file_model, only: use_names
+   use amontons_history, only: fretting_names, history_t
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
+   use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
+   use amontons_mesh_file, only: mesh_part_t
+   use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_rectangle, only: diagonal_names, rectangle_t
+   use amontons_sweep, only: key_result_names, sweep_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: accuracy_options_t, describe_accuracy, describe_case, describe_contact, describe_load, &
+      describe_material, describe_mesh, describe_output, describe_problem, describe_support, describe_tie, &
+      reduced_source_t, require_expansion
+
+   !> The group of the case.
+   type(group_t), parameter, public :: case_group = group_t('case')
+
+   !> The group of the accuracy.
+   type(group_t), parameter, public :: accuracy_group = group_t('accuracy')
+   !> How errors are estimated, as a deck writes it.
+   character(8), parameter :: estimate_names(2) = [character(8) :: 'recovery', 'none']
+   !> Fewest refinements that show an order of convergence.
+   integer, parameter :: fewest_refinements = 2
+
+   !> What is asked of the accuracy.
+   type :: accuracy_options_t
+      character(8) :: estimate = 'recovery' !! one of `estimate_names`
+      integer :: n_refinements = 0 !! on how many meshes, each refined from the one before, the case is solved again
+   contains
+      procedure :: wants_estimate => accuracy_wants_estimate
+   end type accuracy_options_t
+
+   !> The group of what is written.
+   type(group_t), parameter, public :: output_group = group_t('output')
+
+   !> The group of the problem.
+   type(group_t), parameter, public :: problem_group = group_t('problem')
+   !> Kinds of problems, as a deck writes them.
+   character(7), parameter :: kind_names(2) = [character(7) :: 'body', 'reduced']
+
+   !> Where a reduced problem comes from.
+   type :: reduced_source_t
+      logical :: is_given = .false. !! whether the problem is a reduced one
+      character(:), allocatable :: file !! name of its file, as messages tell it
+      character(:), allocatable :: path !! name of its file from the root on
+      character(:), allocatable :: origin !! where the file was named, for messages: 'deck.nml:12: '; may be empty
+      logical :: has_friction = .false. !! whether `friction` takes the place of the file's coefficients
+      real(dp) :: friction = 0.0_dp !! Coulomb coefficient of all contacts [-]
+   end type reduced_source_t
+
+   !> The group of the mesh.
+   type(group_t), parameter, public :: mesh_group = group_t('mesh', is_repeatable=.true., is_shared=.true.)
+   !> The group of a material.
+   type(group_t), parameter, public :: material_group = group_t('material', is_repeatable=.true., is_shared=.true.)
+   !> The group of a support.
+   type(group_t), parameter, public :: support_group = group_t('support', is_repeatable=.true., is_shared=.true.)
+   !> The group of a load.
+   type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
+
+   !> What `ux`, `uy`, `un` and `ut` mean.
+   character(67), parameter :: component_meanings(*) = [character(67) :: &
+      'prescribed displacement along x', &
+      'prescribed displacement along y', &
+      'prescribed displacement along the outward normal; with `set` only', &
+      'prescribed displacement along the tangent; with `set` only']
+   !> What other programs call these.
+   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t']
+
+   !> The group of a contact set.
+   type(group_t), parameter, public :: contact_group = group_t('contact', is_repeatable=.true.)
+   !> The group of a tie.
+   type(group_t), parameter, public :: tie_group = group_t('tie', is_repeatable=.true., is_shared=.true.)
+   !> Keys of Coulomb's coefficient: its value, slope and table.
+   type(key_t), parameter :: friction_keys(3) = [ &
+      key_t('friction', "Coulomb's coefficient; 0 is frictionless contact", at_least=0.0_dp, &
+      also='mu mu_s f cof coefficient'), &
+      key_t('friction_slope', 'change of the coefficient along x and y; `friction` is then its value at the origin', &
+      '1/L'), &
+      key_t('friction_table', 'file with the coefficient over the length of the contact line, instead', is_file=.true.)]
+   !> Keys of the given bound: its value, slope and table.
+   type(key_t), parameter :: bound_keys(3) = [ &
+      key_t('slip_bound', 'given bound of the shear stress (Tresca friction)', 'F/L²', at_least=0.0_dp, &
+      also='tresca g'), &
+      key_t('slip_bound_slope', 'change of the bound along x and y; `slip_bound` is then its value at the origin', &
+      'F/L³'), &
+      key_t('slip_bound_table', 'file with the bound over the length of the contact line, instead', is_file=.true.)]
+
+contains
+
+   !> Describes `&case`: name and title.
+   subroutine describe_case(visitor, label)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      class(case_label_t), intent(inout) :: label !! what the case is called; its file is set
+      ! File names end at 255 characters; temporary ones add up to 30 to the name.
+      integer, parameter :: longest_name = 200
+      character, parameter :: blank = ' '
+      integer :: i, last_point
+      logical :: has_units
+
+      if (.not. allocated(label%name)) then
+         label%name = label%file(index(label%file, '/', back=.true.) + 1:)
+         last_point = index(label%name, '.', back=.true.)
+         if (last_point > 1) label%name = label%name(:last_point - 1)
+      end if
+      call visitor%open_group(case_group)
+      call visitor%text(key_t('name', 'name of the case and of its files; 1 to 200 characters, without `/`', &
+         default="name of the deck's file without its folder and last extension", also='job id'), label%name)
+      call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
+         label%title)
+      has_units = is_filled(label%units)
+      call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
+         ' listing, grids, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
+         label%units, has_units)
+      call visitor%close_group()
+      call visitor%require(.not. has_units .or. are_units(label%units), 'units', &
+         "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
+      if (len_trim(label%name) == 0 .or. len(label%name) > longest_name .or. &
+         any([(label%name(i:i) < blank .or. label%name(i:i) == '/', i=1, len(label%name))])) then
+         call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
+            to_text(longest_name)//" characters without '/' and control characters")
+      end if
+   end subroutine describe_case
+
+   !> Whether a text is two or three names of units, commas between them.
+   pure logical function are_units(text)
+      character(*), intent(in) :: text !! the text
+      integer :: i, n_commas
+
+      n_commas = 0
+      are_units = .true.
+      do i = 1, len(text)
+         if (text(i:i) /= ',') cycle
+         n_commas = n_commas + 1
+         are_units = are_units .and. len_trim(text(:i - 1)) > scan(text(:i - 1), ',', back=.true.)
+      end do
+      are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
+   end function are_units
+
+   !> Describes `&accuracy`.
+   subroutine describe_accuracy(visitor, accuracy, has_many_cases)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(accuracy_options_t), intent(inout) :: accuracy !! what is asked
+      logical, intent(in) :: has_many_cases !! whether the deck has a sweep or a history
+      logical :: is_given
+
+      is_given = accuracy%n_refinements > 0
+      call visitor%open_group(accuracy_group)
+      call visitor%word(key_t('estimate', 'estimate of the error of the stresses of every element: by recovered'// &
+         ' stresses, or none, which saves some time', also='error'), accuracy%estimate, estimate_names)
+      call visitor%whole(key_t('refinements', 'the case is solved on its mesh and on so many refined ones, and the'// &
+         ' key results get error bars', default='none', at_least=real(fewest_refinements, dp), also='refine levels'), &
+         accuracy%n_refinements, is_given)
+      call visitor%close_group()
+      call visitor%only('refinements', .not. has_many_cases, 'a deck without &sweep and &history')
+   end subroutine describe_accuracy
+
+   !> Whether errors are estimated.
+   pure logical function accuracy_wants_estimate(self)
+      class(accuracy_options_t), intent(in) :: self !! what is asked
+
+      accuracy_wants_estimate = self%estimate == estimate_names(1)
+   end function accuracy_wants_estimate
+
+   !> Describes `&output`: what a sweep or a history leaves besides its table.
+   subroutine describe_output(visitor, sweep, history)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(sweep_t), intent(inout) :: sweep !! the sweep
+      type(history_t), intent(inout) :: history !! the history
+      character(len(key_result_names)) :: key_results
+      integer :: fields_every
+      logical :: has_fields, has_key_results
+
+      fields_every = max(sweep%fields_every, history%fields_every)
+      has_fields = fields_every > 0
+      call visitor%open_group(output_group)
+      call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
+         ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
+         also='out every frequency'), fields_every, has_fields)
+      has_key_results = sweep%has_body_results
+      key_results = key_result_names(merge(2, 1, sweep%has_body_results))
+      call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, those of the contact'// &
+         ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
+         default="`'contact'`"), key_results, key_result_names, has_key_results)
+      sweep%has_body_results = key_results == key_result_names(2)
+      call describe_steps(visitor, history)
+      call visitor%close_group()
+      if (sweep%is_given()) sweep%fields_every = fields_every
+      if (history%is_given) history%fields_every = fields_every
+      call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
+      call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
+      call visitor%only('points_every', history%is_given, 'a deck with &history')
+      call visitor%only('states_every', history%is_given, 'a deck with &history')
+      call visitor%only('probe', history%is_given, 'a deck with &history')
+      call visitor%only('fretting', history%is_given, 'a deck with &history')
+      if (allocated(history%probes)) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
+         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
+   end subroutine describe_output
+
+   !> Describes what a history leaves of its steps.
+   subroutine describe_steps(visitor, history)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(history_t), intent(inout) :: history !! the history
+      character(len(fretting_names)) :: fretting
+      logical :: has_points, has_states, has_probes, has_fretting
+
+      has_points = history%points_every > 0
+      has_states = history%states_every > 0
+      has_probes = history%n_probes() > 0
+      call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
+         ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
+         has_points)
+      call visitor%whole(key_t('states_every', 'with `&history`: all that another history needs to `start` from'// &
+         ' step 1 or from a so-many-th step behind it is written', default='none', at_least=1.0_dp), &
+         history%states_every, has_states)
+      call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
+         ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
+      has_fretting = history%has_fretting
+      fretting = fretting_names(merge(2, 1, history%has_fretting))
+      call visitor%word(key_t('fretting', 'with `&history`: whether the stress along the surface and the parameters'// &
+         ' of Ruiz and of Smith, Watson and Topper are computed at each contact point', default="`'none'`"), fretting, &
+         fretting_names, has_fretting)
+      history%has_fretting = fretting == fretting_names(2)
+   end subroutine describe_steps
+
+   !> Describes `&problem`.
+   subroutine describe_problem(visitor, reduced)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(reduced_source_t), intent(inout) :: reduced !! the reduced problem, if there is one
+      character(len(kind_names)) :: kind
+      logical :: has_kind, has_file
+
+      kind = kind_names(merge(2, 1, reduced%is_given))
+      has_kind = reduced%is_given
+      has_file = is_filled(reduced%path)
+      call visitor%open_group(problem_group)
+      call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file'), &
+         kind, kind_names, has_kind)
+      call visitor%text(key_t('file', "with `kind = 'reduced'`: name of its file, seen from the deck's folder", &
+         is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
+      call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts, in the"// &
+         " place of the file's", default="the file's", at_least=0.0_dp, also='mu'), reduced%friction, &
+         reduced%has_friction)
+      call visitor%close_group()
+      reduced%file = reduced%path
+      reduced%is_given = kind == 'reduced'
+      call visitor%locate('file', reduced%origin)
+      if (visitor%is_judging()) then
+         call visitor%only('file', reduced%is_given, "kind = 'reduced'")
+         call visitor%only('friction', reduced%is_given, "kind = 'reduced'")
+         call visitor%require(has_file .or. .not. reduced%is_given, 'kind', "kind = 'reduced' needs file = 'PROBLEM'")
+      else if (visitor%place > 0) then
+         ! A body that is missing here is not missed as well.
+         reduced%is_given = reduced%is_given .or. visitor%deck%count_groups('mesh') == 0
+      end if
+   end subroutine describe_problem
+
+   !> Describes one `&mesh`: a rectangle and its cells, or a file.
+   subroutine describe_mesh(visitor, part)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(mesh_part_t), intent(inout) :: part !! the part of the mesh
+      character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
+      character(9) :: kind
+      logical :: has_file, has_name, is_rectangle
+
+      has_file = is_filled(part%file)
+      has_name = is_filled(part%name)
+      kind = kind_names(merge(2, 1, has_file))
+      call visitor%open_group(mesh_group)
+      call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
+         ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
+      call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, kind_names)
+      is_rectangle = kind == kind_names(1)
+      call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
+         " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), part%file, has_file)
+      call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
+         default='none', also='read import'), use_names, part%is_used)
+      call describe_rectangle(visitor, part%rectangle, is_rectangle)
+      call visitor%reals(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
+         ' is put', 'L', also='position offset translate'), part%origin)
+      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
+         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), part%n_refinements)
+      call visitor%close_group()
+      call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
+      if (.not. visitor%is_judging()) return
+      call visitor%only('file', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. has_name, 'a mesh without a name')
+      call visitor%only('size', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('element', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('diagonal', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
+      call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
+   end subroutine describe_mesh
+
+   !> Describes the keys of a rectangle.
+   subroutine describe_rectangle(visitor, rectangle, is_rectangle)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(rectangle_t), intent(inout) :: rectangle !! the rectangle
+      logical, intent(in) :: is_rectangle !! whether the mesh is one
+      logical :: needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
+
+      needs_size = is_rectangle .and. .not. visitor%has('file')
+      has_size = is_rectangle
+      has_cells = is_rectangle
+      has_element = is_rectangle
+      has_diagonal = is_rectangle
+      has_grading = is_rectangle
+      call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
+         is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
+      call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
+         is_required=needs_size, also='elements divisions n nx ny h'), rectangle%cells, has_cells)
+      call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
+         also='type etype order'), rectangle%element, element_names, has_element)
+      call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
+         ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
+      call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
+         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
+   end subroutine describe_rectangle
+
+   !> Describes one `&material`.
+   subroutine describe_material(visitor, material)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(material_t), intent(inout) :: material !! the material
+      type(material_t) :: derived
+      type(error_t), allocatable :: error
+      logical :: has_region
+
+      has_region = is_filled(material%region)
+      call visitor%open_group(material_group)
+      call visitor%real(key_t('young', "Young's modulus", 'F/L²', above=0.0_dp, is_required=.true., &
+         also='e modulus e_modulus youngs_modulus'), material%young)
+      call visitor%real(key_t('poisson', "Poisson's ratio", above=-1.0_dp, below=0.5_dp, is_required=.true., &
+         also='nu poissons_ratio'), material%poisson)
+      call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
+         ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
+      call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
+         also='type plane model state plane_stress plane_strain'), material%hypothesis, hypothesis_names)
+      call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
+         " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
+         formulation_names)
+      call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &
+         at_least=0.0_dp, also='rho mass'), material%density)
+      call visitor%real(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`', &
+         '1/K', also='alpha cte'), material%expansion)
+      call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
+         also='set elset'), material%region, has_region)
+      call visitor%close_group()
+      material%origin = ''
+      call visitor%locate('region', material%origin)
+      call visitor%require(material%formulation /= 'b-bar' .or. material%hypothesis /= 'plane stress', 'formulation', &
+         "formulation must not be 'b-bar' in plane stress, where nothing locks")
+      ! Its rules are those above.
+      call new_material(derived, material%young, material%poisson, material%hypothesis, material%thickness, error)
+      material%lambda = derived%lambda
+      material%mu = derived%mu
+      material%is_plane_stress = derived%is_plane_stress
+      material%is_axisymmetric = derived%is_axisymmetric
+      call material%choose_formulation((material%formulation))
+   end subroutine describe_material
+
+   !> Describes one `&support`.
+   subroutine describe_support(visitor, support)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(support_t), intent(inout) :: support !! the support
+      logical :: has_name, has_set, has_point, has_spring(2)
+      integer :: k
+
+      has_name = is_filled(support%name)
+      has_set = is_filled(support%set)
+      has_point = allocated(support%set) .and. .not. has_set
+      ! A support that holds nothing else has them even if they are 0.
+      has_spring = any(support%spring > 0.0_dp) .or. all(.not. support%is_held)
+      call visitor%open_group(support_group)
+      call visitor%text(key_t('name', 'by which `&steps` know it; several supports may share a name', default='none', &
+         is_filled=.true., is_free=.true., also='label'), support%name, has_name)
+      call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
+         also='nset boundary'), support%set, has_set)
+      call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
+      do k = 1, size(supported_components)
+         call visitor%real(key_t(supported_components(k), component_meanings(k), 'L', default='free', &
+            also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
+      end do
+      call visitor%real(key_t('spring_n', 'elastic foundation: stress per displacement along the normal; with `set`'// &
+         ' only', 'F/L³', default='`0.0`', at_least=0.0_dp, also='k stiffness foundation'), &
+         support%spring(1), has_spring(1))
+      call visitor%real(key_t('spring_t', 'elastic foundation: stress per displacement along the tangent; with'// &
+         ' `set` only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(2), has_spring(2))
+      call visitor%close_group()
+      call visitor%locate('set', support%origin)
+      if (.not. visitor%is_judging()) return
+      call visitor%require(has_set .neqv. has_point, 'set', '&support needs either set or point')
+      call visitor%require(any([support%is_held, has_spring]), '', &
+         '&support needs one of ux, uy, un, ut, spring_n and spring_t')
+      call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
+         'un, ut, spring_n and spring_t need set: a point has no normal')
+   end subroutine describe_support
+
+   !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
+   subroutine describe_load(visitor, load)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4)
+
+      has_name = is_filled(load%name)
+      has_set = is_filled(load%set)
+      has_region = is_filled(load%region)
+      on_nodes = load%target == load_on_nodes
+      has_point = on_nodes .and. .not. has_set
+      call visitor%open_group(load_group)
+      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
+         default='none', is_filled=.true., also='label'), load%name, has_name)
+      call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or boundary set of'// &
+         ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
+      call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
+         has_point)
+      call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
+         also='elset'), load%region, has_region)
+      call describe_tractions(visitor, load, is_given(load_on_sides))
+      call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
+         ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
+      is_given(load_on_nodes) = on_nodes
+      call describe_body_force(visitor, load, is_given(load_on_region))
+      call describe_temperature(visitor, load, is_given(load_by_temperature))
+      call visitor%close_group()
+      load%target = max(load_on_sides, findloc(is_given, .true., dim=1))
+      call visitor%locate('set', load%origin)
+      call judge_load(visitor, load, is_given)
+   end subroutine describe_load
+
+   !> Describes the keys of a load on sides.
+   subroutine describe_tractions(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      real(dp) :: slopes(4)
+      logical :: has(4), has_total
+
+      has_total = load%target == load_on_sides .and. any(abs(load%total_force) > 0.0_dp)
+      has = load%target == load_on_sides .and. .not. has_total
+      slopes = reshape(load%traction_slope, [4])
+      call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
+         also='t trac stress shear'), load%traction, has(1))
+      call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
+         ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, has(2))
+      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
+         ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
+      call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, has(4))
+      call visitor%reals(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
+         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, has_total)
+      load%traction_slope = reshape(slopes, [2, 2])
+      is_given = any(has) .or. has_total
+      call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
+         'give either total_force, or traction and pressure')
+   end subroutine describe_tractions
+
+   !> Describes the keys of forces per volume.
+   subroutine describe_body_force(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      logical :: has_force, has_gravity, has_speed, has_center, has_axis
+
+      has_gravity = any(abs(load%gravity) > 0.0_dp)
+      has_speed = abs(load%angular_speed) > 0.0_dp
+      has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
+         .not. (has_gravity .or. has_speed))
+      has_center = has_speed .and. any(abs(load%center) > 0.0_dp)
+      has_axis = has_speed .and. any(abs(load%axis) > 0.0_dp)
+      call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
+         also='weight'), load%body_force, has_force)
+      call visitor%reals(key_t('gravity', 'acceleration along x and y that gives the `density` its weight', 'L/T²', &
+         also='g acceleration grav'), load%gravity, has_gravity)
+      call visitor%real(key_t('angular_speed', 'of a rotation, in radians per time: the centrifugal force on the'// &
+         ' `density`', '1/T', default='none', also='omega spin centrif speed'), load%angular_speed, has_speed)
+      call visitor%reals(key_t('center', 'a point of the axis of rotation; for a plane body only', 'L', &
+         default='the origin', also='origin'), load%center, has_center)
+      call visitor%reals(key_t('axis', 'direction of the axis of rotation where it lies in the plane; for a plane'// &
+         ' body only', default='normal to the plane', is_nonzero=.true.), load%axis, has_axis)
+      is_given = has_force .or. has_gravity .or. has_speed
+   end subroutine describe_body_force
+
+   !> Describes the keys of a temperature.
+   subroutine describe_temperature(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      character(*), parameter :: table_key = 'temperature_table'
+      logical :: has_value, has_slope, has_table
+
+      has_table = is_filled(load%temperature_file)
+      has_value = load%target == load_by_temperature .and. .not. has_table
+      has_slope = any(abs(load%temperature_slope) > 0.0_dp)
+      call visitor%real(key_t('temperature', 'above that at which nothing is strained, at the origin; on `region`'// &
+         ' or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
+      call visitor%reals(key_t('temperature_slope', 'its change along x and y', 'K/L'), load%temperature_slope, &
+         has_slope)
+      call visitor%text(key_t(table_key, 'file with the numbers of nodes, as in the mesh file, and their'// &
+         ' temperatures, instead', is_file=.true., is_filled=.true.), load%temperature_file, has_table)
+      call visitor%table(table_key, load%temperature_file, load%temperature_table)
+      is_given = has_value .or. has_slope .or. has_table
+      if (.not. allocated(load%temperature_table)) return
+      associate (numbers => load%temperature_table(1, :))
+         call visitor%require(all(numbers >= 1.0_dp .and. numbers < huge(1) .and. .not. abs(numbers - anint(numbers)) &
+            > 0.0_dp), table_key, table_key//' must have the number of a node, 1 or above, in each row')
+      end associate
+      call visitor%require(.not. (has_value .or. has_slope), table_key, &
+         'give either temperature and temperature_slope, or temperature_table')
+   end subroutine describe_temperature
+
+   !> Judges the keys of a `&load` together.
+   subroutine judge_load(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(in) :: load !! the load
+      logical, intent(in) :: is_given(:) !! whether it has keys of each target
+
+      if (.not. visitor%is_judging()) return
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, force, body_force, '// &
+         'gravity, angular_speed or temperature')
+      call visitor%require(count(is_given) <= 1, '', &
+         'traction and pressure or total_force, force, body forces, and temperature need a &load for each')
+      if (count(is_given) /= 1) return
+      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
+      call visitor%only('point', load%target == load_on_nodes, 'force')
+      call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
+      call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
+         'traction, pressure and total_force need set')
+      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
+         'force', 'force needs either set or point')
+      if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
+   end subroutine judge_load
+
+   !> Requires that every `&material` says how it expands, since there are temperatures.
+   subroutine require_expansion(visitor, key)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      character(*), intent(in) :: key !! the key that brings the temperatures
+      integer :: material
+
+      material = 0
+      do
+         material = visitor%deck%next_group('material', material)
+         if (material == 0) exit
+         call visitor%require(visitor%deck%has(material, 'expansion'), key, &
+            'temperature needs the expansion of every &material; 0 for one that does not expand')
+      end do
+   end subroutine require_expansion
+
+   !> Describes one `&contact`.
+   subroutine describe_contact(visitor, contact)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(contact_t), intent(inout) :: contact !! the contact set
+      logical :: has_name, is_pair
+
+      has_name = is_filled(contact%name)
+      call visitor%open_group(contact_group)
+      call visitor%text(key_t('name', 'by which `&steps` know it, besides its `set`', default='none', &
+         is_filled=.true., also='label'), contact%name, has_name)
+      call visitor%text(key_t('set', 'the boundary set that may touch an obstacle, or another body', is_filled=.true., &
+         is_required=.true., is_shared=.true., also='surface side'), contact%set)
+      call describe_field(visitor, friction_keys, contact%friction)
+      call describe_field(visitor, bound_keys, contact%slip_bound)
+      call describe_pairing(visitor, contact%pairing)
+      is_pair = contact%pairing%is_pair()
+      call describe_obstacle(visitor, contact%obstacle, contact%direction, is_pair)
+      call visitor%real(key_t('extra_gap', 'added to every gap; negative for an interference', 'L', &
+         also='clearance interference'), contact%extra_gap)
+      call describe_partition(visitor, contact%partition, is_pair)
+      call visitor%close_group()
+      call visitor%locate('set', contact%origin)
+      call judge_contact(visitor, contact)
+   end subroutine describe_contact
+
+   !> Describes one `&tie`.
+   subroutine describe_tie(visitor, tie)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(tie_t), intent(inout) :: tie !! the tie
+      logical :: has_search
+
+      has_search = tie%search > 0.0_dp
+      call visitor%open_group(tie_group)
+      call visitor%text(key_t('set', 'the boundary set that is bonded, the slave', is_filled=.true., &
+         is_required=.true., also='slave surface'), tie%set)
+      call visitor%text(key_t('to', 'the boundary set of the body that it is bonded to, the master', is_filled=.true., &
+         is_required=.true., also='against master target'), tie%to)
+      call visitor%real(key_t('search', 'how far the master may be along the normal of the slave, either way', 'L', &
+         default='twice the longest side', above=0.0_dp), tie%search, has_search)
+      call visitor%close_group()
+      call visitor%locate('set', tie%origin)
+      if (visitor%is_judging()) call visitor%require(tie%to /= tie%set, 'to', 'to must name another set than set')
+   end subroutine describe_tie
+
+   !> Describes the keys of a quantity along the line.
+   subroutine describe_field(visitor, keys, field)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(key_t), intent(in) :: keys(3) !! keys of its value, slope and table
+      type(line_field_t), intent(inout) :: field !! the quantity
+      type(key_t) :: value_key
+      logical :: has_table
+      integer :: n
+
+      value_key = keys(1)
+      ! Where a slope may raise it, it is measured at the contact points.
+      if (visitor%has(keys(2)%name)) value_key%at_least = -huge(1.0_dp)
+      has_table = is_filled(field%file)
+      call visitor%real(value_key, field%value)
+      call visitor%reals(keys(2), field%slope)
+      call visitor%text(keys(3), field%file, has_table)
+      call visitor%table(trim(keys(3)%name), field%file, field%table)
+      if (.not. allocated(field%table)) return
+      n = size(field%table, 2)
+      call visitor%require(all(field%table(1, 2:) > field%table(1, :n - 1)), trim(keys(3)%name), &
+         trim(keys(3)%name)//' must have lengths that increase from row to row')
+   end subroutine describe_field
+
+   !> Describes the keys of a second deformable body.
+   subroutine describe_pairing(visitor, pairing)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(pairing_t), intent(inout) :: pairing !! the other body
+      logical :: is_pair, has_search, has_gap
+
+      is_pair = pairing%is_pair()
+      has_search = pairing%search > 0.0_dp
+      has_gap = is_pair
+      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
+         ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
+         also='master target'), pairing%against, is_pair)
+      call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
+         ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), pairing%search, &
+         has_search)
+      call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
+         ' bodies face each other', is_shared=.true., also='adjust'), pairing%gap, gap_names, has_gap)
+   end subroutine describe_pairing
+
+   !> Describes the keys of a rigid obstacle and of the gap to it.
+   subroutine describe_obstacle(visitor, obstacle, direction, is_pair)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(obstacle_t), intent(inout) :: obstacle !! the obstacle
+      real(dp), intent(inout) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
+      logical, intent(in) :: is_pair !! whether there is another body in its place
+      logical :: has_kind, has_point, has_normal, has_radius, has_line, has_direction
+
+      has_kind = .not. is_pair
+      has_point = has_kind
+      has_normal = has_kind
+      call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), obstacle%kind, &
+         obstacle_names, has_kind)
+      has_radius = obstacle%has_radius()
+      has_line = is_filled(obstacle%file)
+      has_direction = any(abs(direction) > 0.0_dp)
+      call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
+         'L', also='origin center centre apex'), obstacle%point, has_point)
+      call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
+         ' the body', is_nonzero=.true.), obstacle%normal, has_normal)
+      call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
+         ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), obstacle%radius, &
+         has_radius)
+      call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
+         is_filled=.true., also='file'), obstacle%file, has_line)
+      call visitor%table('line', obstacle%file, obstacle%line)
+      call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
+         default="the body's normal", is_nonzero=.true., is_shared=.true.), direction, has_direction)
+   end subroutine describe_obstacle
+
+   !> Describes the keys of the multipliers.
+   subroutine describe_partition(visitor, partition, is_pair)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(cell_partition_t), intent(inout) :: partition !! the multipliers
+      logical, intent(in) :: is_pair !! whether two deformable bodies meet
+      character(len(multiplier_names)) :: multipliers
+      logical :: has_cells, has_ends
+
+      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), partition%is_constant))
+      has_cells = partition%n_cells > 0
+      has_ends = allocated(partition%ends)
+      call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
+         ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
+         default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
+      call visitor%require(is_pair .or. multipliers /= multiplier_names(3), 'multipliers', &
+         "multipliers = 'mortar' needs against")
+      call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
+         "multipliers must be 'mortar' or 'constant' with against")
+      partition%is_constant = multipliers == multiplier_names(2)
+      call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
+         default='every two sides', at_least=1.0_dp, is_shared=.true.), partition%n_cells, has_cells)
+      call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of one"// &
+         ' piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
+         is_shared=.true.), partition%ends, has_ends)
+   end subroutine describe_partition
+
+   !> Judges the keys of a `&contact` together.
+   subroutine judge_contact(visitor, contact)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(contact_t), intent(in) :: contact !! the contact set
+      character(*), parameter :: is_constant = "multipliers = 'constant'"
+      character(*), parameter :: obstacle_keys(*) = [character(13) :: 'obstacle', 'point', 'normal', 'radius', 'line', &
+         'gap_direction']
+      integer :: i
+
+      if (.not. visitor%is_judging()) return
+      if (contact%pairing%is_pair()) then
+         do i = 1, size(obstacle_keys)
+            call visitor%only(trim(obstacle_keys(i)), .false., 'a rigid obstacle, not with against')
+         end do
+         call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
+            " than set; for self contact, split the set '"//contact%set//"' in two")
+      end if
+      call visitor%only('search', contact%pairing%is_pair(), 'contact against another body')
+      call visitor%only('gap', contact%pairing%is_pair(), 'contact against another body')
+      associate (obstacle => contact%obstacle)
+         call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
+         call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
+            "obstacle = '"//trim(obstacle%kind)//"' needs radius")
+         call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
+         call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
+            "obstacle = 'polyline' needs line = 'FILE.csv'")
+      end associate
+      call visitor%only('cells', contact%partition%is_constant, is_constant)
+      call visitor%only('cell_ends', contact%partition%is_constant, is_constant)
+      call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
+         'give either cells or cell_ends')
+   end subroutine judge_contact
+
+end module amontons_config_groups
