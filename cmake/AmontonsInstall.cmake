@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(AMONTONS_PYTHON_DIR "${CMAKE_INSTALL_LIBDIR}/amontons" CACHE STRING
   "Folder that the Python package is installed in, below the prefix")
-set(AMONTONS_PYTHON "/usr/bin/env python3" CACHE STRING "Python of amontons-plot and amontons-report, as after #!")
+set(AMONTONS_PYTHON "/usr/bin/env python3" CACHE STRING "Python of amontons-plot and its like, as after #!")
 
 set(_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/amontons")
 set(_module_dir "${CMAKE_INSTALL_INCLUDEDIR}/amontons")
@@ -28,7 +28,7 @@ if(AMONTONS_SHARED)
     PATTERN "__pycache__" EXCLUDE)
   cmake_path(ABSOLUTE_PATH AMONTONS_PYTHON_DIR BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}" OUTPUT_VARIABLE _python_dir)
   file(RELATIVE_PATH AMONTONS_PYTHON_FROM_BIN "${CMAKE_INSTALL_FULL_BINDIR}" "${_python_dir}")
-  foreach(AMONTONS_COMMAND IN ITEMS plot report)
+  foreach(AMONTONS_COMMAND IN ITEMS plot report adapt)
     configure_file("${CMAKE_CURRENT_LIST_DIR}/command.py.in" "commands/amontons-${AMONTONS_COMMAND}" @ONLY)
     install(PROGRAMS "${CMAKE_CURRENT_BINARY_DIR}/commands/amontons-${AMONTONS_COMMAND}" TYPE BIN COMPONENT python)
   endforeach()

@@ -37,8 +37,9 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION "python")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE "all")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "amontons ${_same_version}, python3 (>= 3.9), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-h5py")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-h5py, gmsh")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python package, pictures and reports
-The module amontons, and the commands amontons-plot and amontons-report.")
+The module amontons, and the commands amontons-plot, amontons-report and
+amontons-adapt.")
 
 include(CPack)

@@ -13,9 +13,13 @@ scripts=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 
 if [[ -z ${AMONTONS-} ]]; then
    "$scripts/setup.sh" build
-   "$scripts/build.sh" release
+   "$scripts/build.sh" release amontons_app
    AMONTONS=$(dirname "$scripts")/build/release/bin/amontons
 fi
 export AMONTONS
 "$scripts/setup.sh" adapt
-PYTHONPATH=$(dirname "$scripts")/python exec /usr/bin/python3 -B "$scripts/helpers/adapt.py" "$@"
+# No PYTHONPATH: the program may be a wheel's, whose own package it would hide.
+exec /usr/bin/python3 -B -c 'import sys
+sys.path.insert(0, sys.argv.pop(1))
+from amontons import commands
+commands.run("adapt", sys.argv[1:])' "$(dirname "$scripts")/python" "$@"

@@ -37,8 +37,7 @@ if $is_over_ranks; then
 fi
 
 scripts/setup.sh build
-scripts/build.sh release
-cmake --build build/release --target amontons_rates >/dev/null
+scripts/build.sh release amontons_app amontons_rates
 arguments=(build/release "$work")
 ! $is_full || arguments+=(--full)
 python3 -B bench/bench.py "${arguments[@]}" | tee "$work/tables.md"

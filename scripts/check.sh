@@ -46,7 +46,7 @@ check() {
    fi
 }
 
-check 'release build without warnings' scripts/build.sh release
+check 'release build without warnings' scripts/build.sh release amontons_app amontons_c amontons_rates
 check rooms scripts/dev/check_layers.py
 check 'lengths, comments, no stop, no print' scripts/dev/check_sources.py
 check 'every test is run and asks something' scripts/dev/check_tests.py

@@ -17,7 +17,7 @@ case ${1-} in
 esac
 
 scripts/setup.sh build >&2
-scripts/build.sh release
+scripts/build.sh release amontons_app
 
 output=build/methods
 rm -rf "$output"

@@ -20,7 +20,7 @@ done
 round=10000
 scripts/setup.sh build
 for preset in sanitize debug release; do
-   scripts/build.sh "$preset"
+   scripts/build.sh "$preset" amontons_app
 done
 status=0
 fuzz() { (($3 == 0)) || python3 -B scripts/dev/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }

@@ -36,7 +36,7 @@ while (($# > 0)); do
 done
 
 scripts/setup.sh build
-scripts/build.sh release
+scripts/build.sh release amontons_app
 
 output=build/table1
 rm -rf "$output"

@@ -23,7 +23,7 @@ for benchmark in "${benchmarks[@]}"; do
 done
 
 scripts/setup.sh build adapt >&2
-scripts/build.sh release
+scripts/build.sh release amontons_app
 
 tables=build/verification
 rm -rf "$tables"

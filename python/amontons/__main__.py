@@ -1,4 +1,4 @@
-"""Runs a command of the package: python -m amontons plot|report|fclib ..."""
+"""Runs a command of the package: python -m amontons plot|report|adapt|fclib ..."""
 import sys
 
 from amontons.commands import main

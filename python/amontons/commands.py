@@ -1,5 +1,5 @@
-"""The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`,
-`python -m amontons fclib`, and amontons, the program, where it is part of the package.
+"""The commands of the package: amontons-plot, amontons-report and amontons-adapt, also `python -m amontons plot`,
+`... report` and `... adapt`, `python -m amontons fclib`, and amontons, the program, where it is part of the package.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-WORDS = ("plot", "report", "fclib")
+WORDS = ("plot", "report", "adapt", "fclib")
 
 
 class Parser(argparse.ArgumentParser):
@@ -38,6 +38,11 @@ def plot() -> NoReturn:
 def report() -> NoReturn:
     """The command amontons-report."""
     run("report", sys.argv[1:])
+
+
+def adapt() -> NoReturn:
+    """The command amontons-adapt."""
+    run("adapt", sys.argv[1:])
 
 
 def program() -> NoReturn:

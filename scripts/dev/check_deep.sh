@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers, as
-# optimized code and without SuiteSparse, valgrind, whether a build can be repeated, and whether the tests notice small
+# optimized code and without SuiteSparse, spoiled input, valgrind, whether a build can be repeated, and whether the tests notice small
 # changes of the sources.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
@@ -29,6 +29,7 @@ check release run_tests release
 check bsd run_tests bsd
 check sanitize run_tests sanitize
 check coverage scripts/dev/coverage.sh
+check fuzz scripts/fuzz.sh
 check valgrind scripts/dev/valgrind.sh
 check reproducible scripts/dev/reproducible.sh
 check mutants scripts/mutants.sh

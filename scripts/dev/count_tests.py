@@ -5,12 +5,19 @@ A unit test executable counts as the tests its summary tells; any other ctest te
 ctest failed although its summary tells of no failure (a crash after it, a time limit) counts as one failure more, and
 so does a test that could not be started. An executable that is meant to fail counts as one test.
 Usage: count_tests.py RESULTS.xml
+       count_tests.py --follow     reads what `ctest --verbose` prints and hands on a line for each test that ends, with
+                                   the number of tests passed so far, and the output of those that fail
 """
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
 ALL_PASSED = re.compile(r"^ \((\d+) tests?(?:, (\d+) disabled)?\)$", re.MULTILINE)
+SAID = re.compile(r"^(\d+): (.*)$")
+ENDED = re.compile(r"^ *(\d+/\d+) Test +#(\d+): (\S+) \.*[ *]*(.*?) *$")
+# What --verbose adds besides.
+BEGUN = re.compile(r"^(test \d+| +Start +\d+: .*|Test command: .*|Working Directory: .*|Environment variables: *| \w+=.*|"
+                   r"Test timeout computed to be: .*|The following tests passed:|\t\w+|)$")
 SOME_FAILED = re.compile(r"^Tests run: (\d+), Failures: (\d+), Errors: (\d+)$", re.MULTILINE)
 
 
@@ -20,7 +27,11 @@ def count(case):
     reason = case.find("skipped")
     if status == "disabled" or reason is not None and reason.get("message", "").startswith("SKIP_"):
         return 0, 0, 1
-    output = case.findtext("system-out", "")
+    return count_output(case.findtext("system-out", ""), status == "run")
+
+
+def count_output(output, has_passed):
+    """Returns how many tests passed, failed and were skipped by the output of one ctest test."""
     run = failed = skipped = 0
     for match in ALL_PASSED.finditer(output):
         run += int(match[1])
@@ -28,9 +39,27 @@ def count(case):
     for match in SOME_FAILED.finditer(output):
         run += int(match[1])
         failed += int(match[2]) + int(match[3])
-    if status == "run":
+    if has_passed:
         return (run, 0, skipped) if run > 0 and failed == 0 else (1, 0, 0)
     return run - failed, max(failed, 1), skipped
+
+
+def follow(lines):
+    """Prints a line for each ctest test that ends."""
+    output, passed = {}, 0
+    for line in lines:
+        said, ended = SAID.match(line), ENDED.match(line)
+        if said:
+            output.setdefault(said[1], []).append(said[2])
+        elif ended:
+            text = "\n".join(output.pop(ended[2], []))
+            has_passed = ended[4].startswith("Passed")
+            passed += count_output(text, has_passed)[0]
+            if not has_passed and not ended[4].startswith(("Skipped", "Not Run (Disabled)")):
+                print(text)
+            print(f"{ended[1]} {ended[3]}: {ended[4]}; {passed} passed so far", flush=True)
+        elif not BEGUN.match(line):
+            print(line, end="", flush=True)
 
 
 def main(path):
@@ -42,4 +71,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(follow(sys.stdin) if sys.argv[1] == "--follow" else main(sys.argv[1]))

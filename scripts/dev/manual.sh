@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
 scripts/setup.sh build manual
-scripts/build.sh release
+scripts/build.sh release amontons_app
 program=build/release/bin/amontons
 if [[ ${1-} == --update ]]; then
    exec python3 -B scripts/dev/deck_tables.py "$program" --update

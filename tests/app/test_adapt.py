@@ -39,15 +39,29 @@ Physical Surface("block") = {1};
 @unittest.skipIf(shutil.which("gmsh") is None or importlib.util.find_spec("numpy") is None,
                  "Gmsh or NumPy is not installed")
 class Adapt(ProgramTest):
-    """The script behind adapt.sh."""
+    """The command behind adapt.sh."""
 
     def adapt(self, *arguments, status=0):
         """Runs it; returns what it prints."""
-        run = subprocess.run([sys.executable, "-B", str(HERE/"scripts"/"helpers"/"adapt.py"), *arguments],
+        run = subprocess.run([sys.executable, "-B", "-m", "amontons", "adapt", *arguments],
                              cwd=self.directory, text=True, capture_output=True, check=False,
                              env={**os.environ, "AMONTONS": PROGRAM, "PYTHONPATH": str(HERE/"python")})
         self.assertEqual(run.returncode, status, run.stderr)
         return run.stdout + run.stderr
+
+    def test_script_hides_no_package_of_the_program(self):
+        # A wheel's program is a Python script that imports the package which the wheel brought.
+        path = self.directory/"wheel"
+        path.write_text(f"""#!/bin/sh
+[ -z "$PYTHONPATH" ] || exit 9
+exec '{PROGRAM}' "$@"
+""", encoding="utf-8")
+        path.chmod(0o755)
+        self.write("part.nml", CASE)
+        environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        run = subprocess.run([str(HERE/"scripts"/"adapt.sh"), "-", "part.nml", "--error", "20%"], cwd=self.directory,
+                             text=True, capture_output=True, check=False, env={**environment, "AMONTONS": str(path)})
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_error_is_reached_with_few_nodes(self):
         self.write("part.nml", CASE)
@@ -89,12 +103,9 @@ class Adapt(ProgramTest):
 
     @staticmethod
     def module():
-        """The script as a module."""
+        """The module of the command."""
         with unittest.mock.patch.object(sys, "path", [str(HERE/"python"), *sys.path]):
-            spec = importlib.util.spec_from_file_location("adapt", HERE/"scripts"/"helpers"/"adapt.py")
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-        return module
+            return importlib.import_module("amontons.adapt")
 
     def test_a_rectangle_stays_where_it_is(self):
         self.write("part.nml", CASE.replace("8, 4", "8, 4  origin = -2.0, 1.0").replace(
@@ -148,7 +159,7 @@ class Adapt(ProgramTest):
         for option, value in (("--steps", "0"), ("--error", "200"), ("--error", "few")):
             self.assertIn(f"found '{value}'", self.adapt("-", "part.nml", option, value, status=2))
         with unittest.mock.patch.dict(os.environ, {"PATH": str(self.directory)}):
-            self.assertIn("adapt.sh: gmsh is not installed", self.adapt("-", "part.nml", status=1))
+            self.assertIn("adapt: gmsh is not installed", self.adapt("-", "part.nml", status=1))
 
 
 if __name__ == "__main__":

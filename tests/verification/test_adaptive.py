@@ -97,7 +97,7 @@ class Adaptive(Benchmark):
     def history(self, name, element, key, target):
         """The unknowns, estimated errors and key results of all meshes of a run."""
         self.run_command(["env", f"PYTHONPATH={HERE/'python'}", sys.executable, "-B",
-                          str(HERE/"scripts"/"helpers"/"adapt.py"), "part.geo", f"{name}.nml", "--error", str(target),
+                          "-m", "amontons", "adapt", "part.geo", f"{name}.nml", "--error", str(target),
                           "--steps", "25", "--output", element])
         with open(self.directory/element/"adapt.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))

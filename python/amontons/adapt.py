@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Solves a deck on meshes that Gmsh makes finer where the estimated error is, until it is as small as asked for.
 
 A mesh of the least number of elements for an error of the norm eta_0 has elements that measure r_e times those of the
@@ -52,9 +51,17 @@ class Fault(Exception):
     """What is wrong, in a sentence."""
 
 
-def main():
+def main(arguments):
+    """Adapts meshes as the arguments say. Returns the exit status."""
+    try:
+        adapt(read_options(arguments))
+    except Fault as fault:
+        sys.exit(f"adapt: {fault}")
+    return 0
+
+
+def adapt(options):
     """Adapts meshes; prints a row for each."""
-    options = read_options()
     deck = read_deck(options.deck)
     options.output.mkdir(parents=True, exist_ok=True)
     geometry, order = find_geometry(options, deck)
@@ -111,9 +118,9 @@ def refuse_growth(options, rows):
                         f"{values[-2]:.6g}), as at a re-entrant corner or at the end of a flat contact")
 
 
-def read_options():
+def read_options(arguments):
     """The command line."""
-    parser = argparse.ArgumentParser(prog="adapt.sh", description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(prog="amontons-adapt", description=__doc__.partition("\n")[0])
     parser.add_argument("part", type=Path, metavar="PART", help="geometry for Gmsh (.geo); a mesh of it (.msh) beside "
                         "which it is; or - for the rectangle of the deck")
     parser.add_argument("deck", type=Path, metavar="DECK", help="the deck; its mesh is replaced")
@@ -123,7 +130,7 @@ def read_options():
     parser.add_argument("--steps", type=count, default=10, help="most meshes (10)")
     parser.add_argument("--output", type=Path, default=Path("adapt"),
                         help="directory of the meshes and results (adapt)")
-    return parser.parse_args()
+    return parser.parse_args(arguments)
 
 
 def percentage(text):
@@ -211,13 +218,22 @@ def make_mesh(geometry, order, field, folder):
         raise Fault(f"{geometry}: no physical groups; name boundaries by Physical Curve, the body by Physical Surface")
 
 
+def program():
+    """The program: that of the environment variable AMONTONS, of a wheel, or of the search path."""
+    inside = Path(__file__).parent/"bin"/"amontons"
+    found = os.environ.get("AMONTONS") or (str(inside) if inside.is_file() else shutil.which("amontons"))
+    if not found:
+        raise Fault("the program amontons is not in the search path; name it in the environment variable AMONTONS")
+    return found
+
+
 def solve(options, deck, folder):
     """Solves the deck on the mesh of a folder; returns its summary and grid."""
     old = group("mesh").search(deck)[0]
     kept = [found[0] for found in map(lambda key: re.search(key, old, re.IGNORECASE), (NAME, ORIGIN)) if found]
     mesh = f"&mesh kind = 'file'  file = '{(folder/'part.msh').resolve()}'  {'  '.join(kept)} /"
     # Files that the deck names are beside it.
-    run = subprocess.run([os.environ["AMONTONS"], "--quiet", "--set", f"case.name={options.deck.stem}", "--output",
+    run = subprocess.run([program(), "--quiet", "--set", f"case.name={options.deck.stem}", "--output",
                           str(folder.resolve()), "-"], cwd=options.deck.resolve().parent, text=True, check=False,
                          input=deck.replace(old, mesh, 1), capture_output=True)
     if run.returncode != 0:
@@ -308,10 +324,3 @@ def collect(pictures, width):
     columns, lines = min(4, len(pictures)), (len(pictures) + 3)//4
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {columns*across:.0f} {lines*down:.0f}">' \
         f'<rect width="100%" height="100%" fill="#fff"/>{"".join(parts)}</svg>\n'
-
-
-if __name__ == "__main__":
-    try:
-        main()
-    except Fault as fault:
-        sys.exit(f"adapt.sh: {fault}")
