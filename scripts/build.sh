@@ -28,7 +28,7 @@ configure() {
 build() {
    local targets=()
    (($# == 0)) || targets=(--target "$@")
-   NINJA_STATUS='[%3f/%t] ' cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" 2>&1 |
+   NINJA_STATUS='[%f/%t] ' cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" 2>&1 |
       scripts/helpers/progress.sh "$log"
 }
 
