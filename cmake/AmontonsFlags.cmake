@@ -48,7 +48,8 @@ endif()
 # Contracted multiply-adds change the last digits of everything: no verdict and no test may depend on them.
 if(AMONTONS_CONTRACTED)
   include(CheckCSourceRuns)
-  check_c_source_runs("int main(void) { return !(__builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\")); }"
+  check_c_source_runs(
+    "int main(void) { return !(__builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\")); }"
     AMONTONS_PROCESSOR_CONTRACTS)
   if(NOT AMONTONS_PROCESSOR_CONTRACTS)
     message(FATAL_ERROR "AMONTONS_CONTRACTED needs a processor with AVX2 and FMA, which this machine does not have")

@@ -41,7 +41,8 @@ def column(case: Case, rows: list[dict[str, str]], name: str) -> Array:
 
 def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
     """What is drawn over what if nobody says: the displacement of the first probe, or else the tangential force, over
-    the number that turns back most often, of several the one that changes in most steps: a preload is applied and stays."""
+    the number that turns back most often, of several the one that changes in most steps: a preload is applied and
+    stays."""
     def liveliness(name: str) -> tuple[int, int]:
         moves = np.diff(column(case, rows, name))
         moves = moves[moves != 0]

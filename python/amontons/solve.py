@@ -72,8 +72,8 @@ class NotConverged(DoubtfulResult):
 
 
 class _Sentence(str):
-    """The text of a warning. It equals one that differs in its numbers alone: Python prints equal warnings once for each
-    place, and a loop over loads or sizes warns of the same thing with other numbers."""
+    """The text of a warning. It equals one that differs in its numbers alone: Python prints equal warnings once for
+    each place, and a loop over loads or sizes warns of the same thing with other numbers."""
 
     def _kind(self) -> str:
         return NUMBER.sub("#", str(self))
@@ -291,8 +291,8 @@ class Stepper:
 
     def step(self, before: StepState, time: float, **changes: float) -> StepState:
         """The state after a step to a time at which the changes have the numbers given. Nothing else is altered, so
-        that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`, one whose
-        loads nothing can balance `NoEquilibrium`."""
+        that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`, one
+        whose loads nothing can balance `NoEquilibrium`."""
         if sorted(changes) != sorted(self.changes):
             raise InputRefused(f"expected {', '.join(self.changes)}, found {', '.join(changes) or 'nothing'}")
         numbers = np.array([changes[name] for name in self.changes], dtype=np.float64)

@@ -16,8 +16,8 @@ ALL_PASSED = re.compile(r"^ \((\d+) tests?(?:, (\d+) disabled)?\)$", re.MULTILIN
 SAID = re.compile(r"^(\d+): (.*)$")
 ENDED = re.compile(r"^ *(\d+/\d+) Test +#(\d+): (\S+) \.*[ *]*(.*?) *$")
 # What --verbose adds besides.
-BEGUN = re.compile(r"^(test \d+| +Start +\d+: .*|Test command: .*|Working Directory: .*|Environment variables: *| \w+=.*|"
-                   r"Test timeout computed to be: .*|The following tests passed:|\t\w+|)$")
+BEGUN = re.compile(r"^(test \d+| +Start +\d+: .*|Test command: .*|Working Directory: .*|Environment variables: *|"
+                   r" \w+=.*|Test timeout computed to be: .*|The following tests passed:|\t\w+|)$")
 SOME_FAILED = re.compile(r"^Tests run: (\d+), Failures: (\d+), Errors: (\d+)$", re.MULTILINE)
 
 

@@ -2,8 +2,8 @@
 """Prints two measures of the sources: code lines of src/, and modules that the smallest run enters.
 
 A code line is a line of a Fortran file that is neither blank nor only a comment. The run is that of
-input/long_bar_1.nml on one thread, watched by `valgrind --tool=callgrind`; a module is entered where any of its procedures
-is called. The program is that of a release build, build/release/bin/amontons unless another is given.
+input/long_bar_1.nml on one thread, watched by `valgrind --tool=callgrind`; a module is entered where any of its
+procedures is called. The program is that of a release build, build/release/bin/amontons unless another is given.
 
 Usage: house.py [--update] [PROGRAM]
 

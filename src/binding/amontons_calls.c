@@ -2,8 +2,9 @@
  * while one runs, and a process may fork between them.
  *
  * The BLAS of the caller may be ours, too. Threads of its own gain it little here, and on a busy machine the one that
- * has no core keeps the others waiting. A fork leaves a child with one thread: OpenBLAS ends its own threads before; those
- * of OpenMP would be waited for in vain, so they are ended here, and parent and child start others when they need them.
+ * has no core keeps the others waiting. A fork leaves a child with one thread: OpenBLAS ends its own threads before;
+ * those of OpenMP would be waited for in vain, so they are ended here, and parent and child start others when they need
+ * them.
  */
 #define _POSIX_C_SOURCE 200112L
 #include <pthread.h>

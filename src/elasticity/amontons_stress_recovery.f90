@@ -433,8 +433,8 @@ contains
       end do
    end function element_squared_norms
 
-   !> Integrals like those of `element_squared_norms` over a three-node triangle of a plane body, whose stress is uniform;
-   !> its points weigh alike [F L].
+   !> Integrals like those of `element_squared_norms` over a three-node triangle of a plane body, whose stress is
+   !> uniform; its points weigh alike [F L].
    pure function triangle_squared_norms(mesh, element, material, patches, coefficient, stress, weights) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element

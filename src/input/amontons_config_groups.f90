@@ -423,8 +423,8 @@ contains
       call visitor%open_group(load_group)
       call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
          default='none', is_filled=.true., also='label'), load%name, has_name)
-      call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or boundary set of'// &
-         ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
+      call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or '// &
+         'boundary set of point forces', is_filled=.true., also='nset surface'), load%set, has_set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
@@ -460,7 +460,8 @@ contains
          ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
       call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, has(4))
       call visitor%reals(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
-         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, has_total)
+         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
+         has_total)
       load%traction_slope = reshape(slopes, [2, 2])
       is_given = any(has) .or. has_total
       call visitor%require(.not. (any(has) .and. has_total), 'total_force', &

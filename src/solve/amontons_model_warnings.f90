@@ -138,7 +138,8 @@ contains
             if (body%mesh%find_node_set(load%set) > 0) cycle
             call body%mesh%set_nodes(load%set, nodes, error)
             if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
-               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; total_force gives the sum')
+               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; '// &
+               'total_force gives the sum')
          end associate
       end do
    end subroutine add_repeated_forces

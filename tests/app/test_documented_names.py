@@ -109,7 +109,8 @@ class DocumentedNames(ProgramTest):
 
     def test_violations_have_a_row_in_the_theory_and_a_sentence(self):
         # A third body is tied to the side of the first.
-        tied = "&mesh name = 'c'  size = 1.0, 1.0  cells = 2, 2  origin = 4.0, 0.5 /\n&tie set = 'c.left'  to = 'a.right' /\n"
+        tied = "&mesh name = 'c'  size = 1.0, 1.0  cells = 2, 2  origin = 4.0, 0.5 /\n" \
+            "&tie set = 'c.left'  to = 'a.right' /\n"
         self.run_program("--quiet", self.write("case.nml", TWO_BODIES.replace(
             "friction = 0.2", "slip_bound = 0.1") + tied))
         certificate = json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))["certificate"]

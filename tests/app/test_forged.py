@@ -242,14 +242,16 @@ class ForgedStudies(Verification):
     """What listing and summary state of studies of several steps, number by number."""
 
     def assert_every_number_is_checked(self, file, part, *, n_least):
-        """Changes every number of a part of a text file, one at a time: reals by a thousandth and more, integers by 1."""
+        """Changes every number of a part of a text file, one at a time: reals and integers."""
         first, last = re.search(part, (self.results/file).read_text(encoding="utf-8")).span()
         text = (self.results/file).read_text(encoding="utf-8")
         numbers = [match for match in NUMBER.finditer(text, first, last)]
         self.assertGreaterEqual(len(numbers), n_least)
         for match in numbers:
             number = match[0]
-            forged = str(int(number) + 1) if re.fullmatch(r"\d+", number) else repr(1.001*float(number) + math.copysign(1e-3, float(number)))
+            value = float(number)
+            forged = str(int(number) + 1) if re.fullmatch(r"\d+", number) else \
+                repr(1.001*value + math.copysign(1e-3, value))
             with self.subTest(file=file, number=number, before=text[max(first, match.start() - 40):match.start()]):
                 self.assert_forgery_is_found(
                     file, lambda _, match=match, forged=forged: (text[:match.start()] + forged + text[match.end():]
@@ -257,8 +259,9 @@ class ForgedStudies(Verification):
 
     def test_history(self):
         push = "load name = 'push'  set = 'right'  traction = -1.5, 0.3"
-        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, push, "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3"
-                                      "  cycles = 1.0, 2.0, 3.0  step_tolerance = 1e-2  min_step = 0.05",
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, push,
+                                      "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3  cycles = 1.0, 2.0, 3.0"
+                                      "  step_tolerance = 1e-2  min_step = 0.05",
                                       "steps load = 'push'  factor = 0.0, 1.0, -1.0, 1.0"))
         self.assertGreater(json.loads(self.contents("results")["case_0.summary.json"])["load_history"]
                            ["steps_given_up"], 0)

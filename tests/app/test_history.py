@@ -126,7 +126,8 @@ class History(HistoryTest):
 
     def test_what_is_loaded_at_once_from_rest_is_no_error_of_the_steps(self):
         # In the first step the body falls on its obstacle, which costs energy; from then on next to nothing slips.
-        deck = BAR.split("&history")[0].replace("friction = 1.0", "friction = 1.0  extra_gap = 0.001") + """&history times = 0.0, 1.0  substeps = 3  step_tolerance = 1e-3 /
+        deck = BAR.split("&history")[0].replace("friction = 1.0", "friction = 1.0  extra_gap = 0.001")
+        deck += """&history times = 0.0, 1.0  substeps = 3  step_tolerance = 1e-3 /
 &steps load = 'F'  factor = 10.0, 10.1 /
 """
         run = self.run_program("--output", "out", self.write("deck.nml", deck))

@@ -42,7 +42,8 @@ class Packaging(ProgramTest):
         sys.path.insert(0, str(ROOT / "python"))
         sys.dont_write_bytecode = True
         commands = re.findall(r'^(amontons[a-z-]*) = "([a-z.]+):([a-z]+)"$', text("pyproject.toml"), re.MULTILINE)
-        self.assertEqual([name for name, *_ in commands], ["amontons", "amontons-plot", "amontons-report", "amontons-adapt"])
+        self.assertEqual([name for name, *_ in commands],
+                         ["amontons", "amontons-plot", "amontons-report", "amontons-adapt"])
         for _, module, procedure in commands:
             self.assertTrue(callable(getattr(importlib.import_module(module), procedure)))
 

@@ -99,8 +99,10 @@ class Pictures(ProgramTest):
     def test_the_loop_is_over_what_turns_back_and_not_over_the_preload(self):
         self.write("clamped.nml", block(
             SUPPORT, PRESSURE.replace("load", "load name = 'preload' "), CONTACT,
-            "load name = 'cycle'  set = 'right'  traction = 1.0, 0.0", "history times = 0.0, 1.0, 2.0, 3.0  substeps = 2",
-            "steps load = 'preload'  factor = 0.0, 1.0, 1.0, 1.0", "steps load = 'cycle'  factor = 0.0, 0.0, 1.0, -1.0"))
+            "load name = 'cycle'  set = 'right'  traction = 1.0, 0.0",
+            "history times = 0.0, 1.0, 2.0, 3.0  substeps = 2",
+            "steps load = 'preload'  factor = 0.0, 1.0, 1.0, 1.0",
+            "steps load = 'cycle'  factor = 0.0, 0.0, 1.0, -1.0"))
         self.run_program("--quiet", "--output", "out", "clamped.nml")
         self.script("plot", "out", "--format", "svg")
         drawn = (self.directory / "out" / "clamped.steps.svg").read_text(encoding="utf-8")

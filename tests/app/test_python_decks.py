@@ -87,7 +87,8 @@ class Decks(ProgramTest):
             for name in ("contact", "sweep", "history"):
                 for key, column in (getattr(one, name) or {}).items():
                     if column.dtype.kind == "f" and key != "residual":
-                        np.testing.assert_allclose(getattr(other, name)[key], column, rtol=1e-9, atol=1e-11, err_msg=key)
+                        np.testing.assert_allclose(getattr(other, name)[key], column, rtol=1e-9, atol=1e-11,
+                                                   err_msg=key)
 
     def test_keys_without_a_value_are_left_out(self):
         self.assertEqual(amontons.deck_text({"support": {"set": "left", "ux": 0.0, "uy": None}}),

@@ -305,7 +305,8 @@ class Steps(ProgramTest):
         gc.collect()
         state = stepper.step(stepper.rest(), 1.0, **changes)
         for kept in (copy.copy(state), copy.deepcopy(state), pickle.loads(pickle.dumps(state))):
-            np.testing.assert_array_equal(stepper.step(kept, 2.0, **changes).raw, stepper.step(state, 2.0, **changes).raw)
+            np.testing.assert_array_equal(stepper.step(kept, 2.0, **changes).raw,
+                                          stepper.step(state, 2.0, **changes).raw)
         result = pickle.loads(pickle.dumps(amontons.solve_deck(SOUND)))
         self.assertTrue(result.is_solved)
 
@@ -342,8 +343,8 @@ class Processes(ProgramTest):
             "thread.join()"), "True True\n3\n")
 
     def test_small_cases_keep_to_one_thread(self):
-        # Threads that have nothing to do sleep: they are never switched to. Where the machine has more to do than it has
-        # processors, each hand-over to one would wait for its turn.
+        # Threads that have nothing to do sleep: they are never switched to. Where the machine has more to do than it
+        # has processors, each hand-over to one would wait for its turn.
         self.assertEqual(self.run_script(
             "import amontons, pathlib, re, threading, time",
             "def n_switches():",

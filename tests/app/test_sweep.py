@@ -130,7 +130,8 @@ class Rows(SweepTest):
             for row in rows:
                 self.assert_close([float(row["contact_force_y_2"]), abs(float(row["contact_force_x_2"]))],
                                   [8.0*load, tangential], 1e-9*load, row)
-            # A step from rest goes the way of the single case; what its loads are summed from differs in the last digit.
+            # A step from rest goes the way of the single case; what its loads are summed from differs in the last
+            # digit.
             for name in ("normal_force", "tangential_force"):
                 self.assert_close(step[name][:17], single[name][:17], 1e-9*200.0, name)
                 self.assert_close(step[name][17:], single[name][17:], 1e-9*load, name)

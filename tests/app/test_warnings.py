@@ -189,7 +189,8 @@ class Warnings(ProgramTest):
 
     def test_force_on_every_node_of_a_boundary_set(self):
         self.assert_warnings(block(SUPPORT, "load set = 'top'  force = 0.0, -0.1", CONTACT),
-                             "the force on set 'top' acts on each of its 9 nodes, (0.0, -0.9) in all; total_force gives")
+                             "the force on set 'top' acts on each of its 9 nodes, (0.0, -0.9) in all; "
+                              "total_force gives")
         self.assertIn("force (0.0, -0.1) on each of 9 nodes, (0.0, -0.9) in all\n",
                       (self.directory/"results"/"case.lst").read_text(encoding="utf-8"))
         self.assert_warnings(block(SUPPORT, "load set = 'top'  total_force = 0.0, -0.9", CONTACT))

@@ -140,13 +140,13 @@ class ValueTable(Table):
 
 
     def digest(self):
-        """The rows where there are few; a sentence where all are exact; else, for each value of the first label, the row
-        furthest off."""
+        """The rows where there are few; a sentence where all are exact; else, for each value of the first label, the
+        row         furthest off."""
         if len(self.rows) <= FEW_ROWS:
             return self.markdown()
         if self.largest_allowance < ROUNDOFF and not self.faults:
-            return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all {len(self.rows)} rows "
-                    f"({varied(self.rows, self.headings[:-4])}).")
+            return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all "
+                    f"{len(self.rows)} rows ({varied(self.rows, self.headings[:-4])}).")
         groups = distinct(row[0] for row in self.rows)
         rows = []
         for group in groups:

@@ -66,7 +66,8 @@ class Tables(unittest.TestCase):
         table = ValueTable("Caption", ["case"])
         for case in range(7):
             table.add(case, computed=1.0, reference=1.0, allowed=1e-9)
-        self.assertEqual(table.digest(), "Caption: within 1e-09 of the references in all 7 rows (case 0, 1, 2, 3, 4, 5, 6).")
+        self.assertEqual(table.digest(),
+                         "Caption: within 1e-09 of the references in all 7 rows (case 0, 1, 2, 3, 4, 5, 6).")
 
     def test_digest_of_rounding_errors_hides_no_fault(self):
         table = RoundoffTable("Caption", ["case"], ["quantity"], 1e-11)

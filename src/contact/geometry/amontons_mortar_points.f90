@@ -8,9 +8,9 @@
 !>
 !> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
 !> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Constant multipliers
-!> are 1 on their cell. A bonded corner that a support guides has no multiplier along its tangent: the tangential function
-!> of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is then another
-!> one than that of the normal.
+!> are 1 on their cell. A bonded corner that a support guides has no multiplier along its tangent: the tangential
+!> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
+!> then another one than that of the normal.
 module amontons_mortar_points
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, turned
    use amontons_kinds, only: dp

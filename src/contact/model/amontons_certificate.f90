@@ -45,8 +45,8 @@ module amontons_certificate
       logical :: has_ties = .false. !! whether there are bonded surfaces
       real(dp) :: tie_moment = 0.0_dp !! the same of the forces that bonded surfaces exert on each other [-]
       real(dp), allocatable :: couple(:)
-         !! the couple that the forces of each contact set, then of each tie make across its gap, 0 on rigid obstacles and
-         !! in a body of revolution [F L]
+         !! the couple that the forces of each contact set, then of each tie make across its gap, 0 on rigid obstacles
+         !! and in a body of revolution [F L]
       real(dp), allocatable :: couple_scale(:)
          !! sum of the moments of these forces about the middle of the slave, each in magnitude [F L]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
@@ -321,8 +321,8 @@ contains
          body%checked_rows, body%zone%set, of_pairs, on_nodes)
    end subroutine check_pairs
 
-   !> Checks the moments of the forces that bonded surfaces exert on each other as those of pairs, and adds these forces,
-   !> whose couple is that across the gaps, to the contact forces.
+   !> Checks the moments of the forces that bonded surfaces exert on each other as those of pairs, and adds these
+   !> forces, whose couple is that across the gaps, to the contact forces.
    pure subroutine check_ties(certificate, body, tied, contact)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
@@ -351,7 +351,8 @@ contains
       type(contact_rows_t), intent(in) :: rows !! the rows of the points, integrated a second time
       integer, intent(in) :: set(:) !! which set each point belongs to (n)
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) of the points (2n) [F]
-      real(dp), intent(in) :: on_nodes(:, :) !! these forces on the nodes, made from the rows of the solution (2, n_nodes) [F]
+      real(dp), intent(in) :: on_nodes(:, :)
+         !! these forces on the nodes, made from the rows of the solution (2, n_nodes) [F]
       type(contact_rows_t) :: lever
       real(dp) :: jump(size(force)), magnitude(size(set)), place(2, size(set)), middle(2)
       integer :: i, n

@@ -60,7 +60,8 @@ module amontons_condensation
       real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
       real(dp), allocatable :: unnoticed(:, :)
-         !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any) [-]
+         !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
+         !! [-]
       type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
       logical, private :: is_held = .true. !! whether supports alone hold the body
    contains

@@ -117,7 +117,8 @@ contains
       call take_line(follower, line)
    end subroutine add_set
 
-   !> Finds the corners of slaves that supports guide and at which friction acts all the same, since the master may slip.
+   !> Finds the corners of slaves that supports guide and at which friction acts all the same, since the master may
+   !> slip.
    !>
    !> What a support prescribes of the slave's displacement is known; the tangential row of the point is then one of the
    !> master's unknowns. It must be independent of the rows of the other points, which it is not where supports hold the
@@ -162,7 +163,8 @@ contains
       end do
    end subroutine let_guided_slaves_slip
 
-   !> Whether each point is a corner of a slave that supports guide, and no plane of symmetry that its master ends on, too.
+   !> Whether each point is a corner of a slave that supports guide, unless its master ends on the same plane of
+   !> symmetry.
    pure function is_guided_alone(zone, constraints) result(is_alone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports

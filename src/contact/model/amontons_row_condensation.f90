@@ -34,7 +34,8 @@ contains
       real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
       logical, intent(in) :: is_definite !! whether S is definite, so that rho = 0
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
-      type(error_t), allocatable, intent(out) :: error !! the rows are dependent, or leave another part of S's kernel free
+      type(error_t), allocatable, intent(out) :: error
+         !! the rows are dependent, or leave another part of S's kernel free
       real(dp), allocatable :: flexibility(:, :), gram(:, :)
       real(dp) :: rho, trace
       integer :: i, info

@@ -20,9 +20,9 @@ module amontons_contact_operator
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
       logical :: is_loose = .false. !! whether springs of `set_springs` are all that holds the body
       real(dp), allocatable :: augmentation(:)
-         !! the stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
-         !! problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others (n)
-         !! [F/L]
+         !! the stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a
+         !! reduced problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the
+         !! others (n) [F/L]
       type(symmetric_matrix_t), allocatable :: stiffness
          !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line

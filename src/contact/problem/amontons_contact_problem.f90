@@ -183,7 +183,8 @@ contains
    !>
    !> A loose body does not feel an interference that it moves out of: with forces known, it is no more than these and
    !> the loads, as far as rounding lets them be known. Of loads by heat or prescribed displacements a share counts.
-   !> A loose body that follows what supports prescribe may do so without any force; rounding of S is then in its forces.
+   !> A loose body that follows what supports prescribe may do so without any force; rounding of S is then in its
+   !> forces.
    pure real(dp) function acting_force(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]

@@ -303,8 +303,8 @@ contains
       end associate
    end subroutine history_result_note_step
 
-   !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps make
-   !> it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
+   !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps
+   !> make it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
    pure real(dp) function history_result_error_from_rest(self, history) result(energy_error)
       class(history_result_t), intent(in) :: self !! the history so far
       type(history_t), intent(in) :: history !! what the deck says of it
