@@ -142,7 +142,7 @@ class Bodies(HistoryTest):
         for number, body in enumerate(LOADED_FROM_NOTHING):
             for start in (0.0, 1e-3):
                 expected = None
-                for method in ("auto", "newton", "lemke", "splitting"):
+                for method in ("auto", "newton", "lemke"):
                     with self.subTest(number, start=start, method=method):
                         self.walk(f"&case name = 'body' /\n{body}{LOADING.format(start=start)}"
                                   f"&solver method = '{method}' /\n")

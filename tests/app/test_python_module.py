@@ -392,7 +392,7 @@ class Commands(ProgramTest):
         package = f"PYTHONPATH={ROOT / 'python'}"
         for words in ([], ["bar.nml"]):
             run = self.run_command(["env", package, sys.executable, "-B", "-m", "amontons", *words], status=1)
-            self.assertEqual(run.stderr, "usage: python -m amontons plot|report|fclib ...\n")
+            self.assertEqual(run.stderr, "usage: python -m amontons plot|report|adapt|fclib ...\n")
 
     def test_a_missing_package_is_named(self):
         code = "import sys; sys.modules['matplotlib'] = None; from amontons import commands; commands.plot()"

@@ -5,8 +5,10 @@ The paper's bar, 32 by 10, rests on an elastic block of 60 by 20 that is held at
 meshes do not match, and the bar, with the finer one, is the slave. The stiffer the block, the more it is the rigid
 floor: as $E_b$ grows, all differences to the bar on the floor fall with $1/E_b$. The rigid floor has contact forces at
 the nodes; the dual multipliers of the pair have the same weights on the bar, so that the limit is the same to the last
-digits. Shown are the differences of the displacement of the bar's upper left corner and of the contact forces, over
-their largest values, and that the forces on both bodies cancel.
+digits. The lower right corner of the bar is held along the line: on the floor the support bears its shear, on the block,
+which slides below it, friction does, so the tangential force there is left out. Shown are the differences of the
+displacement of the bar's upper left corner and of the contact forces, over their largest values, and that the forces on
+both bodies cancel.
 """
 from harness import read_vtu
 
@@ -35,7 +37,8 @@ class ElasticBlock(Benchmark):
         for young in self.meshes((1e6, 1e8), (1e4, 1e5, 1e6, 1e7, 1e8)):
             result = self.solve(self.deck("elastic_block").replace("1.0e6", repr(young)))
             self.assert_sound(result)
-            differences = [abs(a - b) for a, b in zip(result.forces, floor.forces)]
+            held = N_POINTS + max(range(N_POINTS), key=lambda point: result["x"][point])
+            differences = [abs(a - b) for k, (a, b) in enumerate(zip(result.forces, floor.forces)) if k != held]
             moved = max(abs(a - b) for a, b in zip(self.corner(), corner))
             table.add("quad4", 1000.0/young, moved/max(map(abs, corner)), max(differences)/max(floor.forces))
             forces.add(f"{young:.0e}", errors=[self.imbalance()])

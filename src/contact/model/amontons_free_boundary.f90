@@ -338,7 +338,7 @@ contains
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       integer, allocatable :: side(:), corner(:), near(:)
-      integer :: i, n
+      integer :: i, k, n
 
       call find_free_places(extended, first, outline, constraints, side, corner)
       n = size(boundary%nodes)
@@ -351,6 +351,11 @@ contains
          ! What lies behind is the far side of the other body.
          if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
          foot = other%surface%place(meeting%side, meeting%xi)
+         ! The corner in which the other set ends belongs to it, whichever of its two sides rounding gives it to.
+         k = maxloc(foot%values, dim=1)
+         if (side(i) <= extended%n_own .and. foot%values(k) > 1.0_dp - rounding) then
+            if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
+         end if
          n = n + 1
          boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), set, &
             extended%surface%normal(:, corner(i), side(i)), other%surface%side(:3, meeting%side), foot%values, &

@@ -31,6 +31,8 @@ contains
       integer, intent(out) :: set !! number of the contact set, 0 for none
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
+      ! The corner itself may lie on the border of two elements.
+      real(dp), parameter :: nearly = 0.99_dp
       integer, allocatable :: sides(:, :)
       real(dp), allocatable :: corners(:, :)
       type(error_t), allocatable :: error
@@ -71,9 +73,11 @@ contains
                   if (.not. overlap > depth) cycle
                   overlap = overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0)
                   if (.not. overlap > depth) cycle
-                  ! What lies beyond the body was not pressed into it.
-                  if (.not. is_inside(body%mesh, corners(:, l) - 0.5_dp*overlap*normal) .and. &
-                     .not. is_inside(body%mesh, corners(:, l) + 0.5_dp*overlap*normal)) cycle
+                  ! What lies beyond the body, on the far side of it, was not pressed into it.
+                  associate (on_side => matmul(side, values))
+                     if (.not. (is_inside(body%mesh, on_side - 0.5_dp*overlap*normal) .and. &
+                        is_inside(body%mesh, on_side - nearly*overlap*normal))) cycle
+                  end associate
                   depth = overlap
                   place = matmul(side, values)
                   set = i
