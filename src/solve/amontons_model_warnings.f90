@@ -4,8 +4,8 @@ module amontons_model_warnings
    use amontons_body, only: body_t, bonds_of, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_error, only: error_t
    use amontons_element, only: element_names, quad4, tri3
+   use amontons_error, only: error_t
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t

@@ -144,8 +144,9 @@ contains
             call table%get_number(i, 1 + level, values(i, level), fault)
          end do
          ! The last digits of what is restored may be others; differences of mesh to mesh magnify them.
-         if (.not. agree(values(i, n_levels), finest(i)%value, max(abs(finest(i)%value), finest(i)%scale))) &
+         if (.not. agree(values(i, n_levels), finest(i)%value, max(abs(finest(i)%value), finest(i)%scale))) then
             values(i, n_levels) = finest(i)%value
+         end if
       end do
       if (len(fault) == 0) call judge_meshes(result, body%zone, values)
    end subroutine restore_convergence

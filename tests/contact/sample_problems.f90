@@ -18,7 +18,7 @@ module sample_problems
    end type kept_t
 
    !> The last of the operators, which live as long as the tests.
-   type(kept_t), pointer, save :: last => null()
+   type(kept_t), pointer :: last => null()
 
    !> Stiffness of the point in `one_point`.
    real(dp), parameter :: point_stiffness(2, 2) = reshape([4.0_dp, 1.0_dp, 1.0_dp, 2.0_dp], [2, 2])

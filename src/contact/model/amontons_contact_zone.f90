@@ -2,9 +2,9 @@
 !> multipliers.
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
-   use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -186,9 +186,10 @@ contains
             do i = 1, pair%master%n_sides
                do k = 1, 2
                   associate (node => pair%master%side(k, i))
-                     if (any(pair%master%mirrored_node == node) .and. .not. constraints%leaves_free(node, held)) &
+                     if (any(pair%master%mirrored_node == node) .and. .not. constraints%leaves_free(node, held)) then
                         is_alone(p) = is_alone(p) .and. abs(dot_product(held, pair%master%corner(:, k, i) &
                         - zone%position(:, p))) > rounding*pair%master%longest
+                     end if
                   end associate
                end do
             end do

@@ -12,10 +12,10 @@ module amontons_free_boundary
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_segments, only: meet_master, meeting_t, sides_near
    use amontons_obstacle, only: steepest_cosine, unit_vector
-   use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
    use amontons_surface, only: join_sides, meshed_body_t, surface_place_t, surface_t
    implicit none (type, external)
    private
@@ -322,6 +322,7 @@ contains
    end subroutine free_boundary_add_pair
 
    !> Adds the nodes of one body of a pair that face the other one, unless both sets have the place.
+   ! allow(S902): two boundaries, what holds them, and two limits of distance that only the pair knows
    pure subroutine add_facing(boundary, set, extended, first, other, outline, constraints, search, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       integer, intent(in) :: set !! number of the contact set

@@ -104,16 +104,19 @@ contains
             parting%n_parts = parting%n_parts + 1
             part_of(i) = parting%n_parts
             do k = 1, size(parting%load)
-               if (change%target == stepped_load .and. change%name == load_case%loads(k)%name) &
+               if (change%target == stepped_load .and. change%name == load_case%loads(k)%name) then
                   parting%load(k) = part_of(i)
+               end if
             end do
             do k = 1, size(parting%support)
-               if (change%target == stepped_support .and. change%name == load_case%supports(k)%name) &
+               if (change%target == stepped_support .and. change%name == load_case%supports(k)%name) then
                   parting%support(k) = part_of(i)
+               end if
             end do
             do k = 1, size(parting%friction)
-               if (change%target == stepped_friction .and. change%acts_on(load_case%contacts(k))) &
+               if (change%target == stepped_friction .and. change%acts_on(load_case%contacts(k))) then
                   parting%friction(k) = part_of(i)
+               end if
             end do
          end associate
       end do

@@ -28,6 +28,7 @@ contains
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
    !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
+   ! allow(S902): two results, the sweep with body and problem, and what every writer of many files has
    subroutine write_sweep_fields(file, manifest, task, body, problem, stem, monitor, is_stopped, error)
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
       type(manifest_t), intent(out) :: manifest !! the manifest of the grids

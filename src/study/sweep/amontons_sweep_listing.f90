@@ -6,10 +6,10 @@ module amontons_sweep_listing
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
       model_text, quantities_text, times_text, warnings_text
+   use amontons_outcome_words, only: outcome_solved
    use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_load
-   use amontons_outcome_words, only: outcome_solved
    use amontons_sweep_statistics, only: outcome_labels, ranked_quantities, sweep_statistics_t
    use amontons_text, only: counted, flush_right, heading, labeled, newline, scientific, short_text, to_text, &
       with_unit
