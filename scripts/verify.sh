@@ -31,7 +31,7 @@ mkdir -p "$tables"
 export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
 # shellcheck disable=SC2016 # expanded by the shell that xargs starts
 printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -n 1 bash -c '
-   python3 -B "tests/verification/test_$1.py" --print --digest="$tables/$1.digest" \
+   scripts/python.sh "tests/verification/test_$1.py" --print --digest="$tables/$1.digest" \
       >"$tables/$1.md" 2>"$tables/$1.log" ||
       touch "$tables/$1.failed"' verify
 

@@ -339,13 +339,15 @@ contains
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       integer, allocatable :: side(:), corner(:), near(:)
-      integer :: i, k, n
+      integer :: i, k, n, near_of
 
+      near_of = 0
       call find_free_places(extended, first, outline, constraints, side, corner)
       n = size(boundary%nodes)
       boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, size(side))]]
       do i = 1, size(side)
-         near = sides_near(extended%surface, side(i), other%surface, search)
+         if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, search)
+         near_of = side(i)
          meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), search)
          if (meeting%side == 0) cycle
          if (side(i) <= extended%n_own .and. meeting%side <= other%n_own) cycle
