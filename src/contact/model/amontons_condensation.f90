@@ -131,7 +131,7 @@ contains
    end subroutine new_distributed_condensation
 
    !> Maps the contact unknowns to the points.
-   pure subroutine map_unknowns(condensation, size_of_stiffness, is_held, zone, constraints, dof_map, error)
+   subroutine map_unknowns(condensation, size_of_stiffness, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(inout) :: condensation !! gains the maps
       real(dp), intent(in) :: size_of_stiffness !! a norm of K, or a mean of its entries [F/L]
       logical, intent(in) :: is_held !! whether supports alone hold the body
@@ -157,7 +157,7 @@ contains
    end subroutine map_unknowns
 
    !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
-   pure subroutine map_rows(condensation, zone, constraints, dof_map)
+   subroutine map_rows(condensation, zone, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -191,7 +191,7 @@ contains
    end subroutine map_rows
 
    !> Adds a node's part in the displacements of a point to the rows of C.
-   pure subroutine add_part(condensation, p, node, parts, constraints, dof_map)
+   subroutine add_part(condensation, p, node, parts, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
       integer, intent(in) :: p !! number of the point
       integer, intent(in) :: node !! the node
@@ -219,7 +219,7 @@ contains
    !>
    !> A point that a support guides along one direction e has one unknown, u_N / (n . e); the support bears the
    !> tangential force, and u_T has no part in the problem.
-   pure subroutine map_points(condensation, zone, constraints, dof_map)
+   subroutine map_points(condensation, zone, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
