@@ -453,7 +453,7 @@ contains
    recursive subroutine eliminate_subtree(fronts, k, value, contributions)
       type(fronts_t), intent(in) :: fronts !! the fronts
       integer, intent(in) :: k !! number of the front
-      real(dp), intent(inout) :: value(:) !! the blocks; those of the front and its descendants are filled
+      real(dp), contiguous, intent(inout) :: value(:) !! the blocks; those of the front and its descendants are filled
       type(contribution_t), intent(inout) :: contributions(0:) !! what the fronts leave
       integer :: i
 
@@ -479,7 +479,7 @@ contains
    subroutine eliminate_front(fronts, k, value, contributions)
       type(fronts_t), intent(in) :: fronts !! the fronts
       integer, intent(in) :: k !! number of the front
-      real(dp), intent(inout) :: value(:) !! the blocks
+      real(dp), contiguous, intent(inout) :: value(:) !! the blocks
       type(contribution_t), intent(inout) :: contributions(0:) !! those of the children are taken up
       integer :: i, info, status
 
