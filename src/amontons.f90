@@ -16,13 +16,13 @@ module amontons
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
+   use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, new_load
    use amontons_material, only: material_t, new_material
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_options_t, new_contact_method
-   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_body

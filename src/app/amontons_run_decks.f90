@@ -3,7 +3,7 @@ module amontons_run_decks
    use amontons_batch_table, only: tally_text, update_batch_table
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_kinds, only: dp
    use amontons_manifest, only: collection_t, new_collection
    use amontons_messages, only: print_error, print_info, print_outcome, progress_t
@@ -17,7 +17,6 @@ module amontons_run_decks
    use amontons_terminal, only: close_status_line, open_status_line
    use amontons_text, only: newline, to_text
    use amontons_unchanged, only: find_unchanged
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

@@ -2,8 +2,7 @@
 module amontons_run_verify
    use amontons_collection_check, only: check_collection
    use amontons_command_line, only: command_line_t
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t
    use amontons_messages, only: print_error, print_info
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t

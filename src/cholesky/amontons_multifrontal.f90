@@ -14,13 +14,11 @@
 module amontons_multifrontal
    use amontons_condenser, only: cholesky_t
    use amontons_dense, only: cholesky_factor_tiled
-   use amontons_dissection, only: dissection_t, new_dissection
+   use amontons_dissection, only: backward_columns, dissection_t, forward_columns, fronts_t, new_dissection, new_fronts
    use amontons_error, only: error_t, new_error, system_failure
-   use amontons_fronts, only: backward_columns, forward_columns, fronts_t, new_fronts
-   use amontons_graph, only: graph_places, graph_t, new_graph
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dpotrf, dsyrk, dtrsm
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: graph_places, graph_t, new_graph, sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: limit_nested_threads, n_threads, restore_nested_threads, thread_state_t
    implicit none (type, external)

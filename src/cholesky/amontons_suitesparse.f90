@@ -4,11 +4,10 @@ module amontons_suitesparse
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int64_t, c_null_char, c_null_ptr, &
       c_ptr
    use amontons_condenser, only: cholesky_t
+   use amontons_dissection, only: backward_columns, forward_columns
    use amontons_error, only: error_t, new_error, system_failure
-   use amontons_fronts, only: backward_columns, forward_columns
-   use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: graph_t, new_graph, sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: limit_nested_threads, restore_nested_threads, thread_state_t
    implicit none (type, external)

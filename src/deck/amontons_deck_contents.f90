@@ -1,7 +1,7 @@
 !> The text of a deck as tokens (words, quoted texts, group names and punctuation), and what stands in it: groups,
 !> assignments and values, each with its place in the text.
 module amontons_deck_contents
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: fault_list_t
    use amontons_kinds, only: int64
    use amontons_text, only: counted, lower_case, nearest_word, to_text
    implicit none (type, external)

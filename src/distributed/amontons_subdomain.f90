@@ -4,13 +4,11 @@ module amontons_subdomain
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t, substitution_t
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t
-   use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
    use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: coloring_t, new_coloring
+   use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_ranks, only: line_t
-   use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
+   use amontons_sparse_matrix, only: graph_t, new_graph, new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
 

@@ -7,8 +7,7 @@ module amontons_assembly
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: coloring_t, worth_threads
+   use amontons_mesh, only: coloring_t, mesh_t, worth_threads
    use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private

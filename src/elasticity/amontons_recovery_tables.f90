@@ -12,9 +12,8 @@ module amontons_recovery_tables
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
    use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: incidence_t, new_incidence, new_side_table, side_element, side_number, &
-      side_place, side_table_t, worth_threads
+   use amontons_mesh, only: incidence_t, mesh_t, new_incidence, new_side_table, side_element, side_number, side_place, &
+      side_table_t, worth_threads
    implicit none (type, external)
    private
 

@@ -4,8 +4,7 @@ module amontons_rigid_motion
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: number_pieces
+   use amontons_mesh, only: mesh_t, number_pieces
    use amontons_text, only: to_text
    implicit none (type, external)
    private

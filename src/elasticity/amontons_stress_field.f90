@@ -8,8 +8,7 @@ module amontons_stress_field
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: coloring_t, worth_threads
+   use amontons_mesh, only: coloring_t, mesh_t, worth_threads
    implicit none (type, external)
    private
 

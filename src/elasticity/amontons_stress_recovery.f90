@@ -15,8 +15,7 @@ module amontons_stress_recovery
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: worth_threads
+   use amontons_mesh, only: mesh_t, worth_threads
    use amontons_quantity, only: quantity_t
    use amontons_recovery_tables, only: block_size, far_weight, find_terms, frame_t, is_linear, known_traction_t, &
       max_terms, patch_table_t, samples_t, solve_normal

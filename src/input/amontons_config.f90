@@ -14,8 +14,7 @@ module amontons_config
    use amontons_deck_contents, only: suggestion
    use amontons_deck_visitor, only: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, &
       is_filled, key_t
-   use amontons_error, only: error_t, input_refused, new_error
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t, input_refused, new_error
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_model_t, &
       file_pressure, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group

@@ -9,13 +9,13 @@ module amontons_config_groups
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_file_model, only: use_names
+   use amontons_generated_mesh, only: diagonal_names, rectangle_t
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
-   use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -1,10 +1,10 @@
 !> Elimination of a general sparse matrix in a build without SuiteSparse: in a band, by LAPACK.
 module amontons_sparse_lu
    use amontons_error, only: error_t
-   use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp
    use amontons_lapack, only: dgbtrf, dgbtrs
-   use amontons_sparse_matrix, only: new_sparse_pattern, positions, sparse_matrix_t
+   use amontons_sparse_matrix, only: half_bandwidth, new_sparse_pattern, positions, reverse_cuthill_mckee, &
+      sparse_matrix_t
    implicit none (type, external)
    private
 

@@ -14,7 +14,7 @@ module amontons_listing
    use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_document, only: document_t
    use amontons_element, only: quad4
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
@@ -33,7 +33,6 @@ module amontons_listing
       pair_text, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
-   use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private

@@ -11,17 +11,15 @@
 !> collection, its time the number of the case, or the pseudo-time of a history; body and contact line are parts of the
 !> step.
 module amontons_manifest
-   use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_contact_set, only: contact_t
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_document, only: json_string
+   use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
-   use amontons_json, only: json_string
    use amontons_kinds, only: int64
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_system, only: absolute_path, file_name_t
+   use amontons_system, only: absolute_path, checksum_t, file_checksum, file_name_t, text_checksum
    use amontons_text, only: newline, to_text, xml_escaped
    implicit none (type, external)
    private

@@ -5,9 +5,9 @@ module amontons_summary
    use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_convergence, only: refined_quantity_t, verdict_names
-   use amontons_document, only: document_t
+   use amontons_document, only: document_t, json_logical, json_number, json_numbers, json_string, quantity_members
+   use amontons_error, only: warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_json, only: json_logical, json_number, json_numbers, json_string, quantity_members
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp, int64
    use amontons_outcome_words, only: has_converged
@@ -18,7 +18,6 @@ module amontons_summary
    use amontons_text, only: newline, to_text
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
-   use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private

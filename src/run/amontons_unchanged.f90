@@ -3,8 +3,7 @@
 module amontons_unchanged
    use amontons_batch_table, only: number_keys
    use amontons_config, only: config_t
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary

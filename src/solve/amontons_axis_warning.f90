@@ -1,10 +1,10 @@
 !> The warning on bodies of revolution that nothing holds at their axis.
 module amontons_axis_warning
    use amontons_body, only: body_t
+   use amontons_error, only: warning_list_t
    use amontons_kinds, only: dp
    use amontons_material, only: on_axis
    use amontons_text, only: counted
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

@@ -5,19 +5,18 @@ module amontons_model_warnings
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: element_names, quad4, tri3
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, warning_list_t
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
-   use amontons_mesh_topology, only: number_pieces
+   use amontons_mesh, only: number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: obstacle_t
    use amontons_self_crossing, only: find_self_crossing
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

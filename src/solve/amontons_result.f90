@@ -5,6 +5,7 @@ module amontons_result
    use amontons_contact_solution, only: contact_solution_t
    use amontons_convergence, only: refined_quantity_t
    use amontons_document, only: document_t
+   use amontons_error, only: warning_list_t
    use amontons_key_results, only: lengths_t
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
@@ -15,7 +16,6 @@ module amontons_result
    use amontons_stress_recovery, only: error_estimate_t
    use amontons_terminal, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
-   use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private

@@ -7,6 +7,7 @@ module amontons_result_warnings
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: max_corners, n_corners
+   use amontons_error, only: warning_list_t
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
@@ -16,7 +17,6 @@ module amontons_result_warnings
    use amontons_obstacle_corners, only: find_corner_penetration
    use amontons_result, only: result_t
    use amontons_text, only: counted, to_text
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

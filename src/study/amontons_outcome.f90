@@ -1,14 +1,13 @@
 !> The outcome of a deck: what became of it, whatever kind of study it asks for.
 module amontons_outcome
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_error, only: error_t, numerical_failure
+   use amontons_error, only: error_t, numerical_failure, warning_list_t
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: solution_word, word_no_equilibrium, word_not_certified, word_not_converged, &
       word_solved
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, status_not_converged
    use amontons_text, only: counted, scientific
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

@@ -8,12 +8,12 @@
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same tables.
 module amontons_checkpoint
-   use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp, int64
    use amontons_output_file, only: adopt_file, file_lock_t, lock_file, output_file_t
-   use amontons_system, only: append_to_file, cut_file, remove_file, wall_seconds
+   use amontons_system, only: append_to_file, checksum_t, cut_file, file_checksum, remove_file, text_checksum, &
+      wall_seconds
    use amontons_text, only: newline, to_text
    implicit none (type, external)
    private

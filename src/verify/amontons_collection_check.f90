@@ -1,7 +1,6 @@
 !> Collections as they were written, held against the files that they name.
 module amontons_collection_check
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
    use amontons_manifest, only: case_entries, collection_head, collection_tail
    use amontons_text, only: read_integer, replaced, to_text

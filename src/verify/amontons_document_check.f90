@@ -7,8 +7,7 @@
 !> certificate speaks.
 module amontons_document_check
    use amontons_document, only: document_t, part_t
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
    use amontons_text, only: line_end, newline, read_real, to_text

@@ -3,7 +3,7 @@ module amontons_verified_case
    use amontons_config, only: config_t
    use amontons_document, only: document_t
    use amontons_document_check, only: compare_document
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: fault_list_t
    use amontons_kinds, only: dp
    use amontons_summary, only: member_value
    use amontons_text, only: read_real

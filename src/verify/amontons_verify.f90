@@ -6,8 +6,8 @@
 !> the first and find accidents; recomputation answers the second and finds wrong numbers.
 module amontons_verify
    use amontons_config, only: read_config
+   use amontons_document, only: json_string
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_json, only: json_string
    use amontons_manifest, only: manifest_t, read_summary
    use amontons_solve_case, only: cache_t
    use amontons_system, only: file_name_t, list_directory

@@ -12,8 +12,7 @@ module amontons_verify_case
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
    use amontons_document_check, only: agree
-   use amontons_error, only: error_t
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: error_t, fault_list_t
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t

@@ -2,7 +2,7 @@
 !> written can hand them over to this one.
 module amontons_vtk_check
    use amontons_document_check, only: contradiction, first_disagreement
-   use amontons_fault_list, only: fault_list_t
+   use amontons_error, only: fault_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_text, only: to_text
    use amontons_vtu, only: base64_size, bytes_per_length, decode_base64, vtk_file_t

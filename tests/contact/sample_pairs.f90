@@ -3,11 +3,11 @@ module sample_pairs
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, new_contact
    use amontons_error, only: error_t
-   use amontons_joined_mesh, only: append_mesh, name_mesh
+   use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
-   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
+   use amontons_mesh_file, only: append_mesh, name_mesh
    use sample_bodies, only: support_at_point, support_on_set, traction_on_set
    use sample_meshes, only: rotation, turn
    implicit none (type, external)

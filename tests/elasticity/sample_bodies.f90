@@ -8,8 +8,7 @@ module sample_bodies
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
    use amontons_material, only: material_t, materials_t, new_material, new_materials
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: coloring_t, new_coloring
+   use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)

@@ -2,9 +2,9 @@
 module sample_meshes
    use amontons_element, only: element_names, n_corners, n_element_nodes, quad4, quad9, tri3
    use amontons_error, only: error_t
+   use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
-   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    implicit none (type, external)
    private
 

@@ -5,8 +5,7 @@ module amontons_pair_refusals
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
+   use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: mortar_points_t
    use amontons_mortar_segments, only: meet_side

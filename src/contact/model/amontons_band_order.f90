@@ -1,9 +1,8 @@
 !> The choice between a dense condensed stiffness and a band matrix of the whole body, and the order of that band.
 module amontons_band_order
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
    implicit none (type, external)
    private
 

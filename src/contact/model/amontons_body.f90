@@ -16,12 +16,10 @@ module amontons_body
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
-   use amontons_graph, only: half_bandwidth
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, new_materials
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: coloring_t, new_coloring
+   use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
    use amontons_mortar_points, only: mortar_points_t
    use amontons_new_cholesky, only: new_condenser
@@ -29,7 +27,7 @@ module amontons_body
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_modes, only: common_motions, find_rigid_modes, largest_motion
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t

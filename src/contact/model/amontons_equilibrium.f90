@@ -12,9 +12,9 @@
 !> the round line is the slave.
 module amontons_equilibrium
    use amontons_body, only: body_t
-   use amontons_bounded_least_squares, only: bounded_remainder
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: bounded_remainder
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t

@@ -11,8 +11,7 @@ module amontons_free_boundary
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: new_side_table, side_element, side_place, side_table_t
+   use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_segments, only: meet_master, meeting_t, sides_near
    use amontons_obstacle, only: steepest_cosine, unit_vector

@@ -6,7 +6,6 @@
 !> members. The first part is what no quantity changes; its factor is 1.
 module amontons_load_family
    use amontons_body, only: body_t
-   use amontons_checksum, only: checksum_t
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
@@ -17,6 +16,7 @@ module amontons_load_family
    use amontons_loads, only: load_t, load_vector, sum_thermal_strain
    use amontons_mesh, only: mesh_t
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
+   use amontons_system, only: checksum_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

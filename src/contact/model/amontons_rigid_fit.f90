@@ -6,8 +6,7 @@
 !> down as a rigid body, and its displacements.
 module amontons_rigid_fit
    use amontons_body, only: body_t
-   use amontons_bounded_least_squares, only: bounded_remainder
-   use amontons_dense, only: symmetric_eigenvectors
+   use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    implicit none (type, external)

@@ -5,10 +5,10 @@ module amontons_abaqus
       next_keyword, read_set, read_surface, resolve_elements, take_comma
    use amontons_abaqus_model, only: finish_materials, finish_temperatures, read_model_keyword
    use amontons_element, only: quad4, quad8, tri3, tri6
-   use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
+   use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t, use_loads, use_materials, &
+      use_names, use_supports
    use amontons_input_file, only: input_file_t, printable
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t
    use amontons_text, only: counted, lower_case
    implicit none (type, external)
    private

@@ -2,11 +2,10 @@
 !> define first: sets of nodes and elements, and surfaces.
 module amontons_abaqus_lines
    use amontons_element, only: n_corners
-   use amontons_file_model, only: longest_name
+   use amontons_file_model, only: longest_name, raw_group_t, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: raw_group_t, raw_mesh_t
    use amontons_text, only: lower_case, read_integer, read_real, to_text
    implicit none (type, external)
    private

@@ -4,11 +4,11 @@ module amontons_abaqus_model
    use amontons_abaqus_lines, only: find_parameter, named_group, next_data_line, refuse_parameters, take_fields, &
       take_number
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_material_t, &
-      file_rotation, file_support_t, file_temperatures_t, longest_name, use_loads, use_materials, use_supports
+      file_rotation, file_support_t, file_temperatures_t, longest_name, raw_mesh_t, use_loads, use_materials, &
+      use_supports
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: raw_mesh_t
    use amontons_text, only: counted, lower_case, read_integer, to_text
    implicit none (type, external)
    private

@@ -2,10 +2,10 @@
 !> physical groups, which cells belong to which and their names; entities, nodes and elements.
 module amontons_gmsh
    use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
+   use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
    use amontons_text, only: counted, ends_word, to_text
    implicit none (type, external)
    private

@@ -5,12 +5,11 @@
 !> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
+   use amontons_file_model, only: n_cell_nodes, name_sets, raw_mesh_t, renumbering_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
-   use amontons_mesh_topology, only: new_side_table, number_pieces, side_element, side_place, side_table_t
-   use amontons_raw_mesh, only: n_cell_nodes, name_sets, raw_mesh_t, renumbering_t
+   use amontons_mesh, only: mesh_t, new_side_table, number_pieces, side_element, side_place, side_table_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private

@@ -1,23 +1,21 @@
-!> The parts of a mesh, a body each: a generated rectangle or a file, where it is put and how its sets are named. Files
-!> are Gmsh's MSH or in the input format of Abaqus and CalculiX, told apart by their first character.
+!> The parts of a mesh, a body each: a generated rectangle or a file, where it is put and how its sets are named; and
+!> how the parts are joined to one mesh, without merging nodes. Files are Gmsh's MSH or in the input format of Abaqus
+!> and CalculiX, told apart by their first character.
 module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
-   use amontons_error, only: error_t
-   use amontons_file_model, only: file_model_t, use_names
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_file_model, only: file_model_t, raw_mesh_t, use_names
+   use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t, refine_mesh
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
-   use amontons_joined_mesh, only: append_mesh, name_mesh
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
+   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, parents_t, region_t
    use amontons_mesh_cleanup, only: new_clean_mesh
-   use amontons_raw_mesh, only: raw_mesh_t
-   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
-   use amontons_refined_mesh, only: refine_mesh
    use amontons_text, only: newline
    implicit none (type, external)
    private
 
-   public :: mesh_part_t, new_mesh, read_file_model, read_mesh_file
+   public :: append_mesh, mesh_part_t, name_mesh, new_mesh, read_file_model, read_mesh_file
 
    !> A part of a mesh.
    type :: mesh_part_t
@@ -31,6 +29,173 @@ module amontons_mesh_file
    end type mesh_part_t
 
 contains
+
+   !> Puts a name and a point before the names of all sets and regions of a mesh; the whole mesh becomes the region of
+   !> that name.
+   pure subroutine name_mesh(mesh, name)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+      character(*), intent(in) :: name !! the name
+      type(region_t), allocatable :: regions(:)
+      integer :: i
+
+      call complete_sets(mesh)
+      do i = 1, size(mesh%sets)
+         mesh%sets(i)%name = name//'.'//mesh%sets(i)%name
+      end do
+      do i = 1, size(mesh%node_sets)
+         mesh%node_sets(i)%name = name//'.'//mesh%node_sets(i)%name
+      end do
+      allocate (regions(size(mesh%regions) + 1))
+      do i = 1, size(mesh%regions)
+         regions(i + 1)%name = name//'.'//mesh%regions(i)%name
+         regions(i + 1)%element = mesh%regions(i)%element
+      end do
+      regions(1)%name = name
+      allocate (regions(1)%element(mesh%n_elements))
+      do i = 1, mesh%n_elements
+         regions(1)%element(i) = i
+      end do
+      call move_alloc(regions, mesh%regions)
+      mesh%source = name//': '//mesh%source
+   end subroutine name_mesh
+
+   !> Puts a mesh behind another one, whose nodes and elements keep their numbers. The numbers that nodes have in files
+   !> go on behind the largest one before.
+   pure subroutine append_mesh(mesh, other, error)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
+      type(parents_t) :: behind
+      integer, allocatable :: tags(:)
+      integer :: i, last_tag
+
+      call append_sets(mesh, other, error)
+      if (allocated(error)) return
+      if (allocated(mesh%node_tag) .or. allocated(other%node_tag)) then
+         tags = tags_of(mesh)
+         last_tag = maxval(tags)
+         tags = [tags, tags_of(other)]
+         where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = last_tag + tags(mesh%n_nodes + 1:)
+         call move_alloc(tags, mesh%node_tag)
+      end if
+      if (allocated(mesh%parents) .or. allocated(other%parents)) then
+         behind = parents_of(other)
+         mesh%parents = parents_of(mesh)
+         mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + behind%start(2:)]
+         mesh%parents%node = [mesh%parents%node, mesh%n_nodes + behind%node]
+         mesh%parents%weight = [mesh%parents%weight, behind%weight]
+      end if
+      mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
+      mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]
+      mesh%node = [mesh%node, mesh%n_nodes + other%node]
+      mesh%element_kind = [mesh%element_kind, other%element_kind]
+      mesh%n_nodes = mesh%n_nodes + other%n_nodes
+      mesh%n_elements = mesh%n_elements + other%n_elements
+      mesh%source = mesh%source//'; '//other%source
+      mesh%has_pieces = mesh%has_pieces .or. other%has_pieces
+      if (mesh%hypothesis == '') mesh%hypothesis = other%hypothesis
+      do i = 1, other%files%n()
+         call mesh%files%add(other%files%item(i))
+      end do
+      do i = 1, other%warnings%n()
+         call mesh%warnings%add(other%warnings%item(i))
+      end do
+   end subroutine append_mesh
+
+   !> Appends the sets and regions.
+   pure subroutine append_sets(mesh, other, error)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes and elements still alone
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
+      type(mesh_t) :: behind
+      type(boundary_set_t), allocatable :: sets(:)
+      type(node_set_t), allocatable :: node_sets(:)
+      type(region_t), allocatable :: regions(:)
+      integer :: i, n(3)
+
+      behind = other
+      call complete_sets(mesh)
+      call complete_sets(behind)
+      do i = 1, size(behind%sets)
+         if (has_set(mesh, behind%sets(i)%name)) call refuse_double('set', behind%sets(i)%name, error)
+         behind%sets(i)%element = mesh%n_elements + behind%sets(i)%element
+      end do
+      do i = 1, size(behind%node_sets)
+         if (has_set(mesh, behind%node_sets(i)%name)) call refuse_double('set', behind%node_sets(i)%name, error)
+         behind%node_sets(i)%node = mesh%n_nodes + behind%node_sets(i)%node
+      end do
+      do i = 1, size(behind%regions)
+         if (mesh%find_region(behind%regions(i)%name) > 0) call refuse_double('region', behind%regions(i)%name, error)
+         behind%regions(i)%element = mesh%n_elements + behind%regions(i)%element
+      end do
+      n = [size(mesh%sets), size(mesh%node_sets), size(mesh%regions)]
+      allocate (sets(n(1) + size(behind%sets)), node_sets(n(2) + size(behind%node_sets)), &
+         regions(n(3) + size(behind%regions)))
+      sets(:n(1)) = mesh%sets
+      sets(n(1) + 1:) = behind%sets
+      node_sets(:n(2)) = mesh%node_sets
+      node_sets(n(2) + 1:) = behind%node_sets
+      regions(:n(3)) = mesh%regions
+      regions(n(3) + 1:) = behind%regions
+      call move_alloc(sets, mesh%sets)
+      call move_alloc(node_sets, mesh%node_sets)
+      call move_alloc(regions, mesh%regions)
+   end subroutine append_sets
+
+   !> Whether a mesh has a boundary set or a set of nodes of a name.
+   pure logical function has_set(mesh, name)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      character(*), intent(in) :: name !! the name
+
+      has_set = mesh%find_set(name) > 0 .or. mesh%find_node_set(name) > 0
+   end function has_set
+
+   !> Refuses a name that two meshes have.
+   pure subroutine refuse_double(noun, name, error)
+      character(*), intent(in) :: noun !! what it is the name of
+      character(*), intent(in) :: name !! the name
+      type(error_t), allocatable, intent(inout) :: error !! gains the fault, unless there is one
+
+      if (.not. allocated(error)) call new_error(error, input_refused, 'another &mesh has the '//noun//" '"//name// &
+         "' too; give each &mesh a name of its own")
+   end subroutine refuse_double
+
+   !> Gives a mesh lists of node sets and regions where it has none.
+   pure subroutine complete_sets(mesh)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+
+      if (.not. allocated(mesh%node_sets)) allocate (mesh%node_sets(0))
+      if (.not. allocated(mesh%regions)) allocate (mesh%regions(0))
+   end subroutine complete_sets
+
+   !> The parents of the nodes of a mesh, whether refined or not.
+   pure function parents_of(mesh) result(parents)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(parents_t) :: parents
+
+      if (allocated(mesh%parents)) then
+         parents = mesh%parents
+      else
+         allocate (parents%start(mesh%n_nodes + 1), source=1)
+         allocate (parents%node(0), parents%weight(0))
+      end if
+   end function parents_of
+
+   !> The numbers that the nodes of a mesh have in its file, 0 for a node of refinement.
+   pure function tags_of(mesh) result(tags)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable :: tags(:)
+      integer :: i
+
+      allocate (tags(mesh%n_nodes), source=0)
+      if (allocated(mesh%node_tag)) then
+         tags(:size(mesh%node_tag)) = mesh%node_tag
+      else
+         do i = 1, size(tags)
+            tags(i) = i
+         end do
+      end if
+   end function tags_of
 
    !> Reads a mesh file; what can be put right is, with a note, and the rest is refused.
    subroutine read_mesh_file(mesh, file, notes, error)

@@ -2,7 +2,6 @@
 !> steps need to compute energies, probes and stresses of the surface from contact displacements alone.
 module amontons_history_model
    use amontons_body, only: body_t
-   use amontons_checksum, only: checksum_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_energy_form, only: energy_form_t, new_energy_form
@@ -14,6 +13,7 @@ module amontons_history_model
    use amontons_load_solver, only: load_solver_t, new_load_solver
    use amontons_obstacle_motion, only: obstacle_motion_t
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
+   use amontons_system, only: checksum_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

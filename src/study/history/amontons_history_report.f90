@@ -2,9 +2,8 @@
 module amontons_history_report
    use amontons_config, only: config_t
    use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
-   use amontons_document, only: document_t
+   use amontons_document, only: document_t, json_logical, json_number, json_string, quantity_members
    use amontons_history, only: history_t, moved_things, steps_t
-   use amontons_json, only: json_logical, json_number, json_string, quantity_members
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
    use amontons_quantity, only: quantity_t

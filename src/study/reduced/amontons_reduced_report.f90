@@ -2,9 +2,8 @@
 module amontons_reduced_report
    use amontons_config, only: config_t
    use amontons_contact_table, only: add_point_table, column_t, points_text
-   use amontons_document, only: document_t
+   use amontons_document, only: document_t, json_number, json_string
    use amontons_error, only: error_t
-   use amontons_json, only: json_number, json_string
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &

@@ -9,7 +9,7 @@ module amontons_solve_reduced
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, effort_t, new_contact_solution
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_methods, only: method_options_t, new_contact_method
@@ -19,7 +19,6 @@ module amontons_solve_reduced
    use amontons_terminal, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
    use amontons_text, only: short_text
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 

@@ -4,6 +4,7 @@ module amontons_sweep_statistics
    use amontons_checkpoint, only: milestone_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_error, only: warning_list_t
    use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, lengths_t, new_lengths, resultants, &
       set_results
    use amontons_kinds, only: dp, int64
@@ -12,7 +13,6 @@ module amontons_sweep_statistics
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence
    use amontons_sweep, only: sweep_t
    use amontons_text, only: to_text
-   use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private

@@ -2,8 +2,7 @@
 module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_document, only: document_t
-   use amontons_json, only: json_logical, json_number, json_string
+   use amontons_document, only: document_t, json_logical, json_number, json_string
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: outcome_names, solution_word, word_no_equilibrium, word_solved
    use amontons_quantity, only: quantity_t, scales
