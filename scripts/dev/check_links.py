@@ -16,7 +16,7 @@ CODE = re.compile(r"(`+).+?\1")
 # The target may go on behind a line break; its text may hold an image.
 LINK = re.compile(r"\]\(\s*<?([^)\s>]+)>?[^)]*\)|^ {0,3}\[[^\]]+\]:\s+<?([^\s>]+)", re.MULTILINE)
 # Names with an underscore in code on these pages; placeholders have capitals.
-PAGES_ON_SOURCES = ("doc/architecture.md", "doc/decisions.md")
+PAGES_ON_SOURCES = ("doc/architecture.md",)
 NAME = re.compile(r"(?<![\w./])[a-z]\w*_[a-z0-9_]+\b")
 FOREIGN = re.compile(r"[a-z][a-z+.-]*:", re.IGNORECASE)
 

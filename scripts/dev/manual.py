@@ -18,7 +18,7 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parents[2]
 BOOTSTRAP = Path("/usr/share/javascript/bootstrap5")
 # The order in which one reads; pages that are not named here follow.
-ORDER = ["README", "guide", "decks", "output", "theory", "reduced", "library", "verification", "performance",
+ORDER = ["README", "guide", "decks", "output", "limits", "theory", "methods", "library", "verification", "performance",
          "architecture"]
 STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }

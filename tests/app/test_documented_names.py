@@ -57,7 +57,7 @@ def members(value, path=""):
 
 
 class DocumentedNames(ProgramTest):
-    """Names in files against doc/output.md, doc/history.md and, of reduced problems, doc/reduced.md."""
+    """Names in files against doc/output.md and, of reduced problems, doc/library.md."""
 
     def assert_documented(self, names, patterns, source):
         """Checks that each name, or the last part of its path, is explained, but for numbers and axes behind it."""
@@ -94,7 +94,7 @@ class DocumentedNames(ProgramTest):
         for name, deck in DECKS.items():
             self.write(f"{name}.nml", f"&case name = '{name}' /\n{deck}")
         self.run_program("--quiet", "--output", "out", *(f"{name}.nml" for name in DECKS))
-        found = self.assert_files("out", documented("output.md", "history.md"))
+        found = self.assert_files("out", documented("output.md"))
         # What nobody wrote would not be compared.
         self.assertLessEqual({"csv", "summary.json", "contact.csv", "convergence.csv", "sweep.csv", "history.csv",
                               "points.csv", "cycles.csv", "states.csv", "vtu", "contact.vtu"}, found)
@@ -103,9 +103,9 @@ class DocumentedNames(ProgramTest):
         self.run_program("--quiet", "--output", "out", "--write-reduced", "--all-solutions", self.write(
             "case.nml", block("support set = 'top'  ux = 0.0  uy = -0.01", CONTACT, PUSH,
                               mesh="size = 4.0, 2.0  cells = 4, 2")))
-        self.assertIn("solutions.csv", self.assert_files("out", documented("output.md", "history.md")))
+        self.assertIn("solutions.csv", self.assert_files("out", documented("output.md")))
         self.run_program("--quiet", "--output", "reduced", "--reduced", "out/case.reduced.dat")
-        self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "reduced.md")))
+        self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "library.md")))
 
     def test_violations_have_a_row_in_the_theory_and_a_sentence(self):
         # A third body is tied to the side of the first.
@@ -125,7 +125,7 @@ class DocumentedNames(ProgramTest):
 
     def test_no_name_is_a_missing_one(self):
         # The comparison itself: a name that no page has is found.
-        patterns = documented("output.md", "history.md")
+        patterns = documented("output.md")
         with self.assertRaisesRegex(AssertionError, "certificate.pear"):
             self.assert_documented(["certificate.pear"], patterns, "none")
         self.assert_documented(["factor_push", "contact_width_2", "mesh_3", "ux_2", "counts.elements"], patterns,

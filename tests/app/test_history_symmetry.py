@@ -9,7 +9,7 @@ from histories import BAR, HistoryTest
 # The bar, its symmetry plane on the left.
 MIRRORED = (BAR.replace("'right'", "'middle'").replace("'left'", "'right'").replace("'middle'", "'left'")
             .replace("traction = 1.0, 0.0", "traction = -1.0, 0.0"))
-# An independent program (doc/history.md): after all five legs, by steps per leg, what friction took and what the work
+# An independent program (doc/guide.md): after all five legs, by steps per leg, what friction took and what the work
 # done left behind besides strain energy.
 DISSIPATED = {"1.0": {1: (6.018874, 3.0506), 4: (6.004551, 5.8909), 20: (6.019907, 6.010977), 80: (6.015675, 6.015146),
                       320: (6.015285, 6.015257)},

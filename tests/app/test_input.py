@@ -55,7 +55,7 @@ class Input(ProgramTest):
     def test_bar_remembers_its_history(self):
         with open(self.directory / "long_bar_history.history.csv", encoding="utf-8") as table:
             rows = {float(row["time"]): row for row in csv.DictReader(table)}
-        # As doc/history.md has it; F is 10 at both times.
+        # As doc/guide.md has it; F is 10 at both times.
         for time, stick, moved in ((1.0, 16.25, 0.014488876), (5.0, 11.25, 0.013855954)):
             self.assertEqual(float(rows[time]["stick_length"]), stick)
             self.assertAlmostEqual(float(rows[time]["ux_1"]), moved, delta=0.5e-9)
