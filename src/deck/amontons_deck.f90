@@ -13,8 +13,9 @@ module amontons_deck
       group_token, has_typographic_quote, is_name, may_be_value, open_quote_token, suggestion, text_token, &
       token_text, word_token
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_input_file, only: read_standard_input, read_text_file
+   use amontons_input_file, only: beside, read_standard_input, read_text_file
    use amontons_kinds, only: int64
+   use amontons_system, only: absolute_path
    use amontons_text, only: line_end, lower_case, newline, quoted, read_integer, to_text
    implicit none (type, external)
    private
@@ -35,10 +36,20 @@ module amontons_deck
       integer :: slash_line = 0 !! line of a comment in the group that ends in '/', 0 for none
    end type cursor_t
 
+   !> The value of a key.
+   type :: setting_t
+      character(:), allocatable :: text !! the setting as it was given
+      character(:), allocatable :: group !! name of the group
+      integer :: number = 0 !! which of the groups of this name; 0 for the only one
+      character(:), allocatable :: assignment !! the assignment as a deck has it: `friction = 0.3`
+      character(:), allocatable :: key !! name of the key
+   end type setting_t
+
    !> A deck and what is wrong with it.
    type :: deck_t
       character(:), allocatable :: file !! name the messages give to the deck
       type(deck_contents_t) :: contents !! what stands in it
+      type(setting_t), allocatable :: settings(:) !! the settings that are part of it
    contains
       procedure :: count_groups => deck_count_groups
       procedure :: count_values => deck_count_values
@@ -50,17 +61,9 @@ module amontons_deck
       procedure :: knows => deck_knows
       procedure :: line_of => deck_line_of
       procedure :: next_group => deck_next_group
+      procedure :: path_of => deck_path_of
       procedure :: refuse_unknown_groups => deck_refuse_unknown_groups
    end type deck_t
-
-   !> The value of a key.
-   type :: setting_t
-      character(:), allocatable :: text !! the setting as it was given
-      character(:), allocatable :: group !! name of the group
-      integer :: number = 0 !! which of the groups of this name; 0 for the only one
-      character(:), allocatable :: assignment !! the assignment as a deck has it: `friction = 0.3`
-      character(:), allocatable :: key !! name of the key
-   end type setting_t
 
 contains
 
@@ -585,6 +588,29 @@ contains
       end associate
    end function deck_count_values
 
+   !> The full name of a file: seen from the deck's folder, or from the current one where a setting gives it.
+   function deck_path_of(self, group, key, name) result(path)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! the key that names the file, in lower case
+      character(*), intent(in) :: name !! name of the file as it is given
+      character(:), allocatable :: path
+      integer :: number, i
+
+      number = 0
+      do i = 1, group
+         if (self%contents%groups(i)%name == self%contents%groups(group)%name) number = number + 1
+      end do
+      path = absolute_path(beside(self%file, name))
+      if (.not. allocated(self%settings)) return
+      do i = 1, size(self%settings)
+         associate (setting => self%settings(i))
+            if (setting%group == self%contents%groups(group)%name .and. setting%key == key .and. &
+               max(1, setting%number) == number) path = absolute_path(name)
+         end associate
+      end do
+   end function deck_path_of
+
    !> Records the groups that are unknown, and those that stand more often than they may.
    subroutine deck_refuse_unknown_groups(self, known_names, also, repeatable_names)
       class(deck_t), intent(inout) :: self !! the deck, gains the faults
@@ -697,6 +723,7 @@ contains
          call apply_setting(deck, settings(i), text)
          call read_deck_text(deck, file, text)
       end do
+      deck%settings = settings
       do i = 1, size(settings)
          if (.not. is_clear(i)) call deck%fault(0, '', settings(i)%text//': the deck has '// &
             to_text(deck%count_groups(settings(i)%group))//' &'//settings(i)%group//'; write '//settings(i)%group// &

@@ -16,9 +16,8 @@ module amontons_deck_visitor
    use amontons_deck_contents, only: bare_value, excerpt, find_values, joined, mark_faulty, refuse_value, &
       suggestion, unquoted_value
    use amontons_error, only: error_t
-   use amontons_input_file, only: beside, read_number_table
+   use amontons_input_file, only: read_number_table
    use amontons_kinds, only: dp
-   use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, nearest_word, newline, quoted, read_integer, read_real, to_text
    implicit none (type, external)
    private
@@ -675,7 +674,7 @@ contains
       else
          value = text
          if (key%is_filled .and. len_trim(text) == 0) call self%judge(key, 'not empty')
-         if (key%is_file .and. len_trim(text) > 0) value = absolute_path(beside(self%deck%file, text))
+         if (key%is_file .and. len_trim(text) > 0) value = self%deck%path_of(self%place, key%name, text)
       end if
    end subroutine reader_text
 

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """The command line: options, names of decks and of cases."""
+import shutil
 import unittest
+from pathlib import Path
 from xml.etree import ElementTree
 
 from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
+MESHES = Path(__file__).resolve().parents[1] / "meshes"
 SOLVED = (r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; open 0\.0, slip 0\.5, stick 3\.5; "
           r"9 of 9 points closed, peak pressure \d\.\d+\n$")
 
@@ -210,6 +213,27 @@ class Settings(ProgramTest):
         self.run_program("--quiet", "--write-reduced", "case.nml")
         self.run_program("--quiet", "--reduced", "--set", "solver.method=psor", "case.reduced.dat")
         self.assertIn("method = 'psor'", self.contents()["case.reduced.deck.nml"].decode())
+
+    def test_file_of_a_setting_counts_from_the_current_directory(self):
+        shutil.copy(MESHES / "quad4-41.msh", self.directory / "block.msh")
+        self.write("table.csv", "0.0 0.3\n4.0 0.3\n")
+        deck = block("support set = 'right end'  ux = 0.01  uy = -0.01", "contact set = 'bottom'",
+                     mesh="kind = 'file'  file = 'mine.msh'")
+        for folder in ("one", "two"):
+            (self.directory / folder).mkdir()
+            self.write(f"{folder}/case_{folder}.nml", deck)
+        settings = ("--set", "mesh(1).file=block.msh", "--set", "contact.friction_table=table.csv")
+        self.run_program("--quiet", "--output", "results", *settings, "one/case_one.nml", "two/case_two.nml")
+        for name in ("case_one", "case_two"):
+            effective = self.contents("results")[f"{name}.deck.nml"].decode()
+            self.assertIn(f"file = '{self.directory.resolve()}/block.msh'", effective)
+            self.assertIn(f"friction_table = '{self.directory.resolve()}/table.csv'", effective)
+        self.assertIn("verified", self.run_program("--verify", "results").stdout)
+        # What the deck itself names is still seen from the deck's folder.
+        (self.directory / "one" / "mine.msh").write_bytes((self.directory / "block.msh").read_bytes())
+        self.run_program("--quiet", "--output", "more", "--set", "contact.friction=0.3", "one/case_one.nml")
+        self.assertIn(f"file = '{self.directory.resolve()}/one/mine.msh'",
+                      self.contents("more")["case_one.deck.nml"].decode())
 
     def test_faults_are_those_of_a_deck(self):
         for setting, message in (

@@ -29,6 +29,13 @@ class Manual(ProgramTest):
         statuses = text[text.index(".SH EXIT STATUS"):text.index(".SH SIGNALS")]
         self.assertEqual(re.findall(r"^\.B (\d)$", statuses, re.MULTILINE), list("012345"))
 
+    def test_every_group_and_table_is_told(self):
+        text = MANUAL.read_text(encoding="utf-8")
+        for group in re.findall(r"^### `(&\w+)`", self.run_program("--reference").stdout, re.MULTILINE):
+            self.assertTrue(re.search(rf"(?m)^\.BR? {group}\b", text), group)
+        for name in ("sweep.csv", "history.csv", "history.pvd", "sweep.pvd"):
+            self.assertTrue(re.search(rf"(?m)^\.IR? NAME\.{name}\b", text), name)
+
     def test_its_example_is_that_of_help(self):
         lines = [line.strip() for line in MANUAL.read_text(encoding="utf-8").splitlines() if line.startswith("    &")]
         self.assertEqual(lines, re.findall(r"^  (&.*)$", self.run_program("--help").stdout, re.MULTILINE))
