@@ -3,20 +3,30 @@
 import csv
 import json
 import math
+import subprocess
+import tempfile
 import unittest
 from pathlib import Path
 
-from harness import ProgramTest, read_vtu
+from harness import PROGRAM, ProgramTest, read_vtu
 
 DECKS = sorted((Path(__file__).resolve().parents[2]/"input").glob("*.nml"))
 
 
 class Input(ProgramTest):
-    """The decks as a user runs them, all at once."""
+    """The decks as a user runs them, all at once, for all tests."""
+    scratch = None
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scratch = tempfile.TemporaryDirectory(prefix="amontons_")
+        cls.addClassCleanup(cls.scratch.cleanup)
+        subprocess.run([PROGRAM, "--quiet", *DECKS], cwd=cls.scratch.name, check=True, timeout=cls.timeout)
 
     def setUp(self):
         super().setUp()
-        self.run_program("--quiet", *DECKS)
+        self.directory = Path(self.scratch.name)
 
     def test_every_deck_is_solved(self):
         self.assertGreaterEqual(len(DECKS), 10)

@@ -1,5 +1,6 @@
 """Decks in Python: texts and dicts, with settings; meshes of arrays, fields as arrays, warnings and missing files."""
 import os
+import re
 import sys
 import unittest
 import warnings
@@ -257,6 +258,17 @@ class Meshes(ProgramTest):
                 amontons.Mesh(*arguments).text()
         with self.assertRaisesRegex(amontons.SystemFailure, "cannot write the mesh there"):
             amontons.solve_deck({}, self.directory / self.write("file", "") / "out", mesh=amontons.Mesh(nodes, cells))
+
+    def test_example_of_wear_ends_in_the_pressure_on_the_block(self):
+        printed = self.run_command(["env", f"PYTHONPATH={ROOT / 'python'}", sys.executable, "-B",
+                                    str(ROOT / "doc" / "examples" / "wear.py"), "wear"]).stdout
+        new, = map(float, re.findall(r"touch, peak pressure (\S+)", printed))
+        peak, area, archard = map(float, re.search(r"after \d+ passes: peak pressure (\S+), worn area (\S+), "
+                                                   r"Archard's (\S+)\n", printed).groups())
+        self.assertGreater(new, 1.3)
+        # What is left of the crown wears away like an exponential; Archard's area is a balance of forces.
+        self.assertAlmostEqual(peak, 1.0, delta=0.05)
+        self.assertAlmostEqual(area, archard, delta=1e-5)
 
 
 if __name__ == "__main__":

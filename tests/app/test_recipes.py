@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""The recipes for machine parts in input/ against closed forms and balances."""
+import csv
+import math
+import unittest
+from pathlib import Path
+
+from harness import ProgramTest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Recipes(ProgramTest):
+    """One deck each, as it stands."""
+
+    def table(self, name, kind):
+        """Solves input/NAME.nml and returns the rows of one of its tables, with what was printed."""
+        run = self.run_program("--output", "out", ROOT / "input" / f"{name}.nml")
+        with open(self.directory / "out" / f"{name}.{kind}.csv", newline="", encoding="utf-8") as table:
+            return list(csv.DictReader(table)), run.stdout + run.stderr
+
+    def test_press_fit_has_the_pressure_of_lame_and_is_pulled_off_by_friction(self):
+        rows, printed = self.table("press_fit", "history")
+        self.assertNotIn("warning", printed)
+        interference, b, c, length, friction = 0.02, 25.0, 50.0, 30.0, 0.15
+        pressure = 210000.0*interference*(c**2 - b**2)/(2*b*c**2)
+        force = pressure*2*math.pi*b*length
+        # The field of Lame is not one of quad8's: its error on 20 cells through the wall.
+        self.assertAlmostEqual(float(rows[0]["normal_force"])/force, 1.0, delta=1e-5)
+        last = rows[-1]
+        self.assertEqual(float(last["stick_length"]), 0.0)
+        self.assertAlmostEqual(-float(last["tangential_force"])/float(last["normal_force"]), friction, delta=1e-9)
+        # The pulled shaft gets thinner by Poisson's ratio: less than the estimate, by a share of the order of mu nu.
+        share = -float(last["tangential_force"])/(friction*force)
+        self.assertTrue(1 - friction*0.3 < share < 1, share)
+        forces = [-float(row["tangential_force"]) for row in rows[20:]]
+        self.assertEqual(max(forces[:5]), forces[4])
+
+    def test_bolt_and_gasket_share_preload_and_working_load(self):
+        rows, _ = self.table("bolted_flange", "history")
+        bolt, gasket = ([float(row[f"normal_force_{i}"]) for row in rows] for i in (1, 2))
+        working = 2*math.pi*15.0*40.0
+        # Balance of the flange, to rounding.
+        self.assert_close([bolt[5] - gasket[5], bolt[10] - gasket[10] - working], [0.0, 0.0], 1e-6*bolt[5])
+        # The preload opens by the joint's stiffness: the bolt takes a part of the working load only.
+        self.assertTrue(0 < bolt[10] - bolt[5] < working)
+        # The cooled shank alone between rigid parts would bear E A alpha 150 K: an upper bound.
+        self.assertTrue(0 < bolt[5] < 2.1e5*math.pi*25.0*1e-5*150.0)
+
+    def test_seal_presses_itself_tight(self):
+        rows, printed = self.table("seal", "sweep")
+        self.assertNotIn("warning", printed)
+        for row in rows:
+            fluid = float(row["factor_fluid"])
+            exact = 10.0*0.01/(1 - 0.49**2) + 0.49/0.51*fluid
+            # Uniform stresses, which every element has to rounding.
+            self.assertAlmostEqual(float(row["max_contact_pressure"])/exact, 1.0, delta=1e-10)
+            self.assertGreater(exact, fluid)
+
+    def test_dovetail_slips_back_and_forth(self):
+        rows, _ = self.table("blade_root_cycles", "cycles")
+        self.assertEqual([row["outcome"] for row in rows], ["first", "steady", "steady"])
+        self.assertGreater(float(rows[-1]["dissipation"]), 0.0)
+        with open(self.directory / "out" / "blade_root_cycles.contact.csv", newline="", encoding="utf-8") as table:
+            points = list(csv.DictReader(table))
+        # At full speed both flanks slide but for their ends: each bears N = V/(2 (sin 45 + mu cos 45)) = 2527 N/mm.
+        statuses = [point["status"] for point in points]
+        self.assertLess(statuses.count("stick"), 0.1*(len(points) - statuses.count("open")))
+        normal = sum(float(point["normal_force"]) for point in points)
+        self.assertAlmostEqual(normal/(2*2527.0), 1.0, delta=1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
