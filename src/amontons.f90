@@ -8,11 +8,10 @@
 module amontons
    use amontons_body, only: body_t, new_body
    use amontons_constraints, only: new_support, support_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_operator, only: contact_operator_t, new_compliance_operator
    use amontons_contact_problem, only: contact_problem_t, new_reduced_problem
    use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names

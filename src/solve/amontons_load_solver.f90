@@ -7,16 +7,14 @@
 module amontons_load_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
-   use amontons_components, only: solve_components
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_load_family, only: acting_t, load_family_t, new_load_family, parting_t
-   use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved

@@ -12,8 +12,7 @@ module amontons_model_warnings
    use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_mesh, only: number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
-   use amontons_obstacle, only: obstacle_t
-   use amontons_self_crossing, only: find_self_crossing
+   use amontons_obstacle, only: find_self_crossing, obstacle_t
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text

@@ -8,8 +8,7 @@
 !> forces are while the body turns, before facets have wedged it.
 module amontons_spin
    use amontons_auto, only: auto_t
-   use amontons_body, only: body_t
-   use amontons_components, only: solve_components
+   use amontons_body, only: body_t, find_rigid_modes, largest_motion
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
@@ -19,7 +18,7 @@ module amontons_spin
    use amontons_equilibrium, only: round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_rigid_modes, only: find_rigid_modes, largest_motion
+   use amontons_methods, only: solve_components
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private

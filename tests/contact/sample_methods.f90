@@ -1,8 +1,7 @@
 !> All contact methods that must be right, in a table.
 module sample_methods
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &

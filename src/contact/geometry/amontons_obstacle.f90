@@ -5,12 +5,14 @@
 !>
 !> An obstacle is solid behind its surface and free in front of it. All that contact asks of one is where a line
 !> enters it and where it leaves it again; the rule that makes a gap of this is the same for every kind.
+!>
+!> Whether a polyline crosses itself, so that no side of it is the inside.
 module amontons_obstacle
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: obstacle_names, obstacle_t, steepest_cosine, unit_vector
+   public :: find_self_crossing, obstacle_names, obstacle_t, steepest_cosine, unit_vector
 
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
@@ -45,6 +47,9 @@ module amontons_obstacle
       real(dp) :: cosine = 0.0_dp
          !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
    end type crossing_t
+
+   !> Segments that share a box: a long line is compared box by box, most of which are apart.
+   integer, parameter :: n_in_box = 32
 
 contains
 
@@ -292,5 +297,79 @@ contains
          end if
       end associate
    end function find_entry_elsewhere
+
+   !> Finds a place where two segments of a polyline pass through each other. That they touch, or lie upon each other,
+   !> is no crossing.
+   pure subroutine find_self_crossing(line, crosses, place)
+      real(dp), intent(in) :: line(:, :) !! the points (2, points) [L]
+      logical, intent(out) :: crosses !! whether there is such a place
+      real(dp), intent(out) :: place(2) !! the first that was found; 0, 0 without one [L]
+      real(dp), allocatable :: box(:, :, :)
+      integer :: i, k, n, n_boxes, last
+
+      n = size(line, 2) - 1
+      n_boxes = (n + n_in_box - 1)/n_in_box
+      allocate (box(2, 2, n_boxes))
+      do i = 1, n_boxes
+         last = min(i*n_in_box, n) + 1
+         box(:, 1, i) = minval(line(:, (i - 1)*n_in_box + 1:last), dim=2)
+         box(:, 2, i) = maxval(line(:, (i - 1)*n_in_box + 1:last), dim=2)
+      end do
+      crosses = .false.
+      place = 0.0_dp
+      do i = 1, n_boxes
+         do k = i, n_boxes
+            if (any(box(:, 1, k) > box(:, 2, i)) .or. any(box(:, 1, i) > box(:, 2, k))) cycle
+            call compare_boxes(line, (i - 1)*n_in_box + 1, (k - 1)*n_in_box + 1, crosses, place)
+            if (crosses) return
+         end do
+      end do
+   end subroutine find_self_crossing
+
+   !> Compares the segments of two boxes.
+   pure subroutine compare_boxes(line, first, second, crosses, place)
+      real(dp), intent(in) :: line(:, :) !! the points (2, points) [L]
+      integer, intent(in) :: first !! first segment of one box
+      integer, intent(in) :: second !! first segment of the other one, not before it
+      logical, intent(inout) :: crosses !! becomes true where two of them pass through each other
+      real(dp), intent(inout) :: place(2) !! where [L]
+      integer :: i, k, n
+
+      n = size(line, 2) - 1
+      do i = first, min(first + n_in_box - 1, n)
+         do k = max(second, i + 2), min(second + n_in_box - 1, n)
+            associate (p => line(:, i), a => line(:, i + 1) - line(:, i), &
+               q => line(:, k), b => line(:, k + 1) - line(:, k))
+               if (.not. (separates(p, a, q, q + b) .and. separates(q, b, p, p + a))) cycle
+               crosses = .true.
+               place = p + a*crossed(q - p, b)/crossed(a, b)
+               return
+            end associate
+         end do
+      end do
+   end subroutine compare_boxes
+
+   !> Whether the line through a segment has two points on either side of it.
+   pure logical function separates(start, along, a, b)
+      real(dp), intent(in) :: start(2) !! start of the segment [L]
+      real(dp), intent(in) :: along(2) !! its way to the end [L]
+      real(dp), intent(in) :: a(2) !! one point [L]
+      real(dp), intent(in) :: b(2) !! the other one [L]
+      ! A point so near to the line, over the lengths of both, is on it.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: sides(2)
+
+      sides = [crossed(along, a - start), crossed(along, b - start)]
+      separates = minval(sides) < 0.0_dp .and. maxval(sides) > 0.0_dp .and. &
+         minval(abs(sides)) > rounding*norm2(along)*max(norm2(along), norm2(b - a))
+   end function separates
+
+   !> Cross product.
+   pure real(dp) function crossed(a, b)
+      real(dp), intent(in) :: a(2) !! the first
+      real(dp), intent(in) :: b(2) !! the second
+
+      crossed = a(1)*b(2) - a(2)*b(1)
+   end function crossed
 
 end module amontons_obstacle

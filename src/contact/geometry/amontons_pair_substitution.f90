@@ -4,18 +4,23 @@
 !> With dual functions the row of a slave's corner p has no other corner that is a point in it,
 !> `w_p = c_p u_p + sum c_q u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical
 !> unknowns, those of a middle node being its deviation from the mean of the corners.
+!>
+!> The pairs of surfaces that are bonded.
 module amontons_pair_substitution
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: turned
+   use amontons_contact_set, only: pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
+   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, &
+      take_facing_sides
    use amontons_mortar_points, only: mortar_points_t
+   use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)
    private
 
-   public :: new_pair_substitution
+   public :: new_pair_substitution, new_tied_pairs
 
    !> The displacement of a node as a sum: of own unknowns of nodes, and of displacements of nodes.
    type :: sum_t
@@ -287,5 +292,53 @@ contains
          end associate
       end do
    end subroutine pack_sums
+
+   !> Finds where the bonded boundary sets face each other.
+   subroutine new_tied_pairs(pairs, follower, ties, body, error)
+      type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
+      integer, intent(inout) :: follower(:)
+         !! the nodes of slaves, see `amontons_mortar_pair`; gains those of the ties (nodes)
+      type(tie_t), intent(in) :: ties(:) !! the ties
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
+      type(pairing_t) :: pairing
+      integer :: i
+
+      allocate (pairs(size(ties)))
+      pairing%is_tied = .true.
+      do i = 1, size(ties)
+         pairing%against = ties(i)%to
+         pairing%search = ties(i)%search
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
+         if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
+         if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., &
+            body%constraints, error)
+         if (allocated(error)) error%message = ties(i)%origin//error%message
+         if (allocated(error)) return
+         call take_facing_sides(follower, pairs(i))
+      end do
+   end subroutine new_tied_pairs
+
+   !> Counts displacements of bonded points that supports guide, and those of their neighbors, along the guide and
+   !> across it, in the place of normal and tangent.
+   pure subroutine follow_guides(pair, constraints)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp) :: frame(2, 2)
+      integer :: p, i, k
+
+      do p = 1, size(pair%node)
+         if (.not. pair%is_tangent_fixed(p)) cycle
+         frame = constraints%frame(pair%node(p))
+         pair%normal(:, p) = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
+         do i = 1, size(pair%point_of, 2)
+            do k = 1, 2
+               if (pair%point_of(k, i) /= p .or. pair%point_of(3 - k, i) == 0) cycle
+               if (.not. pair%is_tangent_fixed(pair%point_of(3 - k, i))) pair%normal(:, pair%point_of(3 - k, i)) = &
+                  pair%normal(:, p)
+            end do
+         end do
+      end do
+   end subroutine follow_guides
 
 end module amontons_pair_substitution

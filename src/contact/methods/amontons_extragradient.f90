@@ -7,9 +7,8 @@
 !> vector to a trial point of C, and then from lambda along the vector found there. Components are scaled to a unit
 !> diagonal of A, so that no unit matters.
 module amontons_extragradient
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)

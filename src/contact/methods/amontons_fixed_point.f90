@@ -5,9 +5,8 @@
 !> paper's remark 2 on section 1, with the friction that it leaves out (erratum 3; theory, section 5).
 module amontons_fixed_point
    use amontons_box_program, only: solve_box_program
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)

@@ -8,12 +8,9 @@
 !> with the covering vectors below the pivots end in a solution for friction of any size, unless a rigid motion exists
 !> (dual: forces without effect) that the loads can drive.
 module amontons_lemke
-   use amontons_active_set, only: active_set_t
-   use amontons_complementarity, only: lemke_pivoting
-   use amontons_contact_method, only: contact_method_t
-   use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_relation, only: contact_relation_t, new_contact_relation
-   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_contact_problem, only: active_set_t, contact_problem_t
+   use amontons_contact_relation, only: contact_relation_t, lemke_pivoting, new_contact_relation
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text

@@ -1,12 +1,21 @@
 !> The table of contact methods and of the words of their options, and the choice of one by its name.
+!>
+!> Contact problems that fall into parts which do not act on each other: each is solved by itself.
+!>
+!> Bodies in several pieces and reduced problems of many bodies are such problems. A part has its own scale of forces,
+!> its own steps and its own pivots: a difficult one does not slow the others, and weak ones keep their digits.
 module amontons_methods
    use amontons_acceleration, only: acceleration_names
    use amontons_auto, only: auto_t
    use amontons_box_program, only: box_names
-   use amontons_contact_method, only: contact_method_t, method_options_t
+   use amontons_contact_operator, only: contact_operator_t
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, method_options_t, &
+      new_contact_solution
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_extragradient, only: extragradient_t
    use amontons_fixed_point, only: fixed_point_t
+   use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: local_names, psor_t, space_names
@@ -15,7 +24,7 @@ module amontons_methods
    private
 
    public :: acceleration_names, box_names, local_names, method_names, method_options_t, new_contact_method, &
-      space_names, variant_names
+      solve_components, space_names, variant_names
 
    !> Names of the methods, as a deck writes them.
    character(13), parameter :: method_names(*) = [character(13) :: 'auto', 'newton', 'splitting', 'fixed_point', &
@@ -50,5 +59,103 @@ contains
       end select
       method%method_options_t = options
    end subroutine new_contact_method
+
+   !> Solves a problem, each of its parts by itself.
+   subroutine solve_components(method, problem, solution, error)
+      class(contact_method_t), intent(in) :: method !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! what the method refuses
+      type(contact_operator_t), target :: matrix
+      type(contact_problem_t) :: part
+      type(contact_solution_t) :: found
+      integer, allocatable :: component(:), points(:), rows(:)
+      real(dp), allocatable :: displacement(:), force(:)
+      ! What rounding leaves of the forces of other parts is no load of a part.
+      real(dp), parameter :: rounding = 10.0_dp*epsilon(1.0_dp)
+      logical :: is_at_rest, are_converged
+      real(dp) :: residual, scale
+      integer :: i, k, n_components
+
+      call problem%matrix%find_parts(problem%n_points, component, n_components)
+      if (n_components < 2) then
+         call method%solve(problem, solution, error)
+         return
+      end if
+      displacement = solution%displacement
+      force = solution%force
+      is_at_rest = .false.
+      are_converged = .true.
+      residual = 0.0_dp
+      scale = problem%force_scale()
+      call solution%reset()
+      do k = 1, n_components
+         points = pack([(i, i=1, problem%n_points)], component == k)
+         rows = [points, problem%n_points + points]
+         call problem%matrix%cut(rows, matrix, error)
+         if (allocated(error)) return
+         call new_part(part, matrix, problem, points, rows)
+         call new_contact_solution(found, size(points))
+         found%displacement = displacement(rows)
+         found%force = force(rows)
+         call method%solve(part, found, error)
+         if (allocated(error)) return
+         displacement(rows) = found%displacement
+         force(rows) = found%force
+         is_at_rest = is_at_rest .or. found%is_at_rest
+         if (.not. found%is_converged .and. part%force_scale() > rounding*scale) then
+            are_converged = .false.
+            residual = max(residual, found%residual)
+         end if
+         call add_record(solution, found, (real(size(points), dp)/problem%n_points)**2)
+      end do
+      solution%displacement = displacement
+      solution%force = force
+      call solution%measure(problem)
+      ! The residual of a part that is none of the largest hides in that of the whole.
+      solution%residual = max(solution%residual, residual)
+      solution%is_converged = are_converged .and. solution%residual <= method%tolerance
+      if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
+      solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
+   end subroutine solve_components
+
+   !> Makes the contact problem of a part.
+   subroutine new_part(part, matrix, problem, points, rows)
+      type(contact_problem_t), intent(out) :: part !! the part
+      type(contact_operator_t), target, intent(inout) :: matrix !! its operator
+      type(contact_problem_t), intent(in) :: problem !! the whole
+      integer, intent(in) :: points(:) !! points of the part
+      integer, intent(in) :: rows(:) !! their rows
+
+      if (allocated(problem%load)) then
+         call new_contact_problem(part, matrix)
+         part%load = problem%load(rows)
+         part%friction = problem%friction(points)
+         part%prescribed = problem%prescribed
+      else
+         call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
+      end if
+      part%gap = problem%gap(points)
+      part%anchor = problem%anchor(points)
+      part%slip_bound = problem%slip_bound(points)
+   end subroutine new_part
+
+   !> Adds the record of a part, as if all parts were solved side by side: of each iteration the largest residual.
+   pure subroutine add_record(solution, found, part)
+      type(contact_solution_t), intent(inout) :: solution !! gains the record
+      type(contact_solution_t), intent(in) :: found !! solution of the part
+      real(dp), intent(in) :: part !! size of its matrix over that of the whole [-]
+      type(effort_t) :: effort
+      integer :: n
+
+      effort = found%effort
+      effort%n_products = part*effort%n_products
+      call solution%effort%add(effort)
+      do n = solution%n_iterations + 1, found%n_iterations
+         call solution%record_residual(0.0_dp)
+      end do
+      n = found%n_iterations
+      solution%history(:n) = max(solution%history(:n), found%history(:n))
+   end subroutine add_record
 
 end module amontons_methods

@@ -8,16 +8,13 @@
 !> cycle, single points change (after Murty's principal pivoting, which changes the last index that is infeasible and
 !> ends for every P-matrix).
 module amontons_newton
-   use amontons_active_set, only: active_set_t
-   use amontons_band_stiffness_system, only: band_stiffness_system_t
-   use amontons_contact_method, only: contact_method_t
-   use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_contact_problem, only: active_set_t, contact_problem_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
-   use amontons_force_system, only: compliance_system_t, sparse_compliance_system_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp, int64
-   use amontons_newton_system, only: newton_system_t, stiffness_system_t
+   use amontons_newton_system, only: band_stiffness_system_t, compliance_system_t, newton_system_t, &
+      sparse_compliance_system_t, stiffness_system_t
    implicit none (type, external)
    private
 

@@ -11,9 +11,8 @@
 module amontons_psor
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_acceleration, only: acceleration_t, new_acceleration
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded, solve_point
    use amontons_kinds, only: dp

@@ -23,9 +23,8 @@
 module amontons_splitting
    use amontons_acceleration, only: accelerate, acceleration_t, new_acceleration, proximal_center_t
    use amontons_box_program, only: solve_box_program
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, effort_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded

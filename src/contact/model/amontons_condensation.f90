@@ -9,25 +9,47 @@
 !>
 !> For a slender body with a long contact line S would take far more time and memory than the body: it is left a band
 !> matrix of the whole body then.
+!>
+!> The choice between a dense condensed stiffness and a band matrix of the whole body, and the order of that band.
+!>
+!> The condensation of displacements v to rows w = C v: the least energy of all v with the same w.
+!>
+!> Of `min v.S v/2 - q.v with C v = w` the value is w.T w/2 - p.w + const, with T = G^-1 - rho I, p = G^-1 C M^-1 q,
+!> G = C M^-1 C^T and M = S + rho C^T C for any rho that makes M definite. Equilibrium S v = q - C^T lambda is then
+!> `T w = p - lambda`, exactly, also where S is only semidefinite: the kernel of T is C times that of S. Motions r of
+!> this kernel that no row notices, C r = 0, take no part: M gains a multiple of r r^T for each, which changes neither T
+!> nor p, and leaves out their displacements.
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_band_order, only: find_band_order
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t, dof_map_t
    use amontons_contact_operator, only: contact_operator_t, new_band_operator, new_stiffness_operator
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: allocate_matrix
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_condenser
-   use amontons_row_condensation, only: new_row_condensation, row_condensation_t
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
    implicit none (type, external)
    private
 
-   public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, &
-      new_condensation, new_distributed_condensation
+   public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
+      may_suit_band, new_condensation, new_distributed_condensation, new_row_condensation, row_condensation_t
+
+   !> What condenses loads and recovers displacements.
+   type :: row_condensation_t
+      real(dp), allocatable :: stiffness(:, :) !! T (r, r) [F/L]
+      real(dp), allocatable, private :: rows(:, :) !! C (r, n) [-]
+      real(dp), allocatable, private :: factor(:, :) !! Cholesky factor of M (n, n)
+      real(dp), allocatable, private :: lifting(:, :) !! G^-1 C M^-1, the v of unit w, transposed (r, n) [-]
+   contains
+      procedure :: condense => row_condensation_condense
+      procedure :: expand => row_condensation_expand
+   end type row_condensation_t
+
+   !> How many times slower an operation on a band is than one on a dense matrix; a round number.
+   real(dp), parameter :: slowness = 50.0_dp
 
    !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
    character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
@@ -368,5 +390,109 @@ contains
       end associate
       if (allocated(condensation%rows)) v = condensation%to_rows%expand(condensed%contact_load, v)
    end function contact_unknowns
+
+   !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
+   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 faster
+   !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
+   !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
+   !> multipliers has no place in a band.
+   pure subroutine find_band_order(matrix, form, zone, order)
+      type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, allocatable, intent(out) :: order(:) !! position k holds unknown order(k); allocated if it suits (n)
+
+      if (.not. may_suit_band(matrix%n, form, zone)) return
+      allocate (order(matrix%n))
+      call reverse_cuthill_mckee(matrix, 0, order)
+      if (form == 'band') return
+      associate (half_width => real(half_bandwidth(matrix, order), dp))
+         if (slowness*matrix%n*half_width**2 > real(zone%n_points, dp)**3) deallocate (order)
+      end associate
+   end subroutine find_band_order
+
+   !> Whether the number of unknowns leaves it possible that a band suits.
+   pure logical function may_suit_band(n_unknowns, form, zone)
+      integer, intent(in) :: n_unknowns !! number of unknowns
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, parameter :: least_points = 501
+
+      may_suit_band = form /= 'dense' .and. zone%is_nodal
+      associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
+         if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
+            .and. .not. slowness*n*(n/m)**2 > m**3
+      end associate
+   end function may_suit_band
+
+   !> Condenses a stiffness.
+   pure subroutine new_row_condensation(condensation, stiffness, rows, is_definite, unnoticed, error)
+      type(row_condensation_t), intent(out) :: condensation !! the condensation
+      real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
+      real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
+      logical, intent(in) :: is_definite !! whether S is definite, so that rho = 0
+      real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
+      type(error_t), allocatable, intent(out) :: error
+         !! the rows are dependent, or leave another part of S's kernel free
+      real(dp), allocatable :: flexibility(:, :), gram(:, :)
+      real(dp) :: rho, trace
+      integer :: i, info
+
+      rho = 0.0_dp
+      condensation%factor = stiffness
+      condensation%rows = rows
+      if (.not. is_definite) then
+         ! Both parts of M then have diagonals of one size, which keeps its condition near that of S.
+         trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
+         rho = trace/sum(rows**2)
+         condensation%factor = stiffness + rho*matmul(transpose(rows), rows)
+         if (size(unnoticed, 2) > 0) condensation%factor = condensation%factor &
+            + trace/sum(unnoticed**2)*matmul(unnoticed, transpose(unnoticed))
+      end if
+      call cholesky_factor(condensation%factor, info)
+      if (info /= 0) then
+         call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
+            'definite: neither supports nor the cells of constant multipliers hold the body')
+         return
+      end if
+      flexibility = transpose(rows)
+      call cholesky_solve(condensation%factor, flexibility)
+      gram = matmul(rows, flexibility)
+      gram = 0.5_dp*(gram + transpose(gram))
+      call cholesky_factor(gram, info)
+      if (info /= 0) then
+         call new_error(error, numerical_failure, 'the constant multipliers are not independent on this mesh: make '// &
+            'their cells larger')
+         return
+      end if
+      condensation%lifting = transpose(flexibility)
+      call cholesky_solve(gram, condensation%lifting)
+      call cholesky_inverse(gram)
+      do i = 1, size(gram, 1)
+         gram(i, i) = gram(i, i) - rho
+      end do
+      call move_alloc(gram, condensation%stiffness)
+   end subroutine new_row_condensation
+
+   !> The condensed load p of a load q.
+   pure function row_condensation_condense(self, load) result(condensed)
+      class(row_condensation_t), intent(in) :: self !! the condensation
+      real(dp), intent(in) :: load(:) !! q (n) [F]
+      real(dp), allocatable :: condensed(:)
+
+      condensed = matmul(self%lifting, load)
+   end function row_condensation_condense
+
+   !> The displacements v of least energy with C v = w.
+   pure function row_condensation_expand(self, load, values) result(displacement)
+      class(row_condensation_t), intent(in) :: self !! the condensation
+      real(dp), intent(in) :: load(:) !! q (n) [F]
+      real(dp), intent(in) :: values(:) !! w (r) [L]
+      real(dp), allocatable :: displacement(:)
+
+      displacement = load
+      call cholesky_solve(self%factor, displacement)
+      displacement = displacement + matmul(values - matmul(self%rows, displacement), self%lifting)
+   end function row_condensation_expand
 
 end module amontons_condensation

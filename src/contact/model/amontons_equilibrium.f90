@@ -11,14 +11,13 @@
 !> any moment. What normals of the circles through neighboring nodes leave much of has no equilibrium either. For a pair
 !> the round line is the slave.
 module amontons_equilibrium
-   use amontons_body, only: body_t
+   use amontons_body, only: body_t, largest_motion
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: bounded_remainder
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_rigid_modes, only: largest_motion
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private

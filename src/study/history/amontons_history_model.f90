@@ -9,9 +9,8 @@ module amontons_history_model
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t
-   use amontons_load_family, only: acting_t, one_part, parting_t
+   use amontons_load_family, only: acting_t, obstacle_motion_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
-   use amontons_obstacle_motion, only: obstacle_motion_t
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
    use amontons_text, only: to_text

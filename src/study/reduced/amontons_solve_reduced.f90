@@ -3,16 +3,14 @@
 module amontons_solve_reduced
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions, most_points
-   use amontons_components, only: solve_components
    use amontons_config, only: config_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, effort_t, new_contact_solution
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
-   use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_quantity, only: quantity_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_reduced_file
