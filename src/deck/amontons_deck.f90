@@ -73,6 +73,9 @@ contains
       type(deck_contents_t), intent(out) :: contents !! what stands in it
       type(cursor_t) :: cursor
       logical :: is_plain
+      type(deck_group_t) :: group
+      character(:), allocatable :: next
+      integer :: n_faults
 
       allocate (contents%groups(8), contents%assignments(64), contents%values(64))
       contents%text = text
@@ -83,7 +86,30 @@ contains
       if (cursor%token%kind == end_token) call contents%faults%add(0, 'expected a group such as &mesh, found none')
       do while (cursor%token%kind /= end_token)
          if (cursor%token%kind == group_token .and. .not. is_legacy_end(text, cursor%token)) then
-            call read_group(cursor, contents)
+            ! Reads a group and its end.
+            n_faults = contents%faults%n
+            group = deck_group_t()
+            group%line = cursor%token%line
+            group%name = lower_case(contents%text(cursor%token%first + 1:cursor%token%last))
+            group%first_assignment = contents%n_assignments + 1
+            cursor%has_open_quote = .false.
+            cursor%slash_line = 0
+            call advance(cursor, contents%text)
+            call read_assignments(cursor, contents, group%last_judged)
+            group%last_assignment = contents%n_assignments
+            group%last = cursor%token%first - 1
+            if (cursor%token%kind == '/' .or. is_legacy_end(contents%text, cursor%token)) then
+               call advance(cursor, contents%text)
+            else if (.not. cursor%has_open_quote) then
+               next = "expected '/' before "//token_text(contents%text, cursor%token)
+               if (cursor%token%kind /= end_token) next = next//' in line '//to_text(cursor%token%line)
+               if (cursor%slash_line > 0) next = "the '/' in line "//to_text(cursor%slash_line)//' is inside a comment'
+               call contents%faults%add(group%line, '&'//excerpt(group%name)//' is not closed: '//next)
+            end if
+            group%is_malformed = contents%faults%n > n_faults
+            ! Behind a fault of form, the rest of the group may be the next one, its name spoiled.
+            contents%hides_groups = contents%hides_groups .or. group%is_malformed
+            call append_group(contents, group)
          else
             call refuse_token(contents, 'expected a group such as &mesh', cursor%token)
             contents%hides_groups = .true.
@@ -130,44 +156,14 @@ contains
       end do
    end subroutine check_characters
 
-   !> Reads a group and its end.
-   subroutine read_group(cursor, contents)
-      type(cursor_t), intent(inout) :: cursor !! the place, at the group's name
-      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the group
-      type(deck_group_t) :: group
-      character(:), allocatable :: next
-      integer :: n_faults
-
-      n_faults = contents%faults%n
-      group%line = cursor%token%line
-      group%name = lower_case(contents%text(cursor%token%first + 1:cursor%token%last))
-      group%first_assignment = contents%n_assignments + 1
-      cursor%has_open_quote = .false.
-      cursor%slash_line = 0
-      call advance(cursor, contents%text)
-      call read_assignments(cursor, contents, group%last_judged)
-      group%last_assignment = contents%n_assignments
-      group%last = cursor%token%first - 1
-      if (cursor%token%kind == '/' .or. is_legacy_end(contents%text, cursor%token)) then
-         call advance(cursor, contents%text)
-      else if (.not. cursor%has_open_quote) then
-         next = "expected '/' before "//token_text(contents%text, cursor%token)
-         if (cursor%token%kind /= end_token) next = next//' in line '//to_text(cursor%token%line)
-         if (cursor%slash_line > 0) next = "the '/' in line "//to_text(cursor%slash_line)//' is inside a comment'
-         call contents%faults%add(group%line, '&'//excerpt(group%name)//' is not closed: '//next)
-      end if
-      group%is_malformed = contents%faults%n > n_faults
-      ! Behind a fault of form, the rest of the group may be the next one, its name spoiled.
-      contents%hides_groups = contents%hides_groups .or. group%is_malformed
-      call append_group(contents, group)
-   end subroutine read_group
-
    !> Reads the assignments of a group up to its end, or to what stands in the place of one.
    subroutine read_assignments(cursor, contents, last_judged)
       type(cursor_t), intent(inout) :: cursor !! the place, behind the group's name
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the assignments
       integer, intent(out) :: last_judged !! the last assignment before a fault
       integer :: n_faults
+      type(deck_assignment_t) :: assignment
+      type(deck_token_t) :: key
 
       n_faults = contents%faults%n
       do
@@ -176,7 +172,29 @@ contains
          case ('/', group_token, end_token)
             return
          case (word_token)
-            call read_assignment(cursor, contents)
+            ! Reads a key, its subscript and its values.
+            key = cursor%token
+            assignment = deck_assignment_t()
+            assignment%key = lower_case(contents%text(key%first:key%last))
+            assignment%line = key%line
+            assignment%first = key%first
+            call advance(cursor, contents%text)
+            if (cursor%token%kind == '(') call read_subscript(cursor, contents, assignment)
+            if (cursor%token%kind /= '=') then
+               call refuse_token(contents, "expected '=' after "//token_text(contents%text, key), cursor%token)
+               assignment%is_faulty = .true.
+               call skip_to_key(cursor, contents%text)
+            else
+               call advance(cursor, contents%text)
+               assignment%first_value = contents%n_values + 1
+               call read_values(cursor, contents, assignment)
+               assignment%last_value = contents%n_values
+            end if
+            if (is_name(assignment%key)) then
+               call append_assignment(contents, assignment)
+            else if (.not. assignment%is_faulty) then
+               call refuse_token(contents, 'expected a key of letters, digits and underscores', key)
+            end if
          case (open_quote_token)
             call refuse_open_quote(cursor, contents)
          case default
@@ -185,36 +203,6 @@ contains
          end select
       end do
    end subroutine read_assignments
-
-   !> Reads a key, its subscript and its values.
-   subroutine read_assignment(cursor, contents)
-      type(cursor_t), intent(inout) :: cursor !! the place, at the key
-      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the assignment
-      type(deck_assignment_t) :: assignment
-      type(deck_token_t) :: key
-
-      key = cursor%token
-      assignment%key = lower_case(contents%text(key%first:key%last))
-      assignment%line = key%line
-      assignment%first = key%first
-      call advance(cursor, contents%text)
-      if (cursor%token%kind == '(') call read_subscript(cursor, contents, assignment)
-      if (cursor%token%kind /= '=') then
-         call refuse_token(contents, "expected '=' after "//token_text(contents%text, key), cursor%token)
-         assignment%is_faulty = .true.
-         call skip_to_key(cursor, contents%text)
-      else
-         call advance(cursor, contents%text)
-         assignment%first_value = contents%n_values + 1
-         call read_values(cursor, contents, assignment)
-         assignment%last_value = contents%n_values
-      end if
-      if (is_name(assignment%key)) then
-         call append_assignment(contents, assignment)
-      else if (.not. assignment%is_faulty) then
-         call refuse_token(contents, 'expected a key of letters, digits and underscores', key)
-      end if
-   end subroutine read_assignment
 
    !> Reads a subscript in parentheses.
    subroutine read_subscript(cursor, contents, assignment)
@@ -278,8 +266,21 @@ contains
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the value
       type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked where its form is faulty
       type(deck_value_t) :: value
+      type(deck_token_t) :: count
+      logical :: ok, is_joined
 
-      if (cursor%ahead%kind == '*') call read_repeat_count(cursor, contents, assignment, value%n_times)
+      if (cursor%ahead%kind == '*') then
+         count = cursor%token
+         call read_integer(contents%text(count%first:count%last), value%n_times, ok)
+         is_joined = is_touching(cursor)
+         call advance(cursor, contents%text)
+         is_joined = is_joined .and. is_touching(cursor) .and. scan(cursor%ahead%kind, word_token//text_token) > 0
+         call extend(count, cursor%token)
+         if (.not. (ok .and. value%n_times > 0 .and. is_joined)) then
+            call refuse_value(contents, assignment, 'expected a count joined to a value, such as 2*0.0', count)
+         end if
+         call advance(cursor, contents%text)
+      end if
       associate (token => cursor%token)
          if (token%kind /= word_token .and. token%kind /= text_token) return
          value%first = token%first
@@ -287,7 +288,14 @@ contains
          value%line = token%line
          value%is_text = token%kind == text_token
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
-            call refuse_word(contents, assignment, token)
+            ! Records a word in the place of a value.
+            if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
+               call refuse_value(contents, assignment, "expected a number or quoted text, or '=' after a key", token)
+            else if (.not. assignment%is_faulty) then
+               call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
+                  column_text(contents%text, token%first))
+            end if
+            assignment%is_faulty = .true.
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
             call refuse_value(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
                ' characters', token)
@@ -299,42 +307,6 @@ contains
       call append_value(contents, value)
       call advance(cursor, contents%text)
    end subroutine read_value
-
-   !> Records a word in the place of a value.
-   subroutine refuse_word(contents, assignment, token)
-      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
-      type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked as faulty
-      type(deck_token_t), intent(in) :: token !! the word
-
-      if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
-         call refuse_value(contents, assignment, "expected a number or quoted text, or '=' after a key", token)
-      else if (.not. assignment%is_faulty) then
-         call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
-            column_text(contents%text, token%first))
-      end if
-      assignment%is_faulty = .true.
-   end subroutine refuse_word
-
-   !> Reads a repeat count and its star, to which the value must be joined: behind a blank it would be another value.
-   subroutine read_repeat_count(cursor, contents, assignment, n_times)
-      type(cursor_t), intent(inout) :: cursor !! the place, at the count; at the value on return
-      type(deck_contents_t), intent(inout) :: contents !! the deck
-      type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked where its form is faulty
-      integer, intent(out) :: n_times !! how often the value counts
-      type(deck_token_t) :: count
-      logical :: ok, is_joined
-
-      count = cursor%token
-      call read_integer(contents%text(count%first:count%last), n_times, ok)
-      is_joined = is_touching(cursor)
-      call advance(cursor, contents%text)
-      is_joined = is_joined .and. is_touching(cursor) .and. scan(cursor%ahead%kind, word_token//text_token) > 0
-      call extend(count, cursor%token)
-      if (.not. (ok .and. n_times > 0 .and. is_joined)) then
-         call refuse_value(contents, assignment, 'expected a count joined to a value, such as 2*0.0', count)
-      end if
-      call advance(cursor, contents%text)
-   end subroutine read_repeat_count
 
    !> Joins a token to one before it, if both stand on one line: what a message quotes ends with its line.
    pure subroutine extend(token, next)
@@ -652,7 +624,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! it has not this form
       character(:), allocatable :: value
       integer :: equals, point, parenthesis
-      logical :: ok
+      logical :: ok, is_literal
+      character(*), parameter :: digits = '0123456789'
 
       equals = index(text, '=')
       point = index(text(:max(0, equals - 1)), '.')
@@ -674,7 +647,10 @@ contains
          return
       end if
       value = trim(adjustl(text(equals + 1:)))
-      if (.not. is_literal(value)) value = quoted(value)
+      ! Whether a value stands in quotes, or looks like numbers.
+      is_literal = scan(value(:min(1, len(value))), '''"') > 0 .or. &
+         (verify(value, digits//'+-.,* eEdD') == 0 .and. scan(value(:min(1, len(value))), digits//'+-.') > 0)
+      if (.not. is_literal) value = quoted(value)
       ! A key that is unknown is shown as it was given.
       setting%assignment = text(point + 1:equals - 1)//' = '//value
    end subroutine new_setting
@@ -697,15 +673,6 @@ contains
          first = last + 2
       end do
    end subroutine read_settings
-
-   !> Whether a value stands in quotes, or looks like numbers.
-   pure logical function is_literal(value)
-      character(*), intent(in) :: value !! the value
-      character(*), parameter :: digits = '0123456789'
-
-      is_literal = scan(value(:min(1, len(value))), '''"') > 0 .or. &
-         (verify(value, digits//'+-.,* eEdD') == 0 .and. scan(value(:min(1, len(value))), digits//'+-.') > 0)
-   end function is_literal
 
    !> Puts settings in the place of what a deck says, or into it. Every line keeps its number.
    subroutine apply_settings(deck, settings)

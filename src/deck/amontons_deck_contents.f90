@@ -387,10 +387,25 @@ contains
       integer, intent(inout) :: source(:) !! index of the value of each element, 0 where none is given
       integer, intent(inout) :: given_at(:) !! line of the key that gave each element, 0 where none did
       character(:), allocatable :: misfit
-      integer :: i, element, last
+      integer :: i, element, last, n_places, line
+      integer(int64) :: n_given
 
       associate (given => contents%assignments(assignment))
-         misfit = misfit_of(given, contents%values(given%first_value:given%last_value), noun, given_at)
+         ! Why values cannot take the places their assignment gives them; empty where they can.
+         n_given = sum(int(contents%values(given%first_value:given%last_value)%n_times, int64))
+         n_places = size(given_at) - max(given%subscript, 1) + 1
+         misfit = ''
+         if (given%subscript > 0 .and. size(given_at) == 1) then
+            misfit = 'expected no subscript, found ('//to_text(given%subscript)//')'
+         else if (n_places < 1) then
+            misfit = 'expected a subscript from 1 to '//to_text(size(given_at))//', found ('// &
+               to_text(given%subscript)//')'
+         else if (n_given > n_places .or. (n_given < n_places .and. given%subscript == 0)) then
+            misfit = 'expected '//counted(n_places, noun)//', found '//to_text(n_given)
+         else
+            line = maxval(given_at(size(given_at) - n_places + 1:size(given_at) - n_places + int(n_given)))
+            if (line > 0) misfit = 'given in line '//to_text(line)//' already'
+         end if
          given%is_faulty = misfit /= ''
          if (given%is_faulty) then
             if (noun == 'number' .and. given%subscript == 0) misfit = misfit//comma_hint(contents, given, size(source))
@@ -406,32 +421,6 @@ contains
          end do
       end associate
    end subroutine place_values
-
-   !> Why values cannot take the places their assignment gives them; empty where they can.
-   pure function misfit_of(assignment, values, noun, given_at) result(misfit)
-      type(deck_assignment_t), intent(in) :: assignment !! the assignment
-      type(deck_value_t), intent(in) :: values(:) !! its values
-      character(*), intent(in) :: noun !! what one value is called
-      integer, intent(in) :: given_at(:) !! line of the key that gave each element, 0 where none did
-      character(:), allocatable :: misfit
-      integer(int64) :: n_given
-      integer :: n_places, line
-
-      n_given = sum(int(values%n_times, int64))
-      n_places = size(given_at) - max(assignment%subscript, 1) + 1
-      misfit = ''
-      if (assignment%subscript > 0 .and. size(given_at) == 1) then
-         misfit = 'expected no subscript, found ('//to_text(assignment%subscript)//')'
-      else if (n_places < 1) then
-         misfit = 'expected a subscript from 1 to '//to_text(size(given_at))//', found ('// &
-            to_text(assignment%subscript)//')'
-      else if (n_given > n_places .or. (n_given < n_places .and. assignment%subscript == 0)) then
-         misfit = 'expected '//counted(n_places, noun)//', found '//to_text(n_given)
-      else
-         line = maxval(given_at(size(given_at) - n_places + 1:size(given_at) - n_places + int(n_given)))
-         if (line > 0) misfit = 'given in line '//to_text(line)//' already'
-      end if
-   end function misfit_of
 
    !> What a message adds where twice as many whole numbers are given as numbers are expected, a comma in each pair: the
    !> number that a decimal comma was meant to write.

@@ -618,10 +618,10 @@ contains
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
-      character(:), allocatable :: word
-      integer :: source(size(values)), i, whole, wrong
-      real(dp) :: number
-      logical :: ok
+      character(:), allocatable :: word, limits
+      integer :: source(size(values)), i, whole, wrong, at_exponent, exponent
+      real(dp) :: number, mantissa
+      logical :: ok, has_mantissa, has_exponent
 
       call self%find(key, key%noun(), source, is_given)
       do i = 1, size(values)
@@ -636,8 +636,17 @@ contains
          if (ok) then
             values(i) = number
          else
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a '//key%noun()// &
-               limit_of(word, key%is_whole))
+            ! What a message adds where a word has the form of a number, but one too large or too small.
+            limits = ''
+            at_exponent = scan(word, 'eEdD')
+            if (key%is_whole) then
+               if (word /= '' .and. verify(word, '+-0123456789') == 0) limits = ' of at most '//to_text(huge(exponent))
+            else
+               call read_real(word(:at_exponent - 1), mantissa, has_mantissa)
+               call read_integer(word(at_exponent + 1:), exponent, has_exponent)
+               if (has_mantissa .and. has_exponent) limits = ' within double precision'
+            end if
+            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a '//key%noun()//limits)
          end if
       end do
       if (all(source == 0)) return
@@ -776,25 +785,5 @@ contains
          end do
       end associate
    end subroutine reader_refuse_unknown_keys
-
-   !> What a message adds where a word has the form of a number, but one too large or too small.
-   pure function limit_of(word, is_whole) result(text)
-      character(*), intent(in) :: word !! the word
-      logical, intent(in) :: is_whole !! whether a whole number is expected
-      character(:), allocatable :: text
-      real(dp) :: mantissa
-      integer :: at_exponent, exponent
-      logical :: has_mantissa, has_exponent
-
-      text = ''
-      at_exponent = scan(word, 'eEdD')
-      if (is_whole) then
-         if (word /= '' .and. verify(word, '+-0123456789') == 0) text = ' of at most '//to_text(huge(exponent))
-      else
-         call read_real(word(:at_exponent - 1), mantissa, has_mantissa)
-         call read_integer(word(at_exponent + 1:), exponent, has_exponent)
-         if (has_mantissa .and. has_exponent) text = ' within double precision'
-      end if
-   end function limit_of
 
 end module amontons_deck_visitor

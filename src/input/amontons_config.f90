@@ -79,12 +79,20 @@ contains
       type(load_t), allocatable, intent(inout) :: loads(:) !! become those of the file
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
       type(file_model_t) :: model
+      integer :: i
 
       if (len(part%file) == 0) return
       call read_file_model(model, part%file, part%is_used, error)
       if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
       if (allocated(error)) return
-      call take_file_supports(supports, model, part%file)
+      ! Takes the supports.
+      allocate (supports(model%n_supports))
+      do i = 1, size(supports)
+         supports(i)%set = trim(model%supports(i)%set)
+         supports(i)%is_held(:2) = model%supports(i)%is_held
+         supports(i)%displacement(:2) = merge(model%supports(i)%value, 0.0_dp, model%supports(i)%is_held)
+         supports(i)%origin = origin_of(part%file, model%supports(i)%line)
+      end do
       call take_file_loads(loads, model, part%file)
    end subroutine take_file
 
@@ -113,22 +121,6 @@ contains
       end do
    end subroutine take_file_materials
 
-   !> Takes the supports.
-   subroutine take_file_supports(supports, model, file)
-      type(support_t), allocatable, intent(out) :: supports(:) !! the supports
-      type(file_model_t), intent(in) :: model !! what the file says
-      character(*), intent(in) :: file !! its name
-      integer :: i
-
-      allocate (supports(model%n_supports))
-      do i = 1, size(supports)
-         supports(i)%set = trim(model%supports(i)%set)
-         supports(i)%is_held(:2) = model%supports(i)%is_held
-         supports(i)%displacement(:2) = merge(model%supports(i)%value, 0.0_dp, model%supports(i)%is_held)
-         supports(i)%origin = origin_of(file, model%supports(i)%line)
-      end do
-   end subroutine take_file_supports
-
    !> Takes the loads.
    subroutine take_file_loads(loads, model, file)
       type(load_t), allocatable, intent(out) :: loads(:) !! the loads
@@ -138,7 +130,28 @@ contains
 
       allocate (loads(model%n_loads + merge(1, 0, allocated(model%temperatures%table))))
       do i = 1, model%n_loads
-         call take_load(loads(i), model%loads(i))
+         ! Takes a load.
+         call new_load(loads(i), trim(model%loads(i)%set))
+         if (model%loads(i)%kind /= file_pressure .and. model%loads(i)%kind /= file_force) then
+            loads(i)%set = ''
+            loads(i)%region = trim(model%loads(i)%set)
+            loads(i)%target = load_on_region
+         end if
+         select case (model%loads(i)%kind)
+         case (file_pressure)
+            loads(i)%pressure = model%loads(i)%value(1)
+         case (file_force)
+            loads(i)%target = load_on_nodes
+            loads(i)%force = model%loads(i)%value
+         case (file_body_force)
+            loads(i)%body_force = model%loads(i)%value
+         case (file_gravity)
+            loads(i)%gravity = model%loads(i)%value
+         case default
+            loads(i)%angular_speed = model%loads(i)%value(1)
+            loads(i)%center = model%loads(i)%center
+            loads(i)%axis = model%loads(i)%axis
+         end select
          loads(i)%name = file_load_name
          loads(i)%origin = origin_of(file, model%loads(i)%line)
       end do
@@ -152,34 +165,6 @@ contains
          load%origin = origin_of(file, model%temperatures%line)
       end associate
    end subroutine take_file_loads
-
-   !> Takes a load.
-   pure subroutine take_load(load, given)
-      type(load_t), intent(out) :: load !! the load
-      type(file_load_t), intent(in) :: given !! the load as the file says it
-
-      call new_load(load, trim(given%set))
-      if (given%kind /= file_pressure .and. given%kind /= file_force) then
-         load%set = ''
-         load%region = trim(given%set)
-         load%target = load_on_region
-      end if
-      select case (given%kind)
-      case (file_pressure)
-         load%pressure = given%value(1)
-      case (file_force)
-         load%target = load_on_nodes
-         load%force = given%value
-      case (file_body_force)
-         load%body_force = given%value
-      case (file_gravity)
-         load%gravity = given%value
-      case default
-         load%angular_speed = given%value(1)
-         load%center = given%center
-         load%axis = given%axis
-      end select
-   end subroutine take_load
 
    !> Where something stands in the file, as messages begin.
    pure function origin_of(file, line) result(origin)
@@ -319,38 +304,30 @@ contains
             end do
          end do
       else
-         call describe_body(visitor, config)
+         ! Describes the groups of a body, of what acts on it and of what varies.
+         call describe_meshes(visitor, config)
+         do i = config%n_used(use_materials) + 1, size(config%materials)
+            call describe_material(visitor, config%materials(i))
+         end do
+         do i = config%n_used(use_supports) + 1, size(config%supports)
+            call describe_support(visitor, config%supports(i))
+         end do
+         do i = config%n_used(use_loads) + 1, size(config%loads)
+            call describe_load(visitor, config%loads(i))
+         end do
+         do i = 1, size(config%contacts)
+            call describe_contact(visitor, config%contacts(i))
+         end do
+         do i = 1, size(config%ties)
+            call describe_tie(visitor, config%ties(i))
+         end do
+         call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+         call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
+         call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
       end if
       call describe_solver(visitor, config)
       call describe_output(visitor, config%sweep, config%history)
    end subroutine describe_config
-
-   !> Describes the groups of a body, of what acts on it and of what varies.
-   subroutine describe_body(visitor, config)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(config_t), intent(inout) :: config !! the case; who reads it comes without these
-      integer :: i
-
-      call describe_meshes(visitor, config)
-      do i = config%n_used(use_materials) + 1, size(config%materials)
-         call describe_material(visitor, config%materials(i))
-      end do
-      do i = config%n_used(use_supports) + 1, size(config%supports)
-         call describe_support(visitor, config%supports(i))
-      end do
-      do i = config%n_used(use_loads) + 1, size(config%loads)
-         call describe_load(visitor, config%loads(i))
-      end do
-      do i = 1, size(config%contacts)
-         call describe_contact(visitor, config%contacts(i))
-      end do
-      do i = 1, size(config%ties)
-         call describe_tie(visitor, config%ties(i))
-      end do
-      call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
-      call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
-      call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
-   end subroutine describe_body
 
    !> Describes all `&mesh`; a reader gets room for what the other groups say of a body, behind what a mesh file says.
    subroutine describe_meshes(visitor, config)
@@ -359,6 +336,9 @@ contains
       type(error_t), allocatable :: error
       logical :: is_new
       integer :: i, k
+      type(material_t), allocatable :: materials(:)
+      type(support_t), allocatable :: supports(:)
+      type(load_t), allocatable :: loads(:)
 
       is_new = .not. allocated(config%meshes)
       if (is_new) allocate (config%meshes(max(1, visitor%deck%count_groups('mesh'))), config%materials(0), &
@@ -372,36 +352,29 @@ contains
          if (allocated(error)) call visitor%require(.false., 'use', error%message)
          if (any(config%loads%target == load_by_temperature)) call require_expansion(visitor, 'use')
       end do
-      if (is_new) call begin_body(visitor%deck, config, allocated(error))
+      if (is_new) then
+         ! Makes room for what the groups of a deck say of a body, behind what its mesh file says.
+         config%n_used = [size(config%materials), size(config%supports), size(config%loads)]
+         call move_alloc(config%materials, materials)
+         call move_alloc(config%supports, supports)
+         call move_alloc(config%loads, loads)
+         associate (n_used => config%n_used)
+            ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
+            allocate (config%materials(max(merge(0, 1, allocated(error)), &
+               n_used(1) + visitor%deck%count_groups('material'))))
+            allocate (config%supports(n_used(2) + visitor%deck%count_groups('support')))
+            allocate (config%loads(n_used(3) + visitor%deck%count_groups('load')))
+            config%materials(:n_used(1)) = materials
+            config%supports(:n_used(2)) = supports
+            config%loads(:n_used(3)) = loads
+            allocate (config%contacts(visitor%deck%count_groups('contact')), &
+               config%ties(visitor%deck%count_groups('tie')))
+            allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
+            allocate (config%history%steps(visitor%deck%count_groups('steps')))
+            config%history%is_given = visitor%deck%count_groups('history') > 0
+         end associate
+      end if
    end subroutine describe_meshes
-
-   !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
-   subroutine begin_body(deck, config, is_faulty)
-      type(deck_t), intent(in) :: deck !! the deck
-      type(config_t), intent(inout) :: config !! the case, with materials, supports and loads of the file alone
-      logical, intent(in) :: is_faulty !! whether the file is at fault
-      type(material_t), allocatable :: materials(:)
-      type(support_t), allocatable :: supports(:)
-      type(load_t), allocatable :: loads(:)
-
-      config%n_used = [size(config%materials), size(config%supports), size(config%loads)]
-      call move_alloc(config%materials, materials)
-      call move_alloc(config%supports, supports)
-      call move_alloc(config%loads, loads)
-      associate (n_used => config%n_used)
-         ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
-         allocate (config%materials(max(merge(0, 1, is_faulty), n_used(1) + deck%count_groups('material'))))
-         allocate (config%supports(n_used(2) + deck%count_groups('support')))
-         allocate (config%loads(n_used(3) + deck%count_groups('load')))
-         config%materials(:n_used(1)) = materials
-         config%supports(:n_used(2)) = supports
-         config%loads(:n_used(3)) = loads
-         allocate (config%contacts(deck%count_groups('contact')), config%ties(deck%count_groups('tie')))
-         allocate (config%sweep%axes(deck%count_groups('sweep')))
-         allocate (config%history%steps(deck%count_groups('steps')))
-         config%history%is_given = deck%count_groups('history') > 0
-      end associate
-   end subroutine begin_body
 
    !> Describes `&solver`: method, its options, factorization.
    subroutine describe_solver(visitor, config)

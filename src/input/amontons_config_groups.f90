@@ -107,8 +107,8 @@ contains
       ! File names end at 255 characters; temporary ones add up to 30 to the name.
       integer, parameter :: longest_name = 200
       character, parameter :: blank = ' '
-      integer :: i, last_point
-      logical :: has_units
+      integer :: i, last_point, n_commas
+      logical :: has_units, are_units
 
       if (.not. allocated(label%name)) then
          label%name = label%file(index(label%file, '/', back=.true.) + 1:)
@@ -125,7 +125,16 @@ contains
          ' listing, grids, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
          label%units, has_units)
       call visitor%close_group()
-      call visitor%require(.not. has_units .or. are_units(label%units), 'units', &
+      n_commas = 0
+      are_units = .true.
+      do i = 1, len(label%units)
+         if (label%units(i:i) /= ',') cycle
+         n_commas = n_commas + 1
+         are_units = are_units .and. len_trim(label%units(:i - 1)) > scan(label%units(:i - 1), ',', back=.true.)
+      end do
+      are_units = are_units .and. len_trim(label%units) > scan(label%units, ',', back=.true.) .and. &
+         (n_commas == 1 .or. n_commas == 2)
+      call visitor%require(.not. has_units .or. are_units, 'units', &
          "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
       if (len_trim(label%name) == 0 .or. len(label%name) > longest_name .or. &
          any([(label%name(i:i) < blank .or. label%name(i:i) == '/', i=1, len(label%name))])) then
@@ -133,21 +142,6 @@ contains
             to_text(longest_name)//" characters without '/' and control characters")
       end if
    end subroutine describe_case
-
-   !> Whether a text is two or three names of units, commas between them.
-   pure logical function are_units(text)
-      character(*), intent(in) :: text !! the text
-      integer :: i, n_commas
-
-      n_commas = 0
-      are_units = .true.
-      do i = 1, len(text)
-         if (text(i:i) /= ',') cycle
-         n_commas = n_commas + 1
-         are_units = are_units .and. len_trim(text(:i - 1)) > scan(text(:i - 1), ',', back=.true.)
-      end do
-      are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
-   end function are_units
 
    !> Describes `&accuracy`.
    subroutine describe_accuracy(visitor, accuracy, has_many_cases)
@@ -181,7 +175,8 @@ contains
       type(history_t), intent(inout) :: history !! the history
       character(len(key_result_names)) :: key_results
       integer :: fields_every
-      logical :: has_fields, has_key_results
+      logical :: has_fields, has_key_results, has_points, has_states, has_probes, has_fretting
+      character(len(fretting_names)) :: fretting
 
       fields_every = max(sweep%fields_every, history%fields_every)
       has_fields = fields_every > 0
@@ -195,27 +190,7 @@ contains
          ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
          default="`'contact'`"), key_results, key_result_names, has_key_results)
       sweep%has_body_results = key_results == key_result_names(2)
-      call describe_steps(visitor, history)
-      call visitor%close_group()
-      if (sweep%is_given()) sweep%fields_every = fields_every
-      if (history%is_given) history%fields_every = fields_every
-      call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
-      call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
-      call visitor%only('points_every', history%is_given, 'a deck with &history')
-      call visitor%only('states_every', history%is_given, 'a deck with &history')
-      call visitor%only('probe', history%is_given, 'a deck with &history')
-      call visitor%only('fretting', history%is_given, 'a deck with &history')
-      if (allocated(history%probes)) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
-         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
-   end subroutine describe_output
-
-   !> Describes what a history leaves of its steps.
-   subroutine describe_steps(visitor, history)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(history_t), intent(inout) :: history !! the history
-      character(len(fretting_names)) :: fretting
-      logical :: has_points, has_states, has_probes, has_fretting
-
+      ! Describes what a history leaves of its steps.
       has_points = history%points_every > 0
       has_states = history%states_every > 0
       has_probes = history%n_probes() > 0
@@ -233,7 +208,18 @@ contains
          ' of Ruiz and of Smith, Watson and Topper are computed at each contact point', default="`'none'`"), fretting, &
          fretting_names, has_fretting)
       history%has_fretting = fretting == fretting_names(2)
-   end subroutine describe_steps
+      call visitor%close_group()
+      if (sweep%is_given()) sweep%fields_every = fields_every
+      if (history%is_given) history%fields_every = fields_every
+      call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
+      call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
+      call visitor%only('points_every', history%is_given, 'a deck with &history')
+      call visitor%only('states_every', history%is_given, 'a deck with &history')
+      call visitor%only('probe', history%is_given, 'a deck with &history')
+      call visitor%only('fretting', history%is_given, 'a deck with &history')
+      if (allocated(history%probes)) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
+         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
+   end subroutine describe_output
 
    !> Describes `&problem`.
    subroutine describe_problem(visitor, reduced)
@@ -274,6 +260,7 @@ contains
       character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
       character(9) :: kind
       logical :: has_file, has_name, is_rectangle
+      logical :: needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
 
       has_file = is_filled(part%file)
       has_name = is_filled(part%name)
@@ -287,7 +274,23 @@ contains
          " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), part%file, has_file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
          default='none', also='read import'), use_names, part%is_used)
-      call describe_rectangle(visitor, part%rectangle, is_rectangle)
+      ! Describes the keys of a rectangle.
+      needs_size = is_rectangle .and. .not. visitor%has('file')
+      has_size = is_rectangle
+      has_cells = is_rectangle
+      has_element = is_rectangle
+      has_diagonal = is_rectangle
+      has_grading = is_rectangle
+      call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
+         is_required=needs_size, also='length lengths dimensions'), part%rectangle%size, has_size)
+      call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
+         is_required=needs_size, also='elements divisions n nx ny h'), part%rectangle%cells, has_cells)
+      call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
+         also='type etype order'), part%rectangle%element, element_names, has_element)
+      call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
+         ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, has_diagonal)
+      call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
+         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, has_grading)
       call visitor%reals(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
          ' is put', 'L', also='position offset translate'), part%origin)
       call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
@@ -305,31 +308,6 @@ contains
       call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
       call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
-
-   !> Describes the keys of a rectangle.
-   subroutine describe_rectangle(visitor, rectangle, is_rectangle)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(rectangle_t), intent(inout) :: rectangle !! the rectangle
-      logical, intent(in) :: is_rectangle !! whether the mesh is one
-      logical :: needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
-
-      needs_size = is_rectangle .and. .not. visitor%has('file')
-      has_size = is_rectangle
-      has_cells = is_rectangle
-      has_element = is_rectangle
-      has_diagonal = is_rectangle
-      has_grading = is_rectangle
-      call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
-         is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
-      call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
-         is_required=needs_size, also='elements divisions n nx ny h'), rectangle%cells, has_cells)
-      call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype order'), rectangle%element, element_names, has_element)
-      call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
-         ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
-      call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
-         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
-   end subroutine describe_rectangle
 
    !> Describes one `&material`.
    subroutine describe_material(visitor, material)
@@ -413,7 +391,9 @@ contains
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4)
+      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4), has(4), has_total
+      real(dp) :: slopes(4)
+      logical :: has_force, has_gravity, has_speed, has_center, has_axis
 
       has_name = is_filled(load%name)
       has_set = is_filled(load%set)
@@ -429,26 +409,7 @@ contains
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
          also='elset'), load%region, has_region)
-      call describe_tractions(visitor, load, is_given(load_on_sides))
-      call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
-         ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
-      is_given(load_on_nodes) = on_nodes
-      call describe_body_force(visitor, load, is_given(load_on_region))
-      call describe_temperature(visitor, load, is_given(load_by_temperature))
-      call visitor%close_group()
-      load%target = max(load_on_sides, findloc(is_given, .true., dim=1))
-      call visitor%locate('set', load%origin)
-      call judge_load(visitor, load, is_given)
-   end subroutine describe_load
-
-   !> Describes the keys of a load on sides.
-   subroutine describe_tractions(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical, intent(out) :: is_given !! whether it has any of them
-      real(dp) :: slopes(4)
-      logical :: has(4), has_total
-
+      ! Describes the keys of a load on sides.
       has_total = load%target == load_on_sides .and. any(abs(load%total_force) > 0.0_dp)
       has = load%target == load_on_sides .and. .not. has_total
       slopes = reshape(load%traction_slope, [4])
@@ -463,18 +424,13 @@ contains
          'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
          has_total)
       load%traction_slope = reshape(slopes, [2, 2])
-      is_given = any(has) .or. has_total
+      is_given(load_on_sides) = any(has) .or. has_total
       call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
          'give either total_force, or traction and pressure')
-   end subroutine describe_tractions
-
-   !> Describes the keys of forces per volume.
-   subroutine describe_body_force(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical, intent(out) :: is_given !! whether it has any of them
-      logical :: has_force, has_gravity, has_speed, has_center, has_axis
-
+      call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
+         ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
+      is_given(load_on_nodes) = on_nodes
+      ! Describes the keys of forces per volume.
       has_gravity = any(abs(load%gravity) > 0.0_dp)
       has_speed = abs(load%angular_speed) > 0.0_dp
       has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
@@ -491,8 +447,29 @@ contains
          default='the origin', also='origin'), load%center, has_center)
       call visitor%reals(key_t('axis', 'direction of the axis of rotation where it lies in the plane; for a plane'// &
          ' body only', default='normal to the plane', is_nonzero=.true.), load%axis, has_axis)
-      is_given = has_force .or. has_gravity .or. has_speed
-   end subroutine describe_body_force
+      is_given(load_on_region) = has_force .or. has_gravity .or. has_speed
+      call describe_temperature(visitor, load, is_given(load_by_temperature))
+      call visitor%close_group()
+      load%target = max(load_on_sides, findloc(is_given, .true., dim=1))
+      call visitor%locate('set', load%origin)
+      ! Judges the keys of a `&load` together.
+      if (.not. visitor%is_judging()) return
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, force, body_force, '// &
+         'gravity, angular_speed or temperature')
+      call visitor%require(count(is_given) <= 1, '', &
+         'traction and pressure or total_force, force, body forces, and temperature need a &load for each')
+      if (count(is_given) /= 1) return
+      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
+      call visitor%only('point', load%target == load_on_nodes, 'force')
+      call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
+      call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
+         'traction, pressure and total_force need set')
+      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
+         'force', 'force needs either set or point')
+      if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
+   end subroutine describe_load
 
    !> Describes the keys of a temperature.
    subroutine describe_temperature(visitor, load, is_given)
@@ -522,30 +499,6 @@ contains
          'give either temperature and temperature_slope, or temperature_table')
    end subroutine describe_temperature
 
-   !> Judges the keys of a `&load` together.
-   subroutine judge_load(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(in) :: load !! the load
-      logical, intent(in) :: is_given(:) !! whether it has keys of each target
-
-      if (.not. visitor%is_judging()) return
-      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, force, body_force, '// &
-         'gravity, angular_speed or temperature')
-      call visitor%require(count(is_given) <= 1, '', &
-         'traction and pressure or total_force, force, body forces, and temperature need a &load for each')
-      if (count(is_given) /= 1) return
-      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
-      call visitor%only('point', load%target == load_on_nodes, 'force')
-      call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
-      call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
-      call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
-      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
-         'traction, pressure and total_force need set')
-      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
-         'force', 'force needs either set or point')
-      if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
-   end subroutine judge_load
-
    !> Requires that every `&material` says how it expands, since there are temperatures.
    subroutine require_expansion(visitor, key)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -565,7 +518,13 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: has_name, is_pair
+      logical :: has_name, is_pair, has_kind, has_point, has_normal, has_radius, has_line, has_direction
+      character(len(multiplier_names)) :: multipliers
+      integer :: i
+      logical :: has_cells, has_ends, has_search, has_gap
+      character(*), parameter :: is_constant = "multipliers = 'constant'"
+      character(*), parameter :: obstacle_keys(*) = [character(13) :: 'obstacle', 'point', 'normal', 'radius', 'line', &
+         'gap_direction']
 
       has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
@@ -575,15 +534,85 @@ contains
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)
       call describe_field(visitor, bound_keys, contact%slip_bound)
-      call describe_pairing(visitor, contact%pairing)
+      ! Describes the keys of a second deformable body.
       is_pair = contact%pairing%is_pair()
-      call describe_obstacle(visitor, contact%obstacle, contact%direction, is_pair)
+      has_search = contact%pairing%search > 0.0_dp
+      has_gap = is_pair
+      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
+         ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
+         also='master target'), contact%pairing%against, is_pair)
+      call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
+         ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), &
+         contact%pairing%search, has_search)
+      call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
+         ' bodies face each other', is_shared=.true., also='adjust'), contact%pairing%gap, gap_names, has_gap)
+      is_pair = contact%pairing%is_pair()
+      ! Describes the keys of a rigid obstacle and of the gap to it.
+      has_kind = .not. is_pair
+      has_point = has_kind
+      has_normal = has_kind
+      call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
+         obstacle_names, has_kind)
+      has_radius = contact%obstacle%has_radius()
+      has_line = is_filled(contact%obstacle%file)
+      has_direction = any(abs(contact%direction) > 0.0_dp)
+      call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
+         'L', also='origin center centre apex'), contact%obstacle%point, has_point)
+      call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
+         ' the body', is_nonzero=.true.), contact%obstacle%normal, has_normal)
+      call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
+         ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), &
+            contact%obstacle%radius, &
+         has_radius)
+      call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
+         is_filled=.true., also='file'), contact%obstacle%file, has_line)
+      call visitor%table('line', contact%obstacle%file, contact%obstacle%line)
+      call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
+         default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction, has_direction)
       call visitor%real(key_t('extra_gap', 'added to every gap; negative for an interference', 'L', &
          also='clearance interference'), contact%extra_gap)
-      call describe_partition(visitor, contact%partition, is_pair)
+      ! Describes the keys of the multipliers.
+      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
+      has_cells = contact%partition%n_cells > 0
+      has_ends = allocated(contact%partition%ends)
+      call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
+         ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
+         default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
+      call visitor%require(is_pair .or. multipliers /= multiplier_names(3), 'multipliers', &
+         "multipliers = 'mortar' needs against")
+      call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
+         "multipliers must be 'mortar' or 'constant' with against")
+      contact%partition%is_constant = multipliers == multiplier_names(2)
+      call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
+         default='every two sides', at_least=1.0_dp, is_shared=.true.), contact%partition%n_cells, has_cells)
+      call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of one"// &
+         ' piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
+         is_shared=.true.), contact%partition%ends, has_ends)
       call visitor%close_group()
       call visitor%locate('set', contact%origin)
-      call judge_contact(visitor, contact)
+      ! Judges the keys of a `&contact` together.
+      if (.not. visitor%is_judging()) return
+      if (contact%pairing%is_pair()) then
+         do i = 1, size(obstacle_keys)
+            call visitor%only(trim(obstacle_keys(i)), .false., 'a rigid obstacle, not with against')
+         end do
+         call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
+            " than set; for self contact, split the set '"//contact%set//"' in two")
+      end if
+      call visitor%only('search', contact%pairing%is_pair(), 'contact against another body')
+      call visitor%only('gap', contact%pairing%is_pair(), 'contact against another body')
+      associate (obstacle => contact%obstacle)
+         call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
+         call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
+            "obstacle = '"//trim(obstacle%kind)//"' needs radius")
+         call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
+         call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
+            "obstacle = 'polyline' needs line = 'FILE.csv'")
+      end associate
+      call visitor%only('cells', contact%partition%is_constant, is_constant)
+      call visitor%only('cell_ends', contact%partition%is_constant, is_constant)
+      call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
+         'give either cells or cell_ends')
    end subroutine describe_contact
 
    !> Describes one `&tie`.
@@ -627,113 +656,5 @@ contains
       call visitor%require(all(field%table(1, 2:) > field%table(1, :n - 1)), trim(keys(3)%name), &
          trim(keys(3)%name)//' must have lengths that increase from row to row')
    end subroutine describe_field
-
-   !> Describes the keys of a second deformable body.
-   subroutine describe_pairing(visitor, pairing)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(pairing_t), intent(inout) :: pairing !! the other body
-      logical :: is_pair, has_search, has_gap
-
-      is_pair = pairing%is_pair()
-      has_search = pairing%search > 0.0_dp
-      has_gap = is_pair
-      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
-         ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
-         also='master target'), pairing%against, is_pair)
-      call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
-         ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), pairing%search, &
-         has_search)
-      call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
-         ' bodies face each other', is_shared=.true., also='adjust'), pairing%gap, gap_names, has_gap)
-   end subroutine describe_pairing
-
-   !> Describes the keys of a rigid obstacle and of the gap to it.
-   subroutine describe_obstacle(visitor, obstacle, direction, is_pair)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(obstacle_t), intent(inout) :: obstacle !! the obstacle
-      real(dp), intent(inout) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
-      logical, intent(in) :: is_pair !! whether there is another body in its place
-      logical :: has_kind, has_point, has_normal, has_radius, has_line, has_direction
-
-      has_kind = .not. is_pair
-      has_point = has_kind
-      has_normal = has_kind
-      call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), obstacle%kind, &
-         obstacle_names, has_kind)
-      has_radius = obstacle%has_radius()
-      has_line = is_filled(obstacle%file)
-      has_direction = any(abs(direction) > 0.0_dp)
-      call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-         'L', also='origin center centre apex'), obstacle%point, has_point)
-      call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
-         ' the body', is_nonzero=.true.), obstacle%normal, has_normal)
-      call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
-         ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), obstacle%radius, &
-         has_radius)
-      call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
-         is_filled=.true., also='file'), obstacle%file, has_line)
-      call visitor%table('line', obstacle%file, obstacle%line)
-      call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
-         default="the body's normal", is_nonzero=.true., is_shared=.true.), direction, has_direction)
-   end subroutine describe_obstacle
-
-   !> Describes the keys of the multipliers.
-   subroutine describe_partition(visitor, partition, is_pair)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(cell_partition_t), intent(inout) :: partition !! the multipliers
-      logical, intent(in) :: is_pair !! whether two deformable bodies meet
-      character(len(multiplier_names)) :: multipliers
-      logical :: has_cells, has_ends
-
-      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), partition%is_constant))
-      has_cells = partition%n_cells > 0
-      has_ends = allocated(partition%ends)
-      call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
-         ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
-         default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
-      call visitor%require(is_pair .or. multipliers /= multiplier_names(3), 'multipliers', &
-         "multipliers = 'mortar' needs against")
-      call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
-         "multipliers must be 'mortar' or 'constant' with against")
-      partition%is_constant = multipliers == multiplier_names(2)
-      call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
-         default='every two sides', at_least=1.0_dp, is_shared=.true.), partition%n_cells, has_cells)
-      call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of one"// &
-         ' piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
-         is_shared=.true.), partition%ends, has_ends)
-   end subroutine describe_partition
-
-   !> Judges the keys of a `&contact` together.
-   subroutine judge_contact(visitor, contact)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(contact_t), intent(in) :: contact !! the contact set
-      character(*), parameter :: is_constant = "multipliers = 'constant'"
-      character(*), parameter :: obstacle_keys(*) = [character(13) :: 'obstacle', 'point', 'normal', 'radius', 'line', &
-         'gap_direction']
-      integer :: i
-
-      if (.not. visitor%is_judging()) return
-      if (contact%pairing%is_pair()) then
-         do i = 1, size(obstacle_keys)
-            call visitor%only(trim(obstacle_keys(i)), .false., 'a rigid obstacle, not with against')
-         end do
-         call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
-            " than set; for self contact, split the set '"//contact%set//"' in two")
-      end if
-      call visitor%only('search', contact%pairing%is_pair(), 'contact against another body')
-      call visitor%only('gap', contact%pairing%is_pair(), 'contact against another body')
-      associate (obstacle => contact%obstacle)
-         call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
-         call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
-            "obstacle = '"//trim(obstacle%kind)//"' needs radius")
-         call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
-         call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
-            "obstacle = 'polyline' needs line = 'FILE.csv'")
-      end associate
-      call visitor%only('cells', contact%partition%is_constant, is_constant)
-      call visitor%only('cell_ends', contact%partition%is_constant, is_constant)
-      call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
-         'give either cells or cell_ends')
-   end subroutine judge_contact
 
 end module amontons_config_groups

@@ -412,7 +412,12 @@ contains
          has_values(i) = allocated(steps%values) .and. .not. has_table .and. takes(steps%target, i)
          if (has_values(i)) values = steps%values(row_of(i), :)
          call visitor%list(value_keys(i), values, has_values(i))
-         if (visitor%place > 0 .and. has_values(i)) call keep_values(steps, row_of(i), values)
+         if (visitor%place > 0 .and. has_values(i)) then
+            ! Numbers that a motion does not give are 0.
+            if (.not. allocated(steps%values)) allocate (steps%values(steps%n_numbers(), size(values)), source=0.0_dp)
+            if (row_of(i) <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) &
+               steps%values(row_of(i), :) = values
+         end if
       end do
       call visitor%reals(key_t('pivot', 'with `turn`: what the obstacle turns about', 'L', default='`0.0, 0.0`'), &
          steps%pivot, has_pivot)
@@ -448,16 +453,6 @@ contains
       if (number >= first_shift .and. number <= last_shift) row_of = number - first_shift + 1
    end function row_of
 
-   !> Keeps the numbers of one key. Those that a motion does not give are 0.
-   pure subroutine keep_values(steps, row, values)
-      type(steps_t), intent(inout) :: steps !! gains the numbers
-      integer, intent(in) :: row !! where they are kept
-      real(dp), intent(in) :: values(:) !! the numbers
-
-      if (.not. allocated(steps%values)) allocate (steps%values(steps%n_numbers(), size(values)), source=0.0_dp)
-      if (row <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) steps%values(row, :) = values
-   end subroutine keep_values
-
    !> Judges the keys of a `&steps` together.
    subroutine judge_steps(visitor, steps, has_name, has_values)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -465,6 +460,7 @@ contains
       logical, intent(in) :: has_name(:) !! whose change it is
       logical, intent(in) :: has_values(:) !! which numbers are given
       integer :: i, n_given
+      character(:), allocatable :: owner
 
       call visitor%require(count(has_name) == 1, '', '&steps needs one of load, support, obstacle and contact; give'// &
          ' each a group of its own')
@@ -474,7 +470,15 @@ contains
       end if
       do i = 1, size(value_keys)
          if (takes(steps%target, i)) cycle
-         call visitor%only(trim(value_keys(i)%name), .false., owners(i))
+         select case (i)
+         case (first_shift:last_shift)
+            owner = 'obstacle'
+         case (friction_value)
+            owner = 'contact'
+         case default
+            owner = 'load and support'
+         end select
+         call visitor%only(trim(value_keys(i)%name), .false., owner)
       end do
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
       n_given = count(has_values)
@@ -495,21 +499,6 @@ contains
          end do
       end if
    end subroutine judge_steps
-
-   !> What takes a number, for messages.
-   pure function owners(number) result(text)
-      integer, intent(in) :: number !! which of `value_keys`
-      character(:), allocatable :: text
-
-      select case (number)
-      case (first_shift:last_shift)
-         text = 'obstacle'
-      case (friction_value)
-         text = 'contact'
-      case default
-         text = 'load and support'
-      end select
-   end function owners
 
    !> Checks that a change has a value for each time, or a table that reaches over all of them.
    subroutine check_times(visitor, times, steps)
@@ -546,15 +535,42 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      character(:), allocatable :: thing
+      character(:), allocatable :: thing, missing
       integer :: i, k
-      logical :: is_same
+      logical :: is_same, are_known, has_target
 
       associate (last => steps(size(steps)))
-         if (.not. knows_names(visitor, last%target)) return
+         ! Names in which a fault was found are not known.
+         select case (last%target)
+         case (stepped_load)
+            are_known = visitor%deck%knows('load', 'name')
+         case (stepped_support)
+            are_known = visitor%deck%knows('support', 'name')
+         case default
+            are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
+         end select
+         if (.not. are_known) return
          thing = trim(moved_things(last%target))
-         call visitor%require(has_target(last, loads, supports, contacts), thing, &
-            missing(last%target)//" '"//last%name//"'")
+         select case (last%target)
+         case (stepped_load)
+            missing = 'no &load has the name'
+         case (stepped_support)
+            missing = 'no &support with ux, uy, un or ut has the name'
+         case (stepped_obstacle)
+            missing = 'no &contact with a rigid obstacle has the name or set'
+         case default
+            missing = 'no &contact has the name or set'
+         end select
+         select case (last%target)
+         case (stepped_load)
+            has_target = any([(loads(i)%name == last%name, i=1, size(loads))])
+         case (stepped_support)
+            has_target = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
+         case default
+            has_target = any([(last%acts_on(contacts(i)) .and. (last%target == stepped_friction .or. &
+               .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
+         end select
+         call visitor%require(has_target, thing, missing//" '"//last%name//"'")
          do k = 1, size(steps) - 1
             is_same = steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
                any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))]))
@@ -562,56 +578,5 @@ contains
          end do
       end associate
    end subroutine check_name
-
-   !> Whether the names that a change may have are known, there being no fault in them.
-   logical function knows_names(visitor, target)
-      class(deck_visitor_t), intent(in) :: visitor !! the visitor
-      integer, intent(in) :: target !! what changes
-
-      select case (target)
-      case (stepped_load)
-         knows_names = visitor%deck%knows('load', 'name')
-      case (stepped_support)
-         knows_names = visitor%deck%knows('support', 'name')
-      case default
-         knows_names = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
-      end select
-   end function knows_names
-
-   !> Whether there is what a change names.
-   pure logical function has_target(change, loads, supports, contacts)
-      type(steps_t), intent(in) :: change !! the change
-      type(load_t), intent(in) :: loads(:) !! the loads
-      type(support_t), intent(in) :: supports(:) !! the supports
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      integer :: i
-
-      select case (change%target)
-      case (stepped_load)
-         has_target = any([(loads(i)%name == change%name, i=1, size(loads))])
-      case (stepped_support)
-         has_target = any([(supports(i)%name == change%name .and. any(supports(i)%is_held), i=1, size(supports))])
-      case default
-         has_target = any([(change%acts_on(contacts(i)) .and. (change%target == stepped_friction .or. &
-            .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
-      end select
-   end function has_target
-
-   !> How a message says that there is nothing of a name.
-   pure function missing(target) result(text)
-      integer, intent(in) :: target !! what would change
-      character(:), allocatable :: text
-
-      select case (target)
-      case (stepped_load)
-         text = 'no &load has the name'
-      case (stepped_support)
-         text = 'no &support with ux, uy, un or ut has the name'
-      case (stepped_obstacle)
-         text = 'no &contact with a rigid obstacle has the name or set'
-      case default
-         text = 'no &contact has the name or set'
-      end select
-   end function missing
 
 end module amontons_history

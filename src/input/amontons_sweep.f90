@@ -217,6 +217,10 @@ contains
       character(len(combination_names)) :: combination
       integer :: n_steps, i
       logical :: has_load, has_set, has_values(size(value_keys))
+      ! Wide enough that the steps from 0.1 to 1.0 in tenths are the tenths, to the last bit. Not every compiler has 30
+      ! digits.
+      integer, parameter :: wide = max(selected_real_kind(p=30), selected_real_kind(p=18))
+      real(wide) :: ends(2)
 
       has_load = is_filled(axis%name) .and. axis%target == swept_load
       has_set = is_filled(axis%name) .and. .not. has_load
@@ -251,29 +255,17 @@ contains
       call visitor%only('load', axis%target == swept_load, 'factor')
       call visitor%only('contact', axis%target /= swept_load, 'friction and friction_factor')
       call visitor%require(has_load .or. axis%target /= swept_load, 'factor', 'factor needs load')
-      if (axis%is_range) call spread_values(visitor, axis%values, trim(value_keys(axis%target)%name), n_steps)
+      if (axis%is_range) then
+         ! Turns two values, the first and the last, into a number of values in equal steps.
+         call visitor%require(size(axis%values) == 2, trim(value_keys(axis%target)%name), &
+            'count needs two values, the first and the last; found '//to_text(size(axis%values)))
+         call visitor%require(n_steps <= most_values, 'count', 'count must be at most '//to_text(most_values)// &
+            ', found '//to_text(n_steps))
+         if (size(axis%values) /= 2 .or. n_steps < 2 .or. n_steps > most_values) return
+         ends = real(axis%values, wide)
+         axis%values = [(real((ends(1)*(n_steps - i) + ends(2)*(i - 1))/(n_steps - 1), dp), i=1, n_steps)]
+      end if
    end subroutine describe_axis
-
-   !> Turns two values, the first and the last, into a number of values in equal steps.
-   subroutine spread_values(visitor, values, key, n_steps)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      real(dp), allocatable, intent(inout) :: values(:) !! first and last value, all of them on return
-      character(*), intent(in) :: key !! the key of the values
-      integer, intent(in) :: n_steps !! how many values there are to be
-      ! Wide enough that the steps from 0.1 to 1.0 in tenths are the tenths, to the last bit. Not every compiler has 30
-      ! digits.
-      integer, parameter :: wide = max(selected_real_kind(p=30), selected_real_kind(p=18))
-      real(wide) :: ends(2)
-      integer :: i
-
-      call visitor%require(size(values) == 2, key, 'count needs two values, the first and the last; found '// &
-         to_text(size(values)))
-      call visitor%require(n_steps <= most_values, 'count', 'count must be at most '//to_text(most_values)// &
-         ', found '//to_text(n_steps))
-      if (size(values) /= 2 .or. n_steps < 2 .or. n_steps > most_values) return
-      ends = real(values, wide)
-      values = [(real((ends(1)*(n_steps - i) + ends(2)*(i - 1))/(n_steps - 1), dp), i=1, n_steps)]
-   end subroutine spread_values
 
    !> Checks that there is what a quantity varies, and that it goes with the quantities before it.
    subroutine check_axis(visitor, axes, loads, contacts)
@@ -282,11 +274,26 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       character(:), allocatable :: names
-      integer :: i
+      integer :: i, n, k
+      logical :: is_found
 
       associate (axis => axes(size(axes)))
          if (axis%target /= swept_load) then
-            if (visitor%deck%knows('contact', 'set')) call check_contacts(visitor, axis, contacts)
+            if (visitor%deck%knows('contact', 'set')) then
+               ! Checks that there are contact sets whose friction a quantity can be.
+               is_found = .false.
+               names = ''
+               do i = 1, size(contacts)
+                  names = names//', '//contacts(i)%set
+                  if (.not. axis%acts_on(contacts(i)%set)) cycle
+                  is_found = .true.
+                  call visitor%require(.not. (axis%target == swept_friction .and. &
+                     allocated(contacts(i)%friction%table)), 'friction', "the friction of contact set '"// &
+                     contacts(i)%set//"' comes from a table; use friction_factor, which multiplies it")
+               end do
+               call visitor%require(is_found, 'contact', "no &contact has the set '"//axis%name//"'"//list('sets', &
+                  names))
+            end if
          else if (visitor%deck%knows('load', 'name')) then
             names = ''
             do i = 1, size(loads)
@@ -297,49 +304,7 @@ contains
                "no load has the name '"//axis%name//"'"//list('named loads', names))
          end if
       end associate
-      call check_combination(visitor, axes, contacts)
-   end subroutine check_axis
-
-   !> Checks that there are contact sets whose friction a quantity can be.
-   subroutine check_contacts(visitor, axis, contacts)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the quantity
-      type(sweep_axis_t), intent(in) :: axis !! the quantity
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      character(:), allocatable :: names
-      integer :: i
-      logical :: is_found
-
-      is_found = .false.
-      names = ''
-      do i = 1, size(contacts)
-         names = names//', '//contacts(i)%set
-         if (.not. axis%acts_on(contacts(i)%set)) cycle
-         is_found = .true.
-         call visitor%require(.not. (axis%target == swept_friction .and. allocated(contacts(i)%friction%table)), &
-            'friction', "the friction of contact set '"//contacts(i)%set// &
-            "' comes from a table; use friction_factor, which multiplies it")
-      end do
-      call visitor%require(is_found, 'contact', "no &contact has the set '"//axis%name//"'"//list('sets', names))
-   end subroutine check_contacts
-
-   !> What a message adds to tell the names there are.
-   pure function list(noun, names) result(text)
-      character(*), intent(in) :: noun !! what they name
-      character(*), intent(in) :: names !! the names, each with ', ' before it
-      character(:), allocatable :: text
-
-      text = 'none'
-      if (len(names) > 0) text = names(3:)
-      text = ' ('//noun//': '//text//')'
-   end function list
-
-   !> Checks a quantity against those before it: nothing varies twice, and what is paired has as many values.
-   subroutine check_combination(visitor, axes, contacts)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last quantity
-      type(sweep_axis_t), intent(in) :: axes(:) !! the quantity, and those before it
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      integer :: n, i, k
-
+      ! Checks a quantity against those before it: nothing varies twice, and what is paired has as many values.
       n = size(axes)
       do i = 1, n - 1
          call visitor%require(.not. (axes(i)%target == swept_load .and. axes(n)%target == swept_load .and. &
@@ -354,6 +319,17 @@ contains
       if (n > 1) call visitor%require(size(axes(n)%values) == size(axes(n - 1)%values), 'combine', &
          'a paired &sweep needs as many values as the one before: expected '//to_text(size(axes(n - 1)%values))// &
          ', found '//to_text(size(axes(n)%values)))
-   end subroutine check_combination
+   end subroutine check_axis
+
+   !> What a message adds to tell the names there are.
+   pure function list(noun, names) result(text)
+      character(*), intent(in) :: noun !! what they name
+      character(*), intent(in) :: names !! the names, each with ', ' before it
+      character(:), allocatable :: text
+
+      text = 'none'
+      if (len(names) > 0) text = names(3:)
+      text = ' ('//noun//': '//text//')'
+   end function list
 
 end module amontons_sweep

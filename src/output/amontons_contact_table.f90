@@ -240,29 +240,6 @@ contains
       bound = (slip_bound + friction*max(0.0_dp, normal_force))/area
    end function shear_bound
 
-   !> A table of points: number of the point, columns of numbers, pair, status.
-   pure function table_text(list, status, names) result(text)
-      type(column_t), intent(in) :: list(:) !! the columns of numbers
-      integer, intent(in) :: status(:) !! the statuses (m)
-      character(*), intent(in) :: names(:) !! the pairs of the points; none where there are no pairs (m, or 0)
-      character(:), allocatable :: text, rows(:)
-      integer :: p, i
-
-      allocate (character(26*(size(list) + 1) + len(names)) :: rows(0:size(status)))
-      text = 'point'
-      do i = 1, size(list)
-         text = text//','//trim(list(i)%key)
-      end do
-      if (size(names) > 0) text = text//',pair'
-      rows(0) = text//',status'
-      do p = 1, size(status)
-         rows(p) = to_text(p)//','//comma_separated([(list(i)%values(p), i=1, size(list))])
-         if (size(names) > 0) rows(p) = trim(rows(p))//','//names(p)
-         rows(p) = trim(rows(p))//','//status_names(status(p))
-      end do
-      text = as_lines(rows)
-   end function table_text
-
    !> What the pairs of the contact points are called, SLAVE/MASTER, and SET where the obstacle is rigid; none where all
    !> are. A comma would be the end of the field.
    pure function pair_names(zone, contacts) result(names)
@@ -292,9 +269,25 @@ contains
       type(column_t), intent(in) :: list(:) !! the columns of numbers
       integer, intent(in) :: status(:) !! the statuses (m)
       character(*), intent(in) :: names(:) !! the pairs of the points; none where there are no pairs (m, or 0)
+      character(:), allocatable :: text, rows(:)
+      integer :: p, i
 
       document%ending = '.contact.csv'
-      call document%add(table_text(list, status, names), [0.0_dp, list%scale, 0.0_dp])
+      ! A table of points: number of the point, columns of numbers, pair, status.
+      allocate (character(26*(size(list) + 1) + len(names)) :: rows(0:size(status)))
+      text = 'point'
+      do i = 1, size(list)
+         text = text//','//trim(list(i)%key)
+      end do
+      if (size(names) > 0) text = text//',pair'
+      rows(0) = text//',status'
+      do p = 1, size(status)
+         rows(p) = to_text(p)//','//comma_separated([(list(i)%values(p), i=1, size(list))])
+         if (size(names) > 0) rows(p) = trim(rows(p))//','//names(p)
+         rows(p) = trim(rows(p))//','//status_names(status(p))
+      end do
+      text = as_lines(rows)
+      call document%add(text, [0.0_dp, list%scale, 0.0_dp])
    end subroutine add_point_table
 
    !> The table of points in a listing; a line below its headings has the units, where the case names them.

@@ -272,10 +272,12 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
+      character(:), allocatable :: text, guided
       ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
       real(dp), parameter :: rounding = 1.0e-12_dp
-      integer :: i, n_free, p
+      integer :: i, n_free, p, k
+      logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
+      character(4) :: noun
 
       text = ''
       associate (zone => body%zone)
@@ -301,7 +303,24 @@ contains
          do i = 1, size(body%ties)
             text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
          end do
-         text = text//guided_text(body, units)
+         ! Notes on contact points whose tangential motion supports prevent or guide.
+         associate (zone => body%zone, rows => body%zone%rows)
+            is_guided = zone%is_tangent_fixed
+            is_aslant = .false.
+            do p = 1, zone%n_points
+               if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(rows%node(k), &
+                  turned(zone%normal(:, p))), k=rows%start(p), rows%start(p + 1) - 1)])
+            end do
+            is_guided = is_guided .and. .not. is_aslant
+            noun = merge('cell', 'node', any(zone%is_cell))
+            guided = places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
+               ' slides without friction: a support that is aslant to the obstacle guides it', &
+               ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
+               places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
+               ' cannot slide: a support bears its tangential force', &
+               ' cannot slide: a support bears their tangential forces', units)
+         end associate
+         text = text//guided
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          p = minloc(load_case%gap, dim=1)
@@ -345,39 +364,12 @@ contains
       end do
    end function places_text
 
-   !> Notes on contact points whose tangential motion supports prevent or guide.
-   pure function guided_text(body, units) result(text)
-      type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-      logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
-      character(4) :: noun
-      integer :: k, p
-
-      associate (zone => body%zone, rows => body%zone%rows)
-         is_guided = zone%is_tangent_fixed
-         is_aslant = .false.
-         do p = 1, zone%n_points
-            if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(rows%node(k), &
-               turned(zone%normal(:, p))), k=rows%start(p), rows%start(p + 1) - 1)])
-         end do
-         is_guided = is_guided .and. .not. is_aslant
-         noun = merge('cell', 'node', any(zone%is_cell))
-         text = places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
-            ' slides without friction: a support that is aslant to the obstacle guides it', &
-            ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
-            places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
-            ' cannot slide: a support bears its tangential force', &
-            ' cannot slide: a support bears their tangential forces', units)
-      end associate
-   end function guided_text
-
    !> A load: its place, and tractions, forces, temperature or volume forces.
    pure function load_text(load, mesh, units) result(text)
       type(load_t), intent(in) :: load !! the load
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
       character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
+      character(:), allocatable :: text, forces
       integer, allocatable :: nodes(:)
       type(error_t), allocatable :: error
 
@@ -410,28 +402,21 @@ contains
                ' . (x, y)'
          end if
       case default
-         text = text//body_force_text(load, units)
+         ! The forces of a load on the volume.
+         forces = ''
+         if (any(abs(load%body_force) > 0.0_dp)) forces = forces//', body force '// &
+            with_unit(pair_text(load%body_force), units, 'F/L^3')
+         if (any(abs(load%gravity) > 0.0_dp)) forces = forces//', gravity '//pair_text(load%gravity)
+         if (abs(load%angular_speed) > 0.0_dp) then
+            forces = forces//', angular speed '//short_text(load%angular_speed)//' about '// &
+               with_unit(pair_text(load%center), units, 'L')
+            if (any(abs(load%axis) > 0.0_dp)) forces = forces//' along '//pair_text(load%axis)
+         end if
+         if (forces == '') forces = ', body force '//with_unit(pair_text(load%body_force), units, 'F/L^3')
+         forces = forces(3:)
+         text = text//forces
       end select
    end function load_text
-
-   !> The forces of a load on the volume.
-   pure function body_force_text(load, units) result(text)
-      type(load_t), intent(in) :: load !! the load
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      text = ''
-      if (any(abs(load%body_force) > 0.0_dp)) text = text//', body force '//with_unit(pair_text(load%body_force), &
-         units, 'F/L^3')
-      if (any(abs(load%gravity) > 0.0_dp)) text = text//', gravity '//pair_text(load%gravity)
-      if (abs(load%angular_speed) > 0.0_dp) then
-         text = text//', angular speed '//short_text(load%angular_speed)//' about '// &
-            with_unit(pair_text(load%center), units, 'L')
-         if (any(abs(load%axis) > 0.0_dp)) text = text//' along '//pair_text(load%axis)
-      end if
-      if (text == '') text = ', body force '//with_unit(pair_text(load%body_force), units, 'F/L^3')
-      text = text(3:)
-   end function body_force_text
 
    !> Makes the listing.
    subroutine new_listing(listing, label, body, result)
@@ -440,6 +425,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
+      character(:), allocatable :: text
 
       listing%ending = '.lst'
       call listing%record(head_text(label))
@@ -453,7 +439,16 @@ contains
          if (allocated(result%answer)) return
          call contact_columns(columns, body, result)
          call listing%append(result%study_listing)
-         call listing%record(solution_text(body, result))
+         text = heading('Solution')//labeled('Method', method_text(result%method))// &
+            labeled('Factorization', factorization_text(result))
+         if (allocated(result%started_from)) text = text//labeled('Started from', 'case '//result%started_from)
+         text = text//outcome_text(solution)
+         if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
+            ' of the largest contact force, against the exact solution')
+         text = text//residual_text(solution, result%method%tolerance)//uniqueness_text(result%uniqueness, &
+            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
+         call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
          if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status)// &
             quantities_text(result%lengths%quantities(), label%units)// &
@@ -493,25 +488,6 @@ contains
 
       scale = max(sum(abs(result%load_case%force)), sum(abs(result%solution%force)), result%certificate%strain_energy)
    end function force_scale
-
-   !> The section on the solution of the contact problem: method, convergence, residual, uniqueness.
-   function solution_text(body, result) result(text)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-
-      associate (solution => result%solution)
-         text = heading('Solution')//labeled('Method', method_text(result%method))// &
-            labeled('Factorization', factorization_text(result))
-         if (allocated(result%started_from)) text = text//labeled('Started from', 'case '//result%started_from)
-         text = text//outcome_text(solution)
-         if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
-            ' of the largest contact force, against the exact solution')
-         text = text//residual_text(solution, result%method%tolerance)//uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
-         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
-      end associate
-   end function solution_text
 
    !> The factorization in use, its size, and the case it was made for.
    pure function factorization_text(result) result(text)

@@ -107,8 +107,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
-      character(:), allocatable :: deck
-      integer :: n
+      character(:), allocatable :: deck, text
+      integer :: n, i
 
       deck = label%deck_text()
       allocate (documents(1 + count([.not. allocated(result%answer), len(deck) > 0, allocated(result%convergence), &
@@ -129,31 +129,24 @@ contains
       if (allocated(result%convergence)) then
          n = n + 1
          documents(n)%ending = '.convergence.csv'
-         call documents(n)%add(convergence_table_text(result%convergence))
+         ! NAME.convergence.csv: a row for each number, a column for each mesh.
+         text = 'quantity'
+         do i = 1, size(result%convergence(1)%convergence%value)
+            text = text//',mesh_'//to_text(i)
+         end do
+         text = text//',verdict,order,extrapolated,error_bar'//newline
+         do i = 1, size(result%convergence)
+            associate (judged => result%convergence(i)%convergence)
+               text = text//trim(result%convergence(i)%quantity%key)//','//comma_separated(judged%value)//','// &
+                  trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated, &
+                  judged%bar])//newline
+            end associate
+         end do
+         call documents(n)%add(text)
       end if
       if (.not. allocated(result%all_solutions)) return
       documents(n + 1)%ending = '.solutions.csv'
       call documents(n + 1)%record(solutions_table_text(result%all_solutions, result%load_case%free_gap))
    end subroutine case_documents
-
-   !> NAME.convergence.csv: a row for each number, a column for each mesh.
-   pure function convergence_table_text(list) result(text)
-      type(refined_quantity_t), intent(in) :: list(:) !! the numbers
-      character(:), allocatable :: text
-      integer :: i
-
-      text = 'quantity'
-      do i = 1, size(list(1)%convergence%value)
-         text = text//',mesh_'//to_text(i)
-      end do
-      text = text//',verdict,order,extrapolated,error_bar'//newline
-      do i = 1, size(list)
-         associate (judged => list(i)%convergence)
-            text = text//trim(list(i)%quantity%key)//','//comma_separated(judged%value)//','// &
-               trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated, &
-               judged%bar])//newline
-         end associate
-      end do
-   end function convergence_table_text
 
 end module amontons_report

@@ -389,10 +389,35 @@ contains
       class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      type(column_t), allocatable :: columns(:)
+      real(dp) :: share, largest(body%mesh%n_nodes)
+      integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
 
       call vtk%begin_grid(body%mesh%n_nodes, body%mesh%n_elements)
       call vtk%put_vectors('PointData', 'displacement', 'L', result%displacement)
-      call put_contact(vtk, body, result)
+      ! Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of constant
+      ! multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is largest.
+      call contact_columns(columns, body, result)
+      all_nodes = [(i, i=1, body%mesh%n_nodes)]
+      do i = 1, size(columns)
+         if (.not. columns(i)%is_field) cycle
+         vtk%scale = columns(i)%scale
+         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
+            at_nodes(body, columns(i)%values, all_nodes))
+      end do
+      vtk%scale = 0.0_dp
+      status = 0
+      largest = 0.0_dp
+      associate (rows => body%zone%rows)
+         do p = 1, body%zone%n_points
+            do k = rows%start(p), rows%start(p + 1) - 1
+               share = norm2(rows%part(:, k))*body%zone%area(p)
+               if (share > largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
+               largest(rows%node(k)) = max(largest(rows%node(k)), share)
+            end do
+         end do
+      end associate
+      call vtk%put_integers('PointData', 'status', status)
       call vtk%put_stresses('PointData', 'nodal_stress', result%stress%node)
       call vtk%put_reals('PointData', 'nodal_von_mises', 'F/L^2', 1, all_von_mises(result%stress%node))
       call vtk%put_stresses('CellData', 'stress', result%stress%element)
@@ -419,39 +444,6 @@ contains
       end do
    end function all_von_mises
 
-   !> Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of constant
-   !> multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is largest.
-   subroutine put_contact(vtk, body, result)
-      class(vtk_file_t), intent(inout) :: vtk !! the file
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      type(column_t), allocatable :: columns(:)
-      real(dp) :: share, largest(body%mesh%n_nodes)
-      integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
-
-      call contact_columns(columns, body, result)
-      all_nodes = [(i, i=1, body%mesh%n_nodes)]
-      do i = 1, size(columns)
-         if (.not. columns(i)%is_field) cycle
-         vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
-            at_nodes(body, columns(i)%values, all_nodes))
-      end do
-      vtk%scale = 0.0_dp
-      status = 0
-      largest = 0.0_dp
-      associate (rows => body%zone%rows)
-         do p = 1, body%zone%n_points
-            do k = rows%start(p), rows%start(p + 1) - 1
-               share = norm2(rows%part(:, k))*body%zone%area(p)
-               if (share > largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
-               largest(rows%node(k)) = max(largest(rows%node(k)), share)
-            end do
-         end do
-      end associate
-      call vtk%put_integers('PointData', 'status', status)
-   end subroutine put_contact
-
    !> Hands the contact line and its result over to a file, to be written or to be compared with.
    subroutine show_contact_line(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file
@@ -459,7 +451,8 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
       type(master_line_t) :: line
-      integer :: i
+      integer :: i, n_lines
+      integer, allocatable :: start(:), lone(:)
 
       call contact_columns(columns, body, result)
       call new_master_line(line, body%zone)
@@ -477,7 +470,16 @@ contains
       vtk%scale = 0.0_dp
       call vtk%put_integers('PointData', 'status', [result%solution%status, 0*line%node])
       call vtk%put_integers('PointData', 'set', [body%zone%set, line%set])
-      call put_line(vtk, body, line)
+      ! Hands over the points and the cells.
+      associate (zone => body%zone)
+         start = pack([(i, i=1, zone%n_points)], zone%next > 0)
+         lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
+         n_lines = size(start) + size(line%segment, 2)
+         call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
+            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + [line%segment], lone], &
+            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
+            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
+      end associate
    end subroutine show_contact_line
 
    !> Hands over displacements and normals; where there are pairs, how far they move apart, and the forces, too.
@@ -514,25 +516,6 @@ contains
       joined(:, :size(at_points, 2)) = at_points
       joined(:, size(at_points, 2) + 1:) = at_masters
    end function joined
-
-   !> Hands over the points and the cells.
-   subroutine put_line(vtk, body, line)
-      class(vtk_file_t), intent(inout) :: vtk !! the file
-      type(body_t), intent(in) :: body !! the body
-      type(master_line_t), intent(in) :: line !! the lines of the masters
-      integer, allocatable :: start(:), lone(:)
-      integer :: i, n_lines
-
-      associate (zone => body%zone)
-         start = pack([(i, i=1, zone%n_points)], zone%next > 0)
-         lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
-         n_lines = size(start) + size(line%segment, 2)
-         call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
-            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + [line%segment], lone], &
-            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
-            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
-      end associate
-   end subroutine put_line
 
    !> Number of the points of the contact line's grid: contact points and nodes of masters.
    pure integer function n_line_points(zone) result(n)

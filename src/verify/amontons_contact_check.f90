@@ -56,7 +56,7 @@ contains
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
       type(csv_table_t) :: rows
-      integer :: p, columns(3)
+      integer :: p, columns(3), i
 
       allocate (force(2*n_points), status(n_points))
       call read_csv_table(rows, path, fault=fault)
@@ -69,26 +69,15 @@ contains
          if (len(fault) > 0) return
          call rows%get_number(p, columns(1), force(p), fault)
          call rows%get_number(p, columns(2), force(n_points + p), fault)
-         call read_status(rows, p, columns(3), status(p), fault)
+         ! Reads a status.
+         status(p) = 0
+         do i = 1, size(status_names)
+            if (rows%field(p, columns(3)) == trim(status_names(i))) status(p) = i
+         end do
+         if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
+            rows%field(p, columns(3))//"'"
       end do
    end subroutine read_points
-
-   !> Reads a status.
-   pure subroutine read_status(rows, row, column, status, fault)
-      type(csv_table_t), intent(in) :: rows !! the table
-      integer, intent(in) :: row !! its row
-      integer, intent(in) :: column !! its column
-      integer, intent(out) :: status !! the status, 0 if there is none
-      character(:), allocatable, intent(inout) :: fault !! gains why there is none, unless it tells a fault already
-      integer :: i
-
-      status = 0
-      do i = 1, size(status_names)
-         if (rows%field(row, column) == trim(status_names(i))) status = i
-      end do
-      if (status == 0 .and. len(fault) == 0) fault = 'line '//to_text(row + 1)//": expected a status, found '"// &
-         rows%field(row, column)//"'"
-   end subroutine read_status
 
    !> Holds the statuses of a converged case against the contact law, point by point.
    subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_tangent_fixed, scales)
@@ -101,16 +90,26 @@ contains
       logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: place, wrong
-      real(dp) :: bound
+      real(dp) :: bound, direction, slip
       integer :: p
 
       do p = 1, size(points%status)
-         associate (status => points%status(p), normal => points%force(p), &
+         associate (status => points%status(p), gap => points%gap(p), normal => points%force(p), &
             tangential => points%force(size(points%status) + p))
             bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
-            wrong = normal_fault(status, points%gap(p), normal, scales)
-            if (len(wrong) == 0) wrong = tangential_fault(status, merge(0.0_dp, points%slip(p), is_tangent_fixed(p)), &
-               tangential, bound, scales)
+            slip = merge(0.0_dp, points%slip(p), is_tangent_fixed(p))
+            direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus)
+            ! Conditions on the gap and the normal force come before those on the slip.
+            wrong = ''
+            if (abs(tangential) > bound + scales%force) wrong = 'the tangential force is above its bound'
+            if (status == stick_point .and. abs(slip) > scales%length) wrong = 'it moves along the obstacle'
+            if (direction*slip < -scales%length) wrong = 'it moves the other way'
+            if (abs(direction) > 0.0_dp .and. direction*tangential < bound - scales%force) wrong = &
+               'the tangential force is not at its bound'
+            if (normal < -scales%force) wrong = 'the normal force pulls'
+            if (gap < -scales%length) wrong = 'it is behind the obstacle'
+            if (status == open_point .and. normal > scales%force) wrong = 'it bears a normal force'
+            if (status /= open_point .and. gap > scales%length) wrong = 'there is a gap'
             if (len(wrong) == 0) cycle
             place = path
             if (has_rows) place = path//':'//to_text(p + 1)
@@ -118,41 +117,6 @@ contains
          end associate
       end do
    end subroutine check_statuses
-
-   !> What is wrong with the gap and the normal force of a point: what is open bears none, what is closed has no gap.
-   pure function normal_fault(status, gap, force, scales) result(wrong)
-      integer, intent(in) :: status !! status of the point
-      real(dp), intent(in) :: gap !! its gap [L]
-      real(dp), intent(in) :: force !! its normal force [F]
-      type(law_scales_t), intent(in) :: scales !! what counts as none
-      character(:), allocatable :: wrong
-
-      wrong = ''
-      if (force < -scales%force) wrong = 'the normal force pulls'
-      if (gap < -scales%length) wrong = 'it is behind the obstacle'
-      if (status == open_point .and. force > scales%force) wrong = 'it bears a normal force'
-      if (status /= open_point .and. gap > scales%length) wrong = 'there is a gap'
-   end function normal_fault
-
-   !> What is wrong with the slip and the tangential force of a point: what sticks does not move, what slides does so
-   !> along its friction, at the bound.
-   pure function tangential_fault(status, slip, force, bound, scales) result(wrong)
-      integer, intent(in) :: status !! status of the point
-      real(dp), intent(in) :: slip !! its slip [L]
-      real(dp), intent(in) :: force !! its tangential force [F]
-      real(dp), intent(in) :: bound !! what friction can bear [F]
-      type(law_scales_t), intent(in) :: scales !! what counts as none
-      character(:), allocatable :: wrong
-      real(dp) :: direction
-
-      wrong = ''
-      if (abs(force) > bound + scales%force) wrong = 'the tangential force is above its bound'
-      if (status == stick_point .and. abs(slip) > scales%length) wrong = 'it moves along the obstacle'
-      if (status /= slip_plus .and. status /= slip_minus) return
-      direction = merge(1.0_dp, -1.0_dp, status == slip_plus)
-      if (direction*slip < -scales%length) wrong = 'it moves the other way'
-      if (direction*force < bound - scales%force) wrong = 'the tangential force is not at its bound'
-   end function tangential_fault
 
    !> What counts as none in a step: a share of the largest force of a point, or of the mean of the largest force of the
    !> history; and of the largest displacement, or of that of all points under the largest force. Where a body hovers,

@@ -74,12 +74,15 @@ contains
       type(part_t), intent(in) :: part !! what should stand there
       type(document_t), intent(in) :: document !! the whole document
       logical, intent(out) :: is_lost !! whether the lines do not belong to each other
-      character(:), allocatable :: fault
+      character(:), allocatable :: fault, header
       real(dp) :: least_difference
       integer :: first, last, last_stated, number
 
       least_difference = merge(rounding, 0.0_dp, document%ending == '.lst')
       is_lost = .false.
+      header = ''
+      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
+         - 1)
       first = 1
       number = line_number(stated, at)
       do while (first <= len(part%text))
@@ -90,7 +93,7 @@ contains
             return
          end if
          last_stated = line_end(stated, at)
-         call compare_line(fault, stated(at:last_stated), part%text(first:last), header_of(document), part%scales, &
+         call compare_line(fault, stated(at:last_stated), part%text(first:last), header, part%scales, &
             least_difference, is_lost)
          if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
          ! A listing says the same thing several times: the first line of a part is enough.
@@ -111,32 +114,14 @@ contains
       real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
       real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
       logical, intent(out) :: is_lost !! whether the lines have other words
-      integer :: i, j
+      integer :: i, j, last_i, last_j, number
+      logical :: is_same, is_a, is_b
+      real(dp) :: a, b
 
       fault = ''
       is_lost = .false.
       if (stated == computed .and. len(stated) == len(computed)) return
-      call compare_words(fault, stated, computed, header, scales, least_difference, i, j)
-      is_lost = i <= len(stated) .or. j <= len(computed)
-      if (is_lost) fault = member_contradiction(stated, computed)
-      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
-         trim(adjustl(computed))//"'"
-      if (len(fault) > 0) fault = fault//' follows from the other files'
-   end subroutine compare_line
-
-   !> Compares the words of two lines, up to the end of one of them or to where they do not belong to each other.
-   pure subroutine compare_words(fault, stated, computed, header, scales, least_difference, i, j)
-      character(:), allocatable, intent(inout) :: fault !! gains what does not agree
-      character(*), intent(in) :: stated !! the line as it was written
-      character(*), intent(in) :: computed !! what should stand there
-      character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
-      real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
-      real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
-      integer, intent(out) :: i !! where the first line was left; behind its end if nothing remains
-      integer, intent(out) :: j !! where the second line was left; behind its end if nothing remains
-      integer :: last_i, last_j, number
-      logical :: is_same
-
+      ! Compares the words of two lines, up to the end of one of them or to where they do not belong to each other.
       i = 1
       j = 1
       do
@@ -147,7 +132,12 @@ contains
          last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
          if (stated(i:last_i) /= computed(j:last_j)) then
             number = max(1, min(size(scales), n_numbers(computed(:last_j))))
-            is_same = are_close(stated(i:last_i), computed(j:last_j), scales(number), least_difference)
+            ! Whether two words are numbers that agree up to rounding.
+            call read_real(stated(i:last_i), a, is_a)
+            call read_real(computed(j:last_j), b, is_b)
+            is_same = .false.
+            if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scales(number))) .or. &
+               abs(a - b) <= least_difference*max(abs(a), abs(b))
             ! The rest of the line belongs together only if what differs is a word.
             if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
             if (.not. is_same) call add_contradiction(fault, stated(i:last_i), computed(j:last_j), &
@@ -156,23 +146,12 @@ contains
          i = last_i + 1
          j = last_j + 1
       end do
-   end subroutine compare_words
-
-   !> Whether two words are numbers that agree up to rounding.
-   pure logical function are_close(stated, computed, scale, least_difference)
-      character(*), intent(in) :: stated !! the word as it was written
-      character(*), intent(in) :: computed !! what should stand there
-      real(dp), intent(in) :: scale !! what the numbers are measured by besides themselves
-      real(dp), intent(in) :: least_difference !! how far they may differ, over themselves [-]
-      real(dp) :: a, b
-      logical :: is_a, is_b
-
-      call read_real(stated, a, is_a)
-      call read_real(computed, b, is_b)
-      are_close = .false.
-      if (is_a .and. is_b) are_close = agree(a, b, max(abs(a), abs(b), scale)) .or. &
-         abs(a - b) <= least_difference*max(abs(a), abs(b))
-   end function are_close
+      is_lost = i <= len(stated) .or. j <= len(computed)
+      if (is_lost) fault = member_contradiction(stated, computed)
+      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
+         trim(adjustl(computed))//"'"
+      if (len(fault) > 0) fault = fault//' follows from the other files'
+   end subroutine compare_line
 
    !> Adds what is said of two words; of one that has no name, only that it differs.
    pure subroutine add_contradiction(fault, stated, computed, name)
@@ -273,16 +252,6 @@ contains
          end if
       end if
    end function place_name
-
-   !> The header of a document that is a table; empty for others.
-   pure function header_of(document) result(header)
-      type(document_t), intent(in) :: document !! the document
-      character(:), allocatable :: header
-
-      header = ''
-      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
-         - 1)
-   end function header_of
 
    !> What a part is found by: the name of a member, or a heading.
    pure function head_of(text) result(head)

@@ -59,13 +59,24 @@ contains
       type(config_t) :: solved
       type(result_t) :: step
       type(error_t), allocatable :: error
-      integer :: n_faults, n_iterations
+      integer :: n_faults, n_iterations, i, stated
+      type(history_table_t), allocatable :: tables(:)
+      character(:), allocatable :: fault
+      real(dp), allocatable :: start(:)
 
       ! What was spread over ranks is checked on however many there are.
       solved = case%config
       if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       call prepare_history(cache, solved, again%model, again%result%last, error)
-      if (.not. allocated(error)) call begin(again, cache, error)
+      if (.not. allocated(error)) then
+         call new_history_walk(again%result%walk, again%model, cache%body)
+         again%entries = ''
+         if (again%model%history%has_start()) then
+            call read_start(start, again%model%history, error)
+            if (.not. allocated(error)) call again%result%walk%restore(again%model, cache%body, cache%problem, start, &
+               error)
+         end if
+      end if
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
          return
@@ -79,7 +90,19 @@ contains
             return
          end if
          n_faults = case%faults%n
-         call read_tables(case, again, cache)
+         ! Reads the tables, and finds what their numbers are measured by.
+         call history_tables(tables, again%model, cache%body, size(again%result%walk%watch%noted()))
+         allocate (again%tables(size(tables)))
+         do i = 1, size(tables)
+            associate (table => again%tables(i))
+               table%history_table_t = tables(i)
+               if (table%content == of_grids) cycle
+               table%header = table%header(:len(table%header) - 1)
+               call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
+               call case%fault(table%ending, fault)
+               if (len(fault) == 0) call find_largest(table, sum(cache%problem%augmentation()))
+            end associate
+         end do
          if (case%faults%n == n_faults) call retrace(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
@@ -93,50 +116,24 @@ contains
          call go_on(case, again, cache)
          last%is_complete = len(walk%fault) == 0
          last%outcome = walk%outcome
-         call take_stated_record(case, again, n_iterations)
+         ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on another
+         ! machine, as far as they can be true.
+         associate (result => again%result, walk => again%result%walk)
+            call take_stated_worst(case, 'energy_identities', walk%n_steps, result%imbalance)
+            result%indicator = again%indicator
+            call take_stated_worst(case, 'violation', walk%n_steps, result%violation)
+            stated = nint(case%number('load_history', 'steps_done_earlier'))
+            if (stated > 0 .and. stated <= walk%n_steps) result%n_resumed = stated
+            ! The iterations of steps that were given up are in no row.
+            stated = nint(case%number('load_history', 'iterations'))
+            if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
+         end associate
          last%earlier_violation = again%result%violation%value
          call describe_history(again%result, case%config)
          call verify_result(case, cache%body, last)
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium
       end associate
    end subroutine verify_history
-
-   !> Goes to where the history begins.
-   subroutine begin(again, cache, error)
-      type(retrace_t), intent(inout) :: again !! the history; gains the way
-      type(cache_t), intent(inout) :: cache !! the body
-      type(error_t), allocatable, intent(out) :: error !! there is no such start
-      real(dp), allocatable :: start(:)
-
-      call new_history_walk(again%result%walk, again%model, cache%body)
-      again%entries = ''
-      if (.not. again%model%history%has_start()) return
-      call read_start(start, again%model%history, error)
-      if (.not. allocated(error)) call again%result%walk%restore(again%model, cache%body, cache%problem, start, error)
-   end subroutine begin
-
-   !> Reads the tables, and finds what their numbers are measured by.
-   subroutine read_tables(case, again, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! gains the tables
-      type(cache_t), intent(in) :: cache !! the body
-      type(history_table_t), allocatable :: tables(:)
-      character(:), allocatable :: fault
-      integer :: i
-
-      call history_tables(tables, again%model, cache%body, size(again%result%walk%watch%noted()))
-      allocate (again%tables(size(tables)))
-      do i = 1, size(tables)
-         associate (table => again%tables(i))
-            table%history_table_t = tables(i)
-            if (table%content == of_grids) cycle
-            table%header = table%header(:len(table%header) - 1)
-            call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
-            call case%fault(table%ending, fault)
-            if (len(fault) == 0) call find_largest(table, sum(cache%problem%augmentation()))
-         end associate
-      end do
-   end subroutine read_tables
 
    !> Finds the largest number of each kind, which the others are measured by. Displacements are at least that of all
    !> contact points under the largest force: less is rounding, as slips are where nothing slips.
@@ -168,10 +165,41 @@ contains
       type(result_t) :: step
       type(error_t), allocatable :: error
       integer :: row, i, n_faults
+      type(step_state_t) :: next
+      character(:), allocatable :: fault
+      real(dp) :: numbers(4)
+      logical :: leads_there
 
       n_faults = case%faults%n
       do row = 1, again%tables(1)%csv%n_rows
-         call take_stated_step(case, again, row, cache)
+         ! Takes a step to the time that its row states, and compares the row.
+         fault = ''
+         associate (steps => again%tables(1), times => again%model%history%times, walk => again%result%walk)
+            call steps%csv%get_number(row, 2, numbers(1), fault)
+            call steps%csv%get_number(row, steps%csv%column('residual'), numbers(2), fault)
+            call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
+            call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
+            if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
+               numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
+            if (len(fault) == 0 .and. .not. numbers(2) <= again%model%solver%method%tolerance) fault = &
+               'the residual is above the tolerance'
+            if (len(fault) == 0) then
+               call walk%shorten(again%model%history, numbers(1), leads_there)
+               if (.not. leads_there) fault = 'no step of this history leads to the time '//to_text(numbers(1))
+            end if
+            if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
+            if (len(fault) == 0) then
+               ! What the method took is its own affair.
+               next%solution%residual = numbers(2)
+               next%solution%n_iterations = nint(numbers(3))
+               walk%n_iterations = walk%n_iterations + next%solution%n_iterations
+               call walk%keep(again%model, next)
+               call again%result%note_step(cache%body, again%model)
+               call again%indicator%note(numbers(4), walk%n_steps)
+               call compare_rows(case, steps, history_row(again%model, cache%body, walk%n_steps, next), row)
+            end if
+            call case%fault(steps%ending//':'//to_text(row + 1), fault)
+         end associate
          do i = 2, size(again%tables)
             if (case%faults%n > n_faults) return
             select case (again%tables(i)%content)
@@ -207,46 +235,6 @@ contains
       end do
    end subroutine retrace
 
-   !> Takes a step to the time that its row states, and compares the row.
-   subroutine take_stated_step(case, again, row, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! the history; gains the step
-      integer, intent(in) :: row !! row of the step
-      type(cache_t), intent(inout) :: cache !! the body
-      type(step_state_t) :: next
-      character(:), allocatable :: fault
-      real(dp) :: numbers(4)
-      logical :: leads_there
-
-      fault = ''
-      associate (steps => again%tables(1), times => again%model%history%times, walk => again%result%walk)
-         call steps%csv%get_number(row, 2, numbers(1), fault)
-         call steps%csv%get_number(row, steps%csv%column('residual'), numbers(2), fault)
-         call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
-         call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
-         if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
-            numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
-         if (len(fault) == 0 .and. .not. numbers(2) <= again%model%solver%method%tolerance) fault = &
-            'the residual is above the tolerance'
-         if (len(fault) == 0) then
-            call walk%shorten(again%model%history, numbers(1), leads_there)
-            if (.not. leads_there) fault = 'no step of this history leads to the time '//to_text(numbers(1))
-         end if
-         if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
-         if (len(fault) == 0) then
-            ! What the method took is its own affair.
-            next%solution%residual = numbers(2)
-            next%solution%n_iterations = nint(numbers(3))
-            walk%n_iterations = walk%n_iterations + next%solution%n_iterations
-            call walk%keep(again%model, next)
-            call again%result%note_step(cache%body, again%model)
-            call again%indicator%note(numbers(4), walk%n_steps)
-            call compare_rows(case, steps, history_row(again%model, cache%body, walk%n_steps, next), row)
-         end if
-         call case%fault(steps%ending//':'//to_text(row + 1), fault)
-      end associate
-   end subroutine take_stated_step
-
    !> Solves a step again, and follows its row where the law leaves it several answers.
    subroutine solve_as_stated(next, fault, again, row, cache)
       type(step_state_t), intent(out) :: next !! the state at the end of the step
@@ -254,12 +242,22 @@ contains
       type(retrace_t), intent(in) :: again !! the history, at the beginning of the step
       integer, intent(in) :: row !! row of the step
       type(cache_t), intent(inout) :: cache !! the body, its contact problem left as that of the step
+      type(instant_t) :: instant
+      type(error_t), allocatable :: error
       real(dp) :: time, closing_loss
 
       associate (csv => again%tables(1)%csv)
          call csv%get_number(row, 2, time, fault)
          call csv%get_number(row, csv%column('closing_loss'), closing_loss, fault)
-         if (len(fault) == 0) call solve_again(next, fault, again, time, cache)
+         if (len(fault) == 0) call again%model%at(cache%body, time, instant, error)
+         if (allocated(error)) fault = error%message
+         if (len(fault) > 0) return
+         call take_step(next, again%model, cache%body, cache%problem, again%result%walk%state, instant)
+         if (len(next%reason) > 0) then
+            fault = next%reason
+         else if (.not. next%solution%is_converged) then
+            fault = 'the step does not converge again'
+         end if
          if (len(fault) > 0 .or. cache%body%zone%n_points == 0) return
          associate (scales => scales_of(again, cache, next))
             call follow_statuses(next, csv%field(row, csv%column('statuses')), cache%problem, cache%body, scales)
@@ -267,29 +265,6 @@ contains
          end associate
       end associate
    end subroutine solve_as_stated
-
-   !> Solves a step again.
-   subroutine solve_again(next, fault, again, time, cache)
-      type(step_state_t), intent(out) :: next !! the state at its end
-      character(:), allocatable, intent(inout) :: fault !! gains why it has none
-      type(retrace_t), intent(in) :: again !! the history, at the beginning of the step
-      real(dp), intent(in) :: time !! the time that it leads to [-]
-      type(cache_t), intent(inout) :: cache !! the body
-      type(instant_t) :: instant
-      type(error_t), allocatable :: error
-
-      call again%model%at(cache%body, time, instant, error)
-      if (allocated(error)) then
-         fault = error%message
-         return
-      end if
-      call take_step(next, again%model, cache%body, cache%problem, again%result%walk%state, instant)
-      if (len(next%reason) > 0) then
-         fault = next%reason
-      else if (.not. next%solution%is_converged) then
-         fault = 'the step does not converge again'
-      end if
-   end subroutine solve_again
 
    !> What counts as none in a step.
    pure type(law_scales_t) function scales_of(again, cache, state) result(scales)
@@ -397,26 +372,6 @@ contains
             to_text(walk%state%instant%time)//' is possible')
       end associate
    end subroutine go_on
-
-   !> Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on another
-   !> machine, as far as they can be true.
-   subroutine take_stated_record(case, again, n_iterations)
-      type(verified_case_t), intent(in) :: case !! the history
-      type(retrace_t), intent(inout) :: again !! the history, all steps taken; gains what the summary states
-      integer, intent(in) :: n_iterations !! iterations of the steps that were kept
-      integer :: stated
-
-      associate (result => again%result, walk => again%result%walk)
-         call take_stated_worst(case, 'energy_identities', walk%n_steps, result%imbalance)
-         result%indicator = again%indicator
-         call take_stated_worst(case, 'violation', walk%n_steps, result%violation)
-         stated = nint(case%number('load_history', 'steps_done_earlier'))
-         if (stated > 0 .and. stated <= walk%n_steps) result%n_resumed = stated
-         ! The iterations of steps that were given up are in no row.
-         stated = nint(case%number('load_history', 'iterations'))
-         if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
-      end associate
-   end subroutine take_stated_record
 
    !> Takes the largest number of all steps from the summary, if it agrees up to rounding.
    subroutine take_stated_worst(case, name, n_steps, worst)

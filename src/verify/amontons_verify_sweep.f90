@@ -97,6 +97,9 @@ contains
       type(csv_table_t) :: table
       character(:), allocatable :: header
       integer :: i, n, n_quantities
+      type(case_result_t) :: computed
+      type(lengths_t) :: lengths
+      type(quantity_t) :: parts(3)
 
       associate (sweep => case%config%sweep)
          n_quantities = size(case_keys(body, sweep))
@@ -113,7 +116,23 @@ contains
                row%text = table%row(i)
                if (.not. allocated(row%status)) allocate (row%status(body%zone%n_points))
                call read_row(row, table, size(sweep%axes) + 2, n_quantities, fault)
-               if (len(fault) == 0) call check_lengths(case, row, body, fault)
+               if (len(fault) == 0) then
+                  ! Compares a row with the values of its case and the lengths that follow from its statuses.
+                  computed = row%result
+                  if (computed%has_solution) then
+                     call new_lengths(lengths, body%zone, row%status)
+                     parts = lengths%quantities()
+                     computed%quantity(:size(parts)) = parts%value
+                  end if
+                  call compare_row(case, row, body, computed, [0.0_dp], fault)
+                  if (row%result%outcome == outcome_solved) then
+                     if (len(fault) == 0 .and. .not. row%result%residual <= case%config%method%tolerance) fault = &
+                        'the residual of a converged case is above the tolerance'
+                     if (len(fault) == 0 .and. any(row%result%is_warned(2:3) .neqv. lacks_points(row%status))) fault = &
+                        'its warnings do not follow from its statuses'
+                  end if
+                  if (len(fault) > 0) fault = 'line '//to_text(row%number + 1)//': '//fault
+               end if
                if (len(fault) > 0) return
                call result%statistics%add(row%result)
                has_converged(i) = row%result%outcome == outcome_solved
@@ -166,32 +185,6 @@ contains
             to_text(size(row%status))//' contact points'
       end associate
    end subroutine read_row
-
-   !> Compares a row with the values of its case and the lengths that follow from its statuses.
-   subroutine check_lengths(case, row, body, fault)
-      type(verified_case_t), intent(in) :: case !! the sweep
-      type(row_t), intent(in) :: row !! the row
-      type(body_t), intent(in) :: body !! the body
-      character(:), allocatable, intent(inout) :: fault !! gains what is wrong
-      type(case_result_t) :: computed
-      type(lengths_t) :: lengths
-      type(quantity_t) :: parts(3)
-
-      computed = row%result
-      if (computed%has_solution) then
-         call new_lengths(lengths, body%zone, row%status)
-         parts = lengths%quantities()
-         computed%quantity(:size(parts)) = parts%value
-      end if
-      call compare_row(case, row, body, computed, [0.0_dp], fault)
-      if (row%result%outcome == outcome_solved) then
-         if (len(fault) == 0 .and. .not. row%result%residual <= case%config%method%tolerance) fault = &
-            'the residual of a converged case is above the tolerance'
-         if (len(fault) == 0 .and. any(row%result%is_warned(2:3) .neqv. lacks_points(row%status))) fault = &
-            'its warnings do not follow from its statuses'
-      end if
-      if (len(fault) > 0) fault = 'line '//to_text(row%number + 1)//': '//fault
-   end subroutine check_lengths
 
    !> Compares a row with that of a result.
    subroutine compare_row(case, row, body, computed, row_scales, fault)
@@ -292,6 +285,8 @@ contains
       type(row_t), intent(in) :: row !! the row
       character(:), allocatable :: fault, grid
       real(dp) :: limit
+      type(case_result_t) :: computed
+      type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
 
       grid = '.sweep/'//to_text(row%number)
       limit = certificate_limit(case%config%method%tolerance)
@@ -309,7 +304,16 @@ contains
          'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
          ', more than the limit of '//to_text(limit))
       call check_law(case%faults, body, result, case%stem//grid//'.contact.vtu', .false.)
-      call check_quantities(case, result, body, row, fault)
+      ! Compares the row of a case with the numbers that follow from its grids.
+      computed = row%result
+      allocate (peaks(0))
+      if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
+      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
+         result%load_case%free_gap, peaks)
+      numbers = expanded(list)
+      computed%quantity = numbers%value
+      call compare_row(case, row, body, computed, [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales(list), &
+         0.0_dp], fault)
       call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
    end subroutine check_fields
 
@@ -329,26 +333,5 @@ contains
          result%solution%force = [pressure(:m), shear(:m)]*[zone%area, zone%area]
       end associate
    end subroutine restore_force
-
-   !> Compares the row of a case with the numbers that follow from its grids.
-   subroutine check_quantities(case, result, body, row, fault)
-      type(verified_case_t), intent(in) :: case !! the sweep
-      type(result_t), intent(in) :: result !! what the grids state
-      type(body_t), intent(in) :: body !! the body
-      type(row_t), intent(in) :: row !! the row
-      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
-      type(case_result_t) :: computed
-      type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
-
-      computed = row%result
-      allocate (peaks(0))
-      if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
-      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
-         result%load_case%free_gap, peaks)
-      numbers = expanded(list)
-      computed%quantity = numbers%value
-      call compare_row(case, row, body, computed, [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales(list), &
-         0.0_dp], fault)
-   end subroutine check_quantities
 
 end module amontons_verify_sweep

@@ -63,10 +63,31 @@ contains
       type(reduced_result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
       character(0) :: no_names(0)
+      character(:), allocatable :: text
 
       allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
-      call new_reduced_listing(documents(1), config, result)
       call reduced_columns(columns, result)
+      documents(1)%ending = '.lst'
+      call documents(1)%record(head_text(config))
+      call documents(1)%add(warnings_text(result%warnings))
+      call documents(1)%add(problem_text(config, result%system))
+      ! How the problem was solved.
+      associate (solution => result%solution)
+         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
+            residual_text(solution, config%method%tolerance)// &
+            uniqueness_text(result%uniqueness, result%system%friction)// &
+            labeled('Contacts', status_counts(solution%status))// &
+            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
+            short_text(sum(result%system%r(2::2))))
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
+            [result%system%r(1::2), result%system%r(2::2)])
+      end associate
+      call documents(1)%record(text)
+      call documents(1)%add(heading('Checks on the problem as read (relative errors)')// &
+         violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
+      call documents(1)%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', &
+         columns, result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
+      call documents(1)%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
       call add_point_table(documents(2), columns, result%solution%status, no_names)
       documents(3)%ending = '.deck.nml'
       call documents(3)%add(config%deck_text())
@@ -74,26 +95,6 @@ contains
       documents(4)%ending = '.solutions.csv'
       call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
    end subroutine reduced_documents
-
-   !> Makes the listing.
-   subroutine new_reduced_listing(listing, config, result)
-      type(document_t), intent(out) :: listing !! the listing
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_result_t), intent(in) :: result !! the result
-      type(column_t), allocatable :: columns(:)
-
-      call reduced_columns(columns, result)
-      listing%ending = '.lst'
-      call listing%record(head_text(config))
-      call listing%add(warnings_text(result%warnings))
-      call listing%add(problem_text(config, result%system))
-      call listing%record(solution_text(config, result))
-      call listing%add(heading('Checks on the problem as read (relative errors)')// &
-         violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
-      call listing%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', columns, &
-         result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
-      call listing%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
-   end subroutine new_reduced_listing
 
    !> What the file holds.
    pure function problem_text(config, system) result(text)
@@ -118,24 +119,6 @@ contains
       if (system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
          scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
    end function problem_text
-
-   !> How the problem was solved.
-   pure function solution_text(config, result) result(text)
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-
-      associate (solution => result%solution)
-         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
-            residual_text(solution, config%method%tolerance)// &
-            uniqueness_text(result%uniqueness, result%system%friction)// &
-            labeled('Contacts', status_counts(solution%status))// &
-            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
-            short_text(sum(result%system%r(2::2))))
-         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
-            [result%system%r(1::2), result%system%r(2::2)])
-      end associate
-   end function solution_text
 
    !> What is known of the contacts, a column each.
    subroutine reduced_columns(list, result)

@@ -188,13 +188,21 @@ contains
          residual = solution%residual
          call solve_components(method, problem, solution, error)
          if (allocated(error)) return
-         call check_finite(solution, error)
-         if (allocated(error)) return
+         if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)))) then
+            call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
+               'check the units of W, q and mu')
+            return
+         end if
          n_left = n_left - solution%n_iterations
          history = [history, solution%history(:solution%n_iterations)]
          call effort%add(solution%effort)
          is_symmetric_solved = solution%is_converged
-         call judge(system, problem, solution, tolerance)
+         ! Judges forces by the problem as it was read: displacements, residual and statuses that belong to them.
+         call system%set_free_displacement(problem, solution%force)
+         solution%displacement = problem%displacement(problem%dual_load(solution%displacement), solution%force)
+         solution%residual = problem%residual(solution%displacement, solution%force)
+         solution%status = problem%status(solution%displacement, solution%force)
+         solution%is_converged = solution%residual <= tolerance
          if (solution%is_converged .or. .not. is_symmetric_solved .or. n_left < 1) exit
          if (.not. solution%residual < 0.5_dp*residual) exit
       end do
@@ -202,30 +210,6 @@ contains
       solution%effort = effort
       solution%n_iterations = size(history)
    end subroutine iterate
-
-   !> Refuses forces that have left the finite range.
-   pure subroutine check_finite(solution, error)
-      type(contact_solution_t), intent(in) :: solution !! the solution
-      type(error_t), allocatable, intent(out) :: error !! it is not finite
-
-      if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force))) return
-      call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
-         'check the units of W, q and mu')
-   end subroutine check_finite
-
-   !> Judges forces by the problem as it was read: displacements, residual and statuses that belong to them.
-   subroutine judge(system, problem, solution, tolerance)
-      type(reduced_system_t), intent(in) :: system !! the reduced problem
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; its free displacements change
-      type(contact_solution_t), intent(inout) :: solution !! the solution
-      real(dp), intent(in) :: tolerance !! the residual that counts as solved [-]
-
-      call system%set_free_displacement(problem, solution%force)
-      solution%displacement = problem%displacement(problem%dual_load(solution%displacement), solution%force)
-      solution%residual = problem%residual(solution%displacement, solution%force)
-      solution%status = problem%status(solution%displacement, solution%force)
-      solution%is_converged = solution%residual <= tolerance
-   end subroutine judge
 
    !> Checks the solution of a reduced problem.
    pure subroutine new_reduced_check(check, system)
