@@ -17,6 +17,8 @@ from harness import ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"<!-- ([\w ]+): (.*?)(?:; status (\d))? -->\n```\w+\n(.*?)```", re.DOTALL)
+CONSOLE = re.compile(r"^```console\n(.*?)^```", re.DOTALL | re.MULTILINE)
+NUMBER = re.compile(r"\d+(\.\d+)?(e-?\d+)?")
 
 
 class Guide(ProgramTest):
@@ -57,6 +59,22 @@ class Guide(ProgramTest):
             with self.subTest(module=module, message=message):
                 source = next((ROOT / "src").rglob(module + ".f90"))
                 self.assert_has(source.read_text(encoding="utf-8"), message)
+
+    @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
+    def test_consoles_show_all_that_is_printed(self):
+        (self.directory / "input").symlink_to(ROOT / "input")
+        for name, _, content in self.announced("file"):
+            self.write(name, content)
+        self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
+        consoles = CONSOLE.findall((ROOT / "doc" / "guide.md").read_text(encoding="utf-8"))
+        runs = [run for console in consoles for run in re.split(r"^\$ ", console, flags=re.MULTILINE)
+                if run.startswith("amontons ")]
+        self.assertGreater(len(runs), 2)
+        for run in runs:
+            command, _, shown = run.partition("\n")
+            printed = self.run_program(*command.split()[1:])
+            # Another version of Gmsh makes another mesh, and residuals are rounding: any number stands for any other.
+            self.assertEqual(*(NUMBER.sub("#", text) for text in (printed.stdout + printed.stderr, shown)))
 
     @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
     def test_example_works(self):
