@@ -11,8 +11,8 @@ ORDER_ALLOWANCE = 0.1
 EFFECTIVITY = (0.8, 1.25)
 # Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
 ROUNDOFF = 1e-4
-# Tables of values with more rows are shortened in the page.
-FEW_ROWS = 6
+# Tables of values, and tables of any rows, with more rows are shortened in the page.
+FEW_ROWS, FEW_ROWS_OF_ANY_KIND = 6, 10
 
 
 def observed_order(coarse, fine):
@@ -34,8 +34,13 @@ class Table:
         return written_table(self.caption, self.headings, self.rows)
 
     def digest(self):
-        """The table with its caption, as short as a page has room for: the rows that tell most."""
-        return self.markdown()
+        """The table with its caption, as short as a page has room for: of many rows, the last two for each value of the
+        first label."""
+        if len(self.rows) <= FEW_ROWS_OF_ANY_KIND or self.faults:
+            return self.markdown()
+        rows = [row for group in distinct(row[0] for row in self.rows)
+                for row in [row for row in self.rows if row[0] == group][-2:]]
+        return written_table(f"{self.caption}: the last rows of {len(self.rows)}", self.headings, rows)
 
     def judge(self, is_right, text, row):
         """The text of a cell, marked, and a fault noted, where it is wrong."""
@@ -105,9 +110,16 @@ class ConvergenceTable(Table):
                 self.rows.append(row)
 
     def digest(self):
-        """The finest mesh of each kind."""
-        finest = {row[0]: row for row in self.rows}
-        return written_table(self.caption + ", finest mesh", self.headings, finest.values())
+        """Of the kinds of equal theory the one with the largest error on its finest mesh."""
+        if self.faults:
+            return self.markdown()
+        finest, worst = {row[0]: row for row in self.rows}, {}
+        for kind, row in finest.items():
+            theory = tuple(self.orders[kind])
+            if theory not in worst or float(row[2]) > float(worst[theory][2]):
+                worst[theory] = row
+        others = "" if len(worst) == len(finest) else f": the largest error of {len(finest)} kinds"
+        return written_table(f"{self.caption}, finest mesh{others}", self.headings, worst.values())
 
     def coarser(self, kind, number):
         """The mesh before a mesh, as (h, error) of each quantity; nothing before the first."""

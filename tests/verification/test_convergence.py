@@ -2,7 +2,7 @@
 """The tools of the benchmarks: tables that tell faults, shape functions of the error norm."""
 import unittest
 
-from convergence import ConvergenceTable, RoundoffTable, ValueTable, observed_order
+from convergence import ConvergenceTable, RoundoffTable, Table, ValueTable, observed_order
 from field_error import ELEMENT_OF_VTK, biquadratic, bilinear, reference_points, serendipity, triangle
 
 NAN = float("nan")
@@ -43,15 +43,21 @@ class Tables(unittest.TestCase):
         table.add("one", errors=[0.0])
         self.assertEqual(table.markdown(), "Caption\n\n| case | error of quantity |\n| --- | --- |\n| one | < 1e-11 |")
 
-    def test_digest_keeps_the_finest_mesh_of_each_kind(self):
-        table = ConvergenceTable("Caption", ["quantity"], {"tri3": (2,), "quad4": (2,)})
-        for kind in ("tri3", "quad4"):
-            for h, error in ((0.5, 4.0), (0.25, 1.0)):
+    def test_digest_keeps_the_largest_error_of_equal_theory_on_the_finest_mesh(self):
+        table = ConvergenceTable("Caption", ["quantity"], {"tri3": (2,), "quad4": (2,), "quad8": (3,)})
+        for kind, scale, ratio in (("tri3", 1.0, 4.0), ("quad4", 2.0, 4.0), ("quad8", 0.1, 8.0)):
+            for h, error in ((0.5, scale), (0.25, scale/ratio)):
                 table.add(kind, h, error)
         table.close()
         lines = table.digest().splitlines()
-        self.assertEqual(lines[0], "Caption, finest mesh")
-        self.assertEqual([line.split(" | ")[:2] for line in lines[4:]], [["| tri3", "0.25"], ["| quad4", "0.25"]])
+        self.assertEqual(lines[0], "Caption, finest mesh: the largest error of 3 kinds")
+        self.assertEqual([line.split(" | ")[:2] for line in lines[4:]], [["| quad4", "0.25"], ["| quad8", "0.25"]])
+
+    def test_digest_keeps_the_last_rows_of_a_long_table(self):
+        table = Table("Caption", ["case", "number"])
+        table.rows = [[case, number] for case in ("a", "b") for number in range(6)]
+        self.assertEqual(table.digest(), "Caption: the last rows of 12\n\n| case | number |\n| --- | --- |\n"
+                         "| a | 4 |\n| a | 5 |\n| b | 4 |\n| b | 5 |")
 
     def test_digest_keeps_the_value_furthest_off_what_is_allowed(self):
         table = ValueTable("Caption", ["case", "number"])
