@@ -54,6 +54,7 @@ check fortitude .venv/bin/fortitude check --quiet --output-format concise src te
 check findent findent_changes_nothing
 check 'FORD without warnings' ford_has_no_warnings
 check 'links and names of the pages' scripts/dev/check_links.py
+check 'sentences of the pages' scripts/dev/check_sentences.py
 check 'mutants fit the sources' python3 -B scripts/dev/mutants.py --list
 # Its other options ask for braces around every name and for a line of its own for every command.
 optional=add-default-case,avoid-nullary-conditions,check-unassigned-uppercase,deprecate-which

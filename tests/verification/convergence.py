@@ -158,7 +158,7 @@ class ValueTable(Table):
             return self.markdown()
         if self.largest_allowance < ROUNDOFF and not self.faults:
             return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all "
-                    f"{len(self.rows)} rows ({varied(self.rows, self.headings[:-4])}).")
+                    f"{len(self.rows)} rows. Rows: {varied(self.rows, self.headings[:-4])}.")
         groups = distinct(row[0] for row in self.rows)
         rows = []
         for group in groups:
@@ -190,4 +190,4 @@ class RoundoffTable(Table):
         if self.faults:
             return self.markdown()
         return (f"{self.caption}: the errors of {', '.join(self.quantities)} are below {self.bound:.0e} in all "
-                f"{len(self.rows)} rows ({varied(self.rows, self.labels)}).")
+                f"{len(self.rows)} rows. Rows: {varied(self.rows, self.labels)}.")

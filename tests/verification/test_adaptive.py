@@ -8,11 +8,11 @@ and $800a$ large, and a first mesh of some ten elements along its sides. A run e
 error of the stresses is as small as asked for; every mesh is a row.
 
 Errors are those from the closed form and the integral equations. On meshes that suit a solution the error of the
-stresses falls with $N^{-p/2}$ in the unknowns $N$, $p$ the order of the elements: 0.5 for three-node and 1 for six-node
-triangles, in spite of the infinite slopes of the pressure and of the singular corner of the punch, which leave less to
-uniform meshes. The order is that of the estimated error from the first mesh below a tenth to the last one. The stick
-zone ends where no stress is large: the mesh is made fine there after the corner. Beside the last mesh is a uniform one
-of ten times its unknowns.
+stresses falls with $N^{-p/2}$ in the unknowns $N$, $p$ the order of the elements. The power is 0.5 for three-node and
+1 for six-node triangles, in spite of the infinite slopes of the pressure and of the singular corner of the punch,
+which leave less to uniform meshes. The order is that of the estimated error from the first mesh below a tenth to the
+last one. The stick zone ends where no stress is large: the mesh is made fine there after the corner. Beside the last
+mesh is a uniform one of ten times its unknowns.
 
 Tolerances: peak and stick zone 0.5 % on the last mesh, the uniform one is less accurate; order 80 % of the best.
 """

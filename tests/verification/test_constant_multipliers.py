@@ -7,11 +7,11 @@ $\Lambda_H$; [theory, section 3](theory.md)).
 Patch test: a block on a frictionless floor under a uniform pressure. Every element gives it exactly, on even, graded
 and unstructured meshes, with cells of two sides and with equal cells whatever the sides.
 
-Hertz contact ([above](#hertz-contact-cylinder-and-sphere), same block and cylinder, half width 1): the error is the
+Hertz contact ([above](#hertz-contact-cylinder-and-sphere), same block and cylinder, half width 1). The error is the
 $L_2$ norm of the difference between the computed pressure, one value per cell, and that of Hertz, over the norm of the
-latter; the best approximation is the error of the cells' mean values, which no method can beat. Required where the
+latter. The best approximation is the error of the cells' mean values, which no method can beat. Required where the
 inf-sup constant $\beta$ is not warned about: at most 1.3 times the best approximation. With $H = 2h$ the order is that
-of the best approximation of a root by constants, 1 but for the root of a logarithm; each mesh has a quarter of the $h$
+of the best approximation of a root by constants, 1 but for the root of a logarithm. Each mesh has a quarter of the $h$
 of the one before, so that the edge of the contact falls on the same place in its cell.
 
 The long bar (Table 1 of the paper, 32 x 10 cells): with $H = 2h$ both transitions lie within a segment, 1.25, of those

@@ -73,12 +73,13 @@ class Tables(unittest.TestCase):
         for case in range(7):
             table.add(case, computed=1.0, reference=1.0, allowed=1e-9)
         self.assertEqual(table.digest(),
-                         "Caption: within 1e-09 of the references in all 7 rows (case 0, 1, 2, 3, 4, 5, 6).")
+                         "Caption: within 1e-09 of the references in all 7 rows. Rows: case 0, 1, 2, 3, 4, 5, 6.")
 
     def test_digest_of_rounding_errors_hides_no_fault(self):
         table = RoundoffTable("Caption", ["case"], ["quantity"], 1e-11)
         table.add("one", errors=[0.0])
-        self.assertEqual(table.digest(), "Caption: the errors of quantity are below 1e-11 in all 1 rows (case one).")
+        self.assertEqual(table.digest(),
+                         "Caption: the errors of quantity are below 1e-11 in all 1 rows. Rows: case one.")
         table.add("two", errors=[1.0])
         self.assertIn("FAILED", table.digest())
 

@@ -9,7 +9,7 @@ loading dissipates $\mu N (\delta - \mu N/k)$, a closed cycle
 W = 4 \mu N \left(\delta - \frac{\mu N}{k}\right).
 ```
 
-The same with all else at rest and a floor that moves: it rises by $y$, which presses the node with $N = k y$ at the
+The same with all else at rest and a floor that moves. It rises by $y$, which presses the node with $N = k y$ at the
 cost of the work $k y^2/2$, shifts to and fro by $\delta$, and at the end turns by $w$ about a far point, which shifts
 it on by $w R$. Then the work of the obstacle is dissipation and strain energy. All is exact to rounding, but for the
 turn, which changes the height of the floor by $R w^2/2 + w \delta$, $1.5\cdot 10^{-6} y$.

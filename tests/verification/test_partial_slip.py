@@ -3,7 +3,7 @@ r"""Partial slip of Cattaneo and Mindlin.
 
 An almost incompressible block, gripped at its top and its sides, is pressed on a rigid parabola and pushed along it.
 On an incompressible half plane ($\nu = 1/2$) normal forces cause no tangential displacement and tangential ones no
-normal displacement: the pressure is that of Hertz, and under the shear force $Q < \mu P$ the middle $|x| < c$ sticks,
+normal displacement. The pressure is that of Hertz, and under the shear force $Q < \mu P$ the middle $|x| < c$ sticks,
 $c = a\sqrt{1-Q/(\mu P)}$, under the shear $q = \mu p_0(\sqrt{1-x^2/a^2} - \frac{c}{a}\sqrt{1-x^2/c^2})$, the second
 root being 0 beyond $c$ (K. L. Johnson, *Contact Mechanics*, 1985, section 7.2).
 

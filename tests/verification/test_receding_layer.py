@@ -3,9 +3,9 @@ r"""Receding contact of a layer on a half plane.
 
 A layer of height $h = 1$ lies on a half plane without friction or weight and is pressed down by $q = 1$ on $|x| < b =
 h$. It lifts off beyond $|x| = c$. The contact recedes: it jumps to its size under the smallest load, and $c$ does not
-depend on the load (L. M. Keer, J. Dundurs, K. C. Tsai: problems involving a receding contact between a layer and a half
-space, *J. Appl. Mech.* 39, 1972, pp. 1115-1120). By Fourier's transform the contact pressure $p$ satisfies, on $|x| <
-c$,
+depend on the load. See L. M. Keer, J. Dundurs, K. C. Tsai: problems involving a receding contact between a layer and
+a half space, *J. Appl. Mech.* 39, 1972, pp. 1115-1120. By Fourier's transform the contact pressure $p$ satisfies, on
+$|x| < c$,
 
 ```math
 \int_0^\infty \left[(B - A)\,\hat q - (A + B + 2\kappa)\,\hat p\right] \sin \xi x \, d\xi = 0, \quad

@@ -2,9 +2,9 @@
 """Plate on a rigid plane: code_aster's SSNV128.
 
 Row 2 of the long bar on the published mesh of 32 x 10 cells, in every element, against the values of code_aster's
-manual V6.04.128 (working group GRECO): displacements along the floor and a nodal normal force, for which its authors
-allow 5 %. On quadratic sides forces alternate between corners and middles as the weights of the nodes do; the force
-compared is therefore the contact pressure times the tributary length of the published mesh, 1.25 mm.
+manual V6.04.128 (working group GRECO). These are displacements along the floor and a nodal normal force, for which
+its authors allow 5 %. On quadratic sides forces alternate between corners and middles as the weights of the nodes do;
+the force compared is therefore the contact pressure times the tributary length of the published mesh, 1.25 mm.
 """
 from benchmark import ELEMENTS, Benchmark, main
 from convergence import ValueTable
