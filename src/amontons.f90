@@ -12,7 +12,6 @@ module amontons
    use amontons_contact_problem, only: contact_problem_t, new_reduced_problem
    use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
-   use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t
@@ -22,7 +21,7 @@ module amontons
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_options_t, new_contact_method
-   use amontons_reduced_system, only: reduced_system_t
+   use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_body
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system

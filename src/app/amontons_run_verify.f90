@@ -1,8 +1,8 @@
 !> Verification of results that earlier runs left.
 module amontons_run_verify
-   use amontons_collection_check, only: check_collection
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t, fault_list_t
+   use amontons_file_check, only: check_collection
    use amontons_messages, only: print_error, print_info
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t

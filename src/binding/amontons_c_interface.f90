@@ -6,12 +6,11 @@ module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
    use amontons_c_text, only: begin_call, end_call, put_c_text, text_of_c
    use amontons_config, only: config_t, read_config, read_config_text
-   use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
    use amontons_new_study, only: new_study
    use amontons_outcome, only: find_exit_status, outcome_t
-   use amontons_reduced_system, only: reduced_system_t
+   use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_study, only: solve_study, study_options_t, study_t

@@ -8,7 +8,7 @@ module amontons_unchanged
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
    use amontons_quantity, only: quantity_t
-   use amontons_summary, only: member_value
+   use amontons_report, only: member_value
    use amontons_text, only: newline, read_real
    use amontons_version, only: version
    implicit none (type, external)

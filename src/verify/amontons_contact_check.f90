@@ -8,8 +8,8 @@ module amontons_contact_check
    use amontons_contact_problem, only: contact_problem_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: read_status_runs
-   use amontons_document_check, only: first_disagreement
    use amontons_error, only: fault_list_t
+   use amontons_file_check, only: first_disagreement
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_history_table, only: a_force, a_length, an_energy, n_kinds
    use amontons_kinds, only: dp

@@ -8,10 +8,10 @@ module amontons_verify
    use amontons_config, only: read_config
    use amontons_document, only: json_string
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_file_check, only: verified_case_t
    use amontons_manifest, only: manifest_t, read_summary
    use amontons_solve_case, only: cache_t
    use amontons_system, only: file_name_t, list_directory
-   use amontons_verified_case, only: verified_case_t
    use amontons_verify_case, only: verify_case, verify_reduced
    use amontons_verify_history, only: verify_history
    use amontons_verify_sweep, only: verify_sweep

@@ -11,23 +11,20 @@ module amontons_verify_case
    use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
-   use amontons_document_check, only: agree
    use amontons_error, only: error_t, fault_list_t
+   use amontons_file_check, only: agree, new_vtk_check, read_displacement, verified_case_t, vtk_check_t
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t
-   use amontons_reduced_report, only: new_reduced_summary, reduced_documents
-   use amontons_report, only: case_documents
+   use amontons_reduced_study, only: new_reduced_summary, reduced_documents
+   use amontons_report, only: case_documents, new_summary
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_single_study, only: judge_meshes, refined_quantities
    use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
    use amontons_solve_load_case, only: evaluate
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
-   use amontons_summary, only: new_summary
    use amontons_text, only: to_text
-   use amontons_verified_case, only: verified_case_t
-   use amontons_vtk_check, only: new_vtk_check, read_displacement, vtk_check_t
    use amontons_vtu, only: show_body, show_contact_line
    implicit none (type, external)
    private

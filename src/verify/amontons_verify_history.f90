@@ -3,12 +3,11 @@
 !> these steps; the files of the last one are restored and judged on the full model like those of a case. Where the
 !> history ended early, the step that has no equilibrium is tried again.
 module amontons_verify_history
-   use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
    use amontons_csv_table, only: csv_table_t, read_csv_table
-   use amontons_document_check, only: agree, compare_line, first_disagreement
    use amontons_error, only: error_t
+   use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
    use amontons_history, only: is_shown
    use amontons_history_files, only: read_start
    use amontons_history_model, only: history_model_t, instant_t
@@ -25,7 +24,6 @@ module amontons_verify_history
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, worst_step_t
    use amontons_stepper, only: step_state_t, take_step
    use amontons_text, only: newline, read_reals, to_text
-   use amontons_verified_case, only: verified_case_t
    use amontons_verify_case, only: check_grids, verify_answer, verify_result
    implicit none (type, external)
    private

@@ -5,12 +5,11 @@
 !> restored, and all that they show, and the row of the case, are computed again.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_collection_check, only: compare_collection
    use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t, read_status_runs, status_runs
-   use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
+   use amontons_file_check, only: compare_collection, compare_line, read_array, verified_case_t
    use amontons_key_results, only: body_peaks, lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
@@ -29,9 +28,7 @@ module amontons_verify_sweep
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_verified_case, only: verified_case_t
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
-   use amontons_vtk_check, only: read_array
    use amontons_vtu, only: n_line_points
    implicit none (type, external)
    private

@@ -7,9 +7,9 @@ module amontons_history_report
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
    use amontons_quantity, only: quantity_t
+   use amontons_report, only: member
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t
-   use amontons_summary, only: member
    use amontons_text, only: columns, counted, flush_right, heading, labeled, n_characters, newline, scientific, &
       short_text, to_text, unit_of, with_unit
    implicit none (type, external)

@@ -1,19 +1,35 @@
-!> The study of a reduced problem that another program, or an earlier run, has written.
+!> The study of a reduced problem that another program, or an earlier run, has written, and its files in the form of
+!> those of a deck with a body: all of them, each whole, or none.
 module amontons_reduced_study
+   use amontons_config, only: config_t
+   use amontons_contact_table, only: add_point_table, column_t, points_text
+   use amontons_document, only: document_t, json_number, json_string
    use amontons_error, only: error_t
+   use amontons_key_results, only: resultants
+   use amontons_kinds, only: dp
+   use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
+      solutions_text, status_counts, times_text, uniqueness_text, violations_text, warnings_text
+   use amontons_manifest, only: manifest_t
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
-   use amontons_reduced_report, only: write_reduced_report
+   use amontons_outcome_words, only: solution_word
+   use amontons_output_file, only: output_file_t
+   use amontons_quantity, only: quantity_t, scales
+   use amontons_reduced_system, only: reduced_system_t
+   use amontons_report, only: add_head, certificate_member, commit_case, count_members => status_counts, &
+      effort_members, last_members, member, quantities_member, uniqueness_member, write_documents
+   use amontons_result, only: certificate_limit
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_terminal, only: phase_solve, phase_write
-   use amontons_text, only: to_text
+   use amontons_system, only: make_directory
+   use amontons_terminal, only: phase_read, phase_recover, phase_solve, phase_write
+   use amontons_text, only: heading, labeled, scientific, short_text, to_text
    implicit none (type, external)
    private
 
-   public :: reduced_study_t
+   public :: new_reduced_summary, reduced_documents, reduced_study_t
 
    !> The study of a reduced problem.
    type, extends(study_t) :: reduced_study_t
@@ -84,5 +100,143 @@ contains
          call result%timings%begin(phase_write)
       end if
    end subroutine add_extras
+
+   !> Writes NAME.lst, NAME.contact.csv, NAME.deck.nml and NAME.summary.json, and NAME.solutions.csv if all solutions
+   !> are known. Names change hands only after every file is complete.
+   subroutine write_reduced_report(directory, config, result, error)
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
+      type(output_file_t), allocatable :: files(:)
+      type(manifest_t) :: manifest
+      character(:), allocatable :: stem
+
+      call make_directory(directory, error)
+      if (allocated(error)) return
+      call reduced_documents(documents, config, result)
+      allocate (files(size(documents) + 1))
+      stem = directory//'/'//config%name
+      call write_documents(files, stem, documents, error)
+      call manifest%add_case(files, stem, result%has_reduced_files, error)
+      if (.not. allocated(error)) then
+         call manifest%add_input(config%reduced%path)
+         call result%timings%begin(phase_write)
+         call new_reduced_summary(summary, config, result)
+      end if
+      call commit_case(files, manifest, directory, config%name, summary, error)
+   end subroutine write_reduced_report
+
+   !> Makes the text files of a reduced problem, but for the summary.
+   subroutine reduced_documents(documents, config, result)
+      type(document_t), allocatable, intent(out) :: documents(:) !! the files
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      type(column_t), allocatable :: columns(:)
+      character(0) :: no_names(0)
+      character(:), allocatable :: text
+
+      allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
+      call reduced_columns(columns, result)
+      documents(1)%ending = '.lst'
+      call documents(1)%record(head_text(config))
+      call documents(1)%add(warnings_text(result%warnings))
+      call documents(1)%add(problem_text(config, result%system))
+      ! How the problem was solved.
+      associate (solution => result%solution)
+         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
+            residual_text(solution, config%method%tolerance)// &
+            uniqueness_text(result%uniqueness, result%system%friction)// &
+            labeled('Contacts', status_counts(solution%status))// &
+            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
+            short_text(sum(result%system%r(2::2))))
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
+            [result%system%r(1::2), result%system%r(2::2)])
+      end associate
+      call documents(1)%record(text)
+      call documents(1)%add(heading('Checks on the problem as read (relative errors)')// &
+         violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
+      call documents(1)%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', &
+         columns, result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
+      call documents(1)%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
+      call add_point_table(documents(2), columns, result%solution%status, no_names)
+      documents(3)%ending = '.deck.nml'
+      call documents(3)%add(config%deck_text())
+      if (.not. allocated(result%all_solutions)) return
+      documents(4)%ending = '.solutions.csv'
+      call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
+   end subroutine reduced_documents
+
+   !> What the file holds.
+   pure function problem_text(config, system) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      character(:), allocatable :: text
+
+      text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
+         system%form)//labeled('Contacts', to_text(system%n_contacts))
+      if (system%n_contacts == 0) return
+      text = text//labeled('Matrix W', to_text(size(system%entry))//' entries, '// &
+         trim(merge('used as dense ', 'used as sparse', system%is_dense())))// &
+         labeled('Diagonal of W', 'up to '//short_text(system%largest))// &
+         labeled('Largest q', short_text(maxval(abs(system%q))))
+      if (maxval(system%friction) > minval(system%friction)) then
+         text = text//labeled('Friction', short_text(minval(system%friction))//' to '// &
+            short_text(maxval(system%friction)))
+      else
+         text = text//labeled('Friction', short_text(system%friction(1)))
+      end if
+      if (config%reduced%has_friction) text = text//labeled('', "the deck's, in the place of the file's")
+      if (system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
+         scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
+   end function problem_text
+
+   !> What is known of the contacts, a column each.
+   subroutine reduced_columns(list, result)
+      type(column_t), allocatable, intent(out) :: list(:) !! the columns
+      type(reduced_result_t), intent(in) :: result !! the result
+      real(dp) :: length, force
+
+      associate (u => result%system%u, r => result%system%r)
+         length = maxval(abs([u, result%system%q]))
+         force = maxval(abs(r))
+         allocate (list(4))
+         list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
+         list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         list%dimension = [character(9) :: 'L', 'L', 'F', 'F']
+         list%scale = [length, length, force, force]
+         list(1)%values = u(1::2)
+         list(2)%values = u(2::2)
+         list(3)%values = r(1::2)
+         list(4)%values = r(2::2)
+      end associate
+   end subroutine reduced_columns
+
+   !> Makes the summary.
+   subroutine new_reduced_summary(summary, config, result)
+      type(document_t), intent(out) :: summary !! the summary
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      type(quantity_t) :: no_quantities(0), sums(2)
+
+      associate (solution => result%solution, system => result%system)
+         sums = resultants([system%r(1::2), system%r(2::2)])
+         call add_head(summary, config, config%method%method, solution_word(solution%is_converged, &
+            result%check%largest() <= certificate_limit(config%method%tolerance)), result%warnings)
+         call summary%record(effort_members(solution))
+         call summary%add(member('problem', '{"file": '//json_string(config%reduced%path)//', "form": '// &
+            json_string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
+            json_number(system%largest)//', "asymmetry": '//json_number(system%asymmetry)//'}'), [system%largest])
+         call summary%add(certificate_member(result%check%violations(), certificate_limit(config%method%tolerance), &
+            no_quantities), [1.0_dp])
+         call summary%record(uniqueness_member(result%uniqueness))
+         call summary%add(member('counts', '{"contact_points": '//to_text(system%n_contacts)//', '// &
+            count_members(solution%status)//'}'))
+         call summary%add(quantities_member('resultants', sums), scales(sums))
+         call summary%record(last_members(result%timings))
+      end associate
+   end subroutine new_reduced_summary
 
 end module amontons_reduced_study

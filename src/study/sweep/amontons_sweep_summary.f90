@@ -6,9 +6,9 @@ module amontons_sweep_summary
    use amontons_kinds, only: dp
    use amontons_outcome_words, only: outcome_names, solution_word, word_no_equilibrium, word_solved
    use amontons_quantity, only: quantity_t, scales
+   use amontons_report, only: add_head, certificate_member, last_members, member, quantities_member, size_counts
    use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_summary, only: add_head, certificate_member, last_members, member, quantities_member, size_counts
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: ranked_quantities, sweep_statistics_t
    use amontons_text, only: to_text

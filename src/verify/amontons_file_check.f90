@@ -1,0 +1,750 @@
+!> A case under verification, and comparisons of its files with what should stand in them: texts part by part and word
+!> by word, collections entry by entry, grids array by array. Whoever hands the arrays of a grid over to a file that is
+!> written can hand them over to a `vtk_check_t`, which compares.
+module amontons_file_check
+   use amontons_config, only: config_t
+   use amontons_document, only: document_t, part_t
+   use amontons_error, only: error_t, fault_list_t
+   use amontons_input_file, only: read_text_file
+   use amontons_kinds, only: dp, int32, int64
+   use amontons_manifest, only: case_entries, collection_head, collection_tail
+   use amontons_report, only: member_value
+   use amontons_text, only: line_end, newline, read_integer, read_real, replaced, to_text
+   use amontons_vtu, only: base64_size, bytes_per_length, decode_base64, vtk_file_t
+   implicit none (type, external)
+   private
+
+   public :: agree, check_collection, compare_collection, compare_line, contradiction, first_disagreement, &
+      new_vtk_check, read_array, read_displacement, verified_case_t, vtk_check_t
+
+   !> What stands between words.
+   character(*), parameter :: separators = ' (),;:{}[]'
+   !> Numbers of a listing have seven digits; the last may be rounded up in one listing and down in another [-].
+   real(dp), parameter :: rounding = 2.0e-6_dp
+
+   !> Largest difference of two numbers that agree, over the largest number of their kind [-].
+   real(dp), parameter :: limit = 1.0e-8_dp
+
+   !> Bytes that are searched for the markup of an array at a time.
+   integer(int64), parameter :: block_size = 65536_int64
+   !> Components of a vector.
+   integer, parameter :: n_space = 3
+
+   !> A grid being compared. After a fault in the markup or in the length of an array the rest is not looked at.
+   type, extends(vtk_file_t) :: vtk_check_t
+      private
+      character(:), allocatable :: path !! name of the file
+      integer :: unit = -1 !! the open file
+      integer(int64) :: position = 1_int64 !! the byte that comes next, from 1
+      logical :: is_readable = .true. !! whether what comes next is where it should be
+      type(fault_list_t), public :: faults !! what does not agree
+   contains
+      procedure, public :: close => vtk_check_close
+      procedure, public :: put_integers => vtk_check_put_integers
+      procedure, public :: put_reals => vtk_check_put_reals
+      procedure :: compare_markup => vtk_check_compare_markup
+      procedure :: read_array => vtk_check_read_array
+      procedure :: stop_at => vtk_check_stop_at
+   end type vtk_check_t
+
+   !> A case, its faults and its verdict.
+   type :: verified_case_t
+      character(:), allocatable :: stem !! directory and name of the case
+      character(:), allocatable :: summary !! all bytes of its summary; not allocated if it cannot be read
+      type(config_t) :: config !! the case as its effective deck has it
+      type(fault_list_t) :: faults !! what does not agree
+      logical :: is_certified = .false. !! whether it converged and its certificate passes, or it has no equilibrium
+   contains
+      procedure :: compare => verified_case_compare
+      procedure :: fault => verified_case_fault
+      procedure :: number => verified_case_number
+      procedure :: value => verified_case_value
+   end type verified_case_t
+
+contains
+
+   !> Compares a file with its document.
+   subroutine compare_document(faults, stem, document)
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(document_t), intent(in) :: document !! what should stand in the file
+      character(:), allocatable :: stated, path
+      type(error_t), allocatable :: error
+      integer :: at, i, k
+      logical :: is_skipping
+
+      path = stem//document%ending
+      call read_text_file(path, stated, error)
+      if (allocated(error)) then
+         call faults%add(path, 'cannot be read')
+         return
+      end if
+      at = 1
+      is_skipping = .false.
+      do i = 1, document%n
+         associate (part => document%parts(i))
+            is_skipping = is_skipping .or. part%is_recorded
+            if (part%is_recorded) cycle
+            if (is_skipping) then
+               k = index(stated(max(1, at - 1):), head_of(part%text))
+               if (k == 0) then
+                  call faults%add(path, "'"//name_of(head_of(part%text))//"' is missing")
+                  cycle
+               end if
+               at = max(1, at - 1) + k - 1
+               ! The line end before a member belongs to the line before it.
+               if (part%text(1:1) /= newline) at = at + 1
+            end if
+            call compare_part(faults, path, stated, at, part, document, is_skipping)
+         end associate
+      end do
+      if (.not. is_skipping .and. at <= len(stated)) call faults%add(path//':'//to_text(line_number(stated, at)), &
+         'nothing follows here from the other files')
+   end subroutine compare_document
+
+   !> Compares the lines of a part. Where they have other words, the rest of it is passed over.
+   subroutine compare_part(faults, path, stated, at, part, document, is_lost)
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: stated !! its text
+      integer, intent(inout) :: at !! where the part begins in it; behind the part on return
+      type(part_t), intent(in) :: part !! what should stand there
+      type(document_t), intent(in) :: document !! the whole document
+      logical, intent(out) :: is_lost !! whether the lines do not belong to each other
+      character(:), allocatable :: fault, header
+      real(dp) :: least_difference
+      integer :: first, last, last_stated, number
+
+      least_difference = merge(rounding, 0.0_dp, document%ending == '.lst')
+      is_lost = .false.
+      header = ''
+      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
+         - 1)
+      first = 1
+      number = line_number(stated, at)
+      do while (first <= len(part%text))
+         last = line_end(part%text, first)
+         if (at > len(stated)) then
+            call faults%add(path, "it ends before the line '"//part%text(first:last)//"'")
+            is_lost = .true.
+            return
+         end if
+         last_stated = line_end(stated, at)
+         call compare_line(fault, stated(at:last_stated), part%text(first:last), header, part%scales, &
+            least_difference, is_lost)
+         if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
+         ! A listing says the same thing several times: the first line of a part is enough.
+         is_lost = is_lost .or. (len(fault) > 0 .and. document%ending == '.lst')
+         if (is_lost) return
+         first = last + 2
+         at = last_stated + 2
+         number = number + 1
+      end do
+   end subroutine compare_part
+
+   !> Compares two lines.
+   pure subroutine compare_line(fault, stated, computed, header, scales, least_difference, is_lost)
+      character(:), allocatable, intent(out) :: fault !! what does not agree; empty if all does
+      character(*), intent(in) :: stated !! the line as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
+      real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
+      real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
+      logical, intent(out) :: is_lost !! whether the lines have other words
+      integer :: i, j, last_i, last_j, number
+      logical :: is_same, is_a, is_b
+      real(dp) :: a, b
+
+      fault = ''
+      is_lost = .false.
+      if (stated == computed .and. len(stated) == len(computed)) return
+      ! Compares the words of two lines, up to the end of one of them or to where they do not belong to each other.
+      i = 1
+      j = 1
+      do
+         i = next_sign(stated, i)
+         j = next_sign(computed, j)
+         if (i > len(stated) .or. j > len(computed)) exit
+         last_i = i + max(0, scan(stated(i:)//' ', separators) - 2)
+         last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
+         if (stated(i:last_i) /= computed(j:last_j)) then
+            number = max(1, min(size(scales), n_numbers(computed(:last_j))))
+            ! Whether two words are numbers that agree up to rounding.
+            call read_real(stated(i:last_i), a, is_a)
+            call read_real(computed(j:last_j), b, is_b)
+            is_same = .false.
+            if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scales(number))) .or. &
+               abs(a - b) <= least_difference*max(abs(a), abs(b))
+            ! The rest of the line belongs together only if what differs is a word.
+            if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
+            if (.not. is_same) call add_contradiction(fault, stated(i:last_i), computed(j:last_j), &
+               place_name(computed(:j - 1), header))
+         end if
+         i = last_i + 1
+         j = last_j + 1
+      end do
+      is_lost = i <= len(stated) .or. j <= len(computed)
+      if (is_lost) fault = member_contradiction(stated, computed)
+      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
+         trim(adjustl(computed))//"'"
+      if (len(fault) > 0) fault = fault//' follows from the other files'
+   end subroutine compare_line
+
+   !> Adds what is said of two words; of one that has no name, only that it differs.
+   pure subroutine add_contradiction(fault, stated, computed, name)
+      character(:), allocatable, intent(inout) :: fault !! gains the sentence
+      character(*), intent(in) :: stated !! the word as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: name !! what the word is called, or nothing
+
+      if (len(name) == 0) then
+         fault = '?'
+         return
+      end if
+      if (len(fault) > 0) fault = fault//'; '
+      fault = fault//name//' is '//stated//', but '//computed
+   end subroutine add_contradiction
+
+   !> What is said of two members of JSON, or of two lines that are none: only that they differ.
+   pure function member_contradiction(stated, computed) result(sentence)
+      character(*), intent(in) :: stated !! the line as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(:), allocatable :: sentence
+      integer :: first
+
+      sentence = '?'
+      if (index(computed, '  "') /= 1) return
+      first = index(computed, '": ') + 3
+      if (index(stated, computed(:first - 1)) == 1) sentence = computed(4:first - 4)//' is '// &
+         without_comma(stated(first:))//', but '//without_comma(computed(first:))
+   end function member_contradiction
+
+   !> A text without the comma at its end.
+   pure function without_comma(text) result(shorter)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: shorter
+
+      shorter = text
+      if (len(text) > 0) then
+         if (text(len(text):) == ',') shorter = text(:len(text) - 1)
+      end if
+   end function without_comma
+
+   !> The place of the next sign that is no blank; behind the end of the line if there is none.
+   pure integer function next_sign(line, first) result(place)
+      character(*), intent(in) :: line !! the line
+      integer, intent(in) :: first !! where to begin
+
+      place = len(line) + 1
+      if (first > len(line)) return
+      if (verify(line(first:), ' ') > 0) place = first + verify(line(first:), ' ') - 1
+   end function next_sign
+
+   !> How many numbers the beginning of a line holds.
+   pure integer function n_numbers(line) result(n)
+      character(*), intent(in) :: line !! the beginning of a line, up to the end of a word
+      real(dp) :: value
+      integer :: first, length
+      logical :: ok
+
+      n = 0
+      first = 1
+      do while (first <= len(line))
+         length = scan(line(first:)//' ', separators) - 1
+         ok = .false.
+         if (length > 0) call read_real(line(first:first + length - 1), value, ok)
+         if (ok) n = n + 1
+         first = first + length + 1
+      end do
+   end function n_numbers
+
+   !> What the word behind the beginning of a line is called: its column in a table, its members in JSON; else nothing.
+   pure function place_name(before, header) result(name)
+      character(*), intent(in) :: before !! the line up to the word
+      character(*), intent(in) :: header !! the header of a table, or nothing
+      character(:), allocatable :: name
+      integer :: first, i, last, outer
+
+      name = ''
+      if (len(header) > 0) then
+         first = 1
+         do i = 1, len(before)
+            if (before(i:i) == ',') first = first + index(header(first:), ',')
+         end do
+         name = header(first:first + index(header(first:)//',', ',') - 2)
+      else if (index(before, '  "') == 1) then
+         name = before(4:index(before, '": ') - 1)
+         outer = 0
+         do i = 1, len(before)
+            if (before(i:i) == '{') outer = i
+            if (before(i:i) == '}') outer = index(before(:i), '{')
+         end do
+         last = index(before, '": ', back=.true.) - 1
+         first = index(before(:last), '"', back=.true.)
+         if (first > 3) then
+            ! The object that it is in, if this is not the member of the line.
+            i = index(before(:max(1, outer - 4)), '"', back=.true.)
+            if (outer > index(before, '{')) name = name//'.'//before(i + 1:outer - 4)
+            name = name//'.'//before(first + 1:last)
+         end if
+      end if
+   end function place_name
+
+   !> What a part is found by: the name of a member, or a heading.
+   pure function head_of(text) result(head)
+      character(*), intent(in) :: text !! the part
+      character(:), allocatable :: head
+
+      if (index(text, '  "') == 1) then
+         head = newline//text(:index(text, '": ') + 2)
+      else
+         head = text(:1 + index(text(2:), newline))
+      end if
+   end function head_of
+
+   !> The head of a part without quotes, blanks and line ends.
+   pure function name_of(head) result(name)
+      character(*), intent(in) :: head !! the head
+      character(:), allocatable :: name
+
+      name = head(2:len(head) - 1)
+      if (index(name, '  "') == 1) name = name(4:index(name, '":') - 1)
+   end function name_of
+
+   !> Number of the line that a place of a text is in.
+   pure integer function line_number(text, place)
+      character(*), intent(in) :: text !! the text
+      integer, intent(in) :: place !! the place
+      integer :: i
+
+      line_number = 1
+      do i = 1, min(place - 1, len(text))
+         if (text(i:i) == newline) line_number = line_number + 1
+      end do
+   end function line_number
+
+   !> Whether two numbers agree. One that is not finite agrees with none.
+   elemental logical function agree(stated, computed, scale)
+      real(dp), intent(in) :: stated !! the number that a file states
+      real(dp), intent(in) :: computed !! the number that follows from the others
+      real(dp), intent(in) :: scale !! the largest number of their kind, or more
+
+      agree = abs(stated - computed) <= limit*scale
+   end function agree
+
+   !> The place of the first number that does not agree, the largest of them being the scale; 0 if all do.
+   pure integer function first_disagreement(stated, computed, scale) result(place)
+      real(dp), intent(in) :: stated(:) !! the numbers that a file states
+      real(dp), intent(in) :: computed(:) !! the numbers that follow from the others, as many
+      real(dp), intent(in), optional :: scale !! the largest number of their kind, if not among them
+      real(dp) :: largest
+
+      largest = 0.0_dp
+      if (size(computed) > 0) largest = maxval(abs(computed))
+      if (present(scale)) largest = max(largest, scale)
+      do place = 1, size(stated)
+         if (.not. agree(stated(place), computed(place), largest)) return
+      end do
+      place = 0
+   end function first_disagreement
+
+   !> What is said of two numbers that do not agree.
+   pure function contradiction(what, stated, computed) result(sentence)
+      character(*), intent(in) :: what !! what they are
+      real(dp), intent(in) :: stated !! the number that a file states
+      real(dp), intent(in) :: computed !! the number that follows from the others
+      character(:), allocatable :: sentence
+
+      sentence = what//' is '//shown(stated)//', but '//shown(computed)//' follows from the other files'
+   end function contradiction
+
+   !> A number, if it is one.
+   pure function shown(value) result(text)
+      real(dp), intent(in) :: value !! the number
+      character(:), allocatable :: text
+
+      if (abs(value) <= huge(value)) then
+         text = to_text(value)
+      else
+         text = 'not a finite number'
+      end if
+   end function shown
+
+   !> Checks cases.pvd of a directory, if it is there: its form, its steps, and that there are the files it names.
+   subroutine check_collection(faults, directory)
+      type(fault_list_t), intent(inout) :: faults !! gains what is wrong
+      character(*), intent(in) :: directory !! the directory
+      character(:), allocatable :: path, text, stem
+      type(error_t), allocatable :: error
+      integer :: at, number, last_number
+      logical :: is_there
+
+      path = directory//'/cases.pvd'
+      inquire (file=path, exist=is_there)
+      if (.not. is_there) return
+      call read_text_file(path, text, error)
+      if (allocated(error)) text = ''
+      at = 1
+      if (index(text, collection_head) == 1) at = len(collection_head) + 1
+      last_number = 0
+      do while (at > 1 .and. at <= len(text))
+         if (text(at:) == collection_tail) return
+         call read_case(text, at, number, stem)
+         if (len(stem) == 0 .or. number <= last_number) exit
+         call expect_file(stem//'.vtu')
+         call expect_file(stem//'.contact.vtu')
+         at = at + len(case_entries(to_text(number), stem))
+         last_number = number
+      end do
+      call faults%add(path, 'not as the program writes a collection, from byte '//to_text(at)//' on')
+
+   contains
+
+      !> Checks that a file is there.
+      subroutine expect_file(name)
+         character(*), intent(in) :: name !! name of the file, without its directory
+
+         inquire (file=directory//'/'//name, exist=is_there)
+         if (.not. is_there) call faults%add(path, "it names '"//name//"', which is not there")
+      end subroutine expect_file
+
+   end subroutine check_collection
+
+   !> Compares a collection with the entries that it should have.
+   subroutine compare_collection(faults, path, entries)
+      type(fault_list_t), intent(inout) :: faults !! gains what is wrong
+      character(*), intent(in) :: path !! name of the collection
+      character(*), intent(in) :: entries !! the entries of its cases or steps, in their order
+      character(:), allocatable :: text
+      type(error_t), allocatable :: error
+      logical :: is_same
+
+      call read_text_file(path, text, error)
+      is_same = .not. allocated(error)
+      if (is_same) is_same = text == collection_head//entries//collection_tail
+      if (.not. is_same) call faults%add(path, 'it does not list the grids that it should, in their order')
+   end subroutine compare_collection
+
+   !> Reads the number and the files of the next case.
+   pure subroutine read_case(text, at, number, stem)
+      character(*), intent(in) :: text !! the collection
+      integer, intent(in) :: at !! where the case stands
+      integer, intent(out) :: number !! its number
+      character(:), allocatable, intent(out) :: stem !! name of its files without endings; empty if there is no case
+      character(*), parameter :: before_number = '<DataSet timestep="', &
+         behind_number = '" part="0" name="body" file="', behind_stem = '.vtu"/>'
+      character(:), allocatable :: entries
+      integer :: first, middle, last
+      logical :: ok
+
+      stem = ''
+      first = at + index(text(at:), before_number) + len(before_number) - 1
+      middle = first + index(text(first:), behind_number) - 1
+      last = middle + index(text(middle + 1:), behind_stem)
+      call read_integer(text(first:middle - 1), number, ok)
+      if (.not. ok .or. last <= middle) return
+      stem = text(middle + len(behind_number):last - 1)
+      stem = replaced(replaced(replaced(stem, '&quot;', '"'), '&lt;', '<'), '&amp;', '&')
+      entries = case_entries(to_text(number), stem)
+      if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) stem = ''
+   end subroutine read_case
+
+   !> Opens a grid.
+   subroutine new_vtk_check(check, path, units)
+      type(vtk_check_t), intent(out) :: check !! the grid
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
+      logical :: is_open
+
+      check%path = path
+      check%units = units
+      call open_grid(check%unit, path, is_open)
+      if (.not. is_open) call check%stop_at('cannot be read')
+   end subroutine new_vtk_check
+
+   !> Opens a grid to read from it.
+   subroutine open_grid(unit, path, is_open)
+      integer, intent(out) :: unit !! its unit; -1 if it cannot be opened
+      character(*), intent(in) :: path !! name of the file
+      logical, intent(out) :: is_open !! whether it is a plain file that can be read
+      integer(int64) :: n_bytes
+      integer :: status
+
+      unit = -1
+      is_open = .false.
+      ! The size is asked for first: to open a pipe could take for ever.
+      inquire (file=path, size=n_bytes)
+      if (n_bytes < 1) return
+      open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
+      is_open = status == 0
+      if (.not. is_open) unit = -1
+   end subroutine open_grid
+
+   !> Compares an array of reals.
+   subroutine vtk_check_put_reals(self, section, name, dimension, n_components, values)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: section !! the section of the array
+      character(*), intent(in) :: name !! name of the quantity
+      character(*), intent(in) :: dimension !! what it is measured in
+      integer, intent(in) :: n_components !! numbers per point or cell
+      real(dp), intent(in) :: values(:) !! the values that should stand there
+      character(:), allocatable :: bytes
+      real(dp), allocatable :: found(:)
+      integer :: place
+
+      call self%begin_array(section, 'Float64', name, n_components, dimension)
+      call self%read_array(name, 8_int64*size(values, kind=int64), bytes)
+      if (.not. self%is_readable) return
+      found = transfer(bytes, values, size(values))
+      place = first_disagreement(found, values, self%scale)
+      if (place == 0) return
+      call self%faults%add(self%path, contradiction(name//' of '//entry_name(section, place, n_components), &
+         found(place), values(place)))
+   end subroutine vtk_check_put_reals
+
+   !> Compares an array of integers.
+   subroutine vtk_check_put_integers(self, section, name, values)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: section !! the section of the array
+      character(*), intent(in) :: name !! name of the quantity
+      integer, intent(in) :: values(:) !! the values that should stand there
+      character(:), allocatable :: bytes
+      integer(int32), allocatable :: found(:)
+      integer :: place
+
+      call self%begin_array(section, 'Int32', name, 1, '')
+      call self%read_array(name, 4_int64*size(values, kind=int64), bytes)
+      if (.not. self%is_readable) return
+      found = transfer(bytes, 0_int32, size(values))
+      do place = 1, size(values)
+         if (found(place) == values(place)) cycle
+         call self%faults%add(self%path, name//' of '//entry_name(section, place, 1)//' is '// &
+            to_text(int(found(place)))//', but '//to_text(values(place))//' follows from the other files')
+         return
+      end do
+   end subroutine vtk_check_put_integers
+
+   !> Compares the markup before an array and reads the array.
+   subroutine vtk_check_read_array(self, name, n_bytes, bytes)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: name !! name of the array
+      integer(int64), intent(in) :: n_bytes !! its length
+      character(:), allocatable, intent(out) :: bytes !! the array as the machine has it, if it can be read
+      character(:), allocatable :: fault
+
+      call self%compare_markup('before '//name)
+      if (.not. self%is_readable) return
+      call read_bytes(self%unit, self%position, name, n_bytes, bytes, fault)
+      if (len(fault) > 0) call self%stop_at(fault)
+      self%position = self%position + base64_size(bytes_per_length + n_bytes)
+      call self%end_array()
+   end subroutine vtk_check_read_array
+
+   !> Compares the markup.
+   subroutine vtk_check_compare_markup(self, place)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: place !! where in the file it stands
+      character(len(self%markup)) :: found
+      integer :: status, i
+
+      if (.not. self%is_readable) return
+      read (self%unit, pos=self%position, iostat=status) found
+      if (status /= 0) then
+         call self%stop_at('the file ends '//place)
+      else if (found /= self%markup) then
+         do i = 1, len(found)
+            if (found(i:i) /= self%markup(i:i)) exit
+         end do
+         call self%stop_at('from byte '//to_text(self%position + int(i - 1, int64))//' on, '//place// &
+            ', it is not a grid of this mesh')
+      end if
+      self%position = self%position + len(found, int64)
+   end subroutine vtk_check_compare_markup
+
+   !> Compares what stands behind the last array, and closes the file.
+   subroutine vtk_check_close(self)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      integer(int64) :: n_bytes
+      integer :: status
+
+      if (self%unit == -1) return
+      call self%end_grid()
+      call self%compare_markup('behind the last array')
+      inquire (unit=self%unit, size=n_bytes)
+      if (self%is_readable .and. n_bytes /= self%position - 1) then
+         call self%stop_at('bytes follow the end of the grid')
+      end if
+      ! It was only read.
+      ! allow(C181): nothing can be lost
+      close (self%unit, iostat=status)
+      self%unit = -1
+   end subroutine vtk_check_close
+
+   !> Notes a fault behind which nothing is where it should be.
+   subroutine vtk_check_stop_at(self, sentence)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: sentence !! the fault
+
+      self%is_readable = .false.
+      call self%faults%add(self%path, sentence)
+   end subroutine vtk_check_stop_at
+
+   !> Where in a grid a number of an array stands.
+   pure function entry_name(section, place, n_components) result(name)
+      character(*), intent(in) :: section !! the section of the array
+      integer, intent(in) :: place !! which of its numbers, from 1
+      integer, intent(in) :: n_components !! numbers per point or cell
+      character(:), allocatable :: name
+
+      select case (section)
+      case ('PointData', 'Points')
+         name = 'point '
+      case ('CellData')
+         name = 'cell '
+      case default
+         name = 'entry '
+      end select
+      name = name//to_text((place - 1)/n_components + 1)
+      if (n_components > 1) name = name//', component '//to_text(modulo(place - 1, n_components) + 1)
+   end function entry_name
+
+   !> Reads the displacements from a grid of the body.
+   subroutine read_displacement(path, n_points, displacement, fault)
+      character(*), intent(in) :: path !! name of the file
+      integer, intent(in) :: n_points !! number of points that it should have
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! the displacements (2, n_points) [L]
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      real(dp) :: vectors(n_space*n_points)
+
+      call read_array(path, 'displacement', n_space, vectors, fault)
+      if (len(fault) == 0) displacement = reshape([vectors(1::n_space), vectors(2::n_space)], [2, n_points], &
+         order=[2, 1])
+   end subroutine read_displacement
+
+   !> Reads an array of reals from a grid.
+   subroutine read_array(path, name, n_components, values, fault)
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: name !! name of the quantity
+      integer, intent(in) :: n_components !! numbers per point
+      real(dp), intent(out) :: values(:) !! the values, those of one point together; 0 after a fault
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      character(:), allocatable :: markup, bytes
+      integer(int64) :: first
+      integer :: unit
+      logical :: is_open
+
+      values = 0.0_dp
+      call open_grid(unit, path, is_open)
+      if (.not. is_open) then
+         fault = 'cannot be read'
+         return
+      end if
+      markup = '<DataArray type="Float64" Name="'//name//'"'
+      if (n_components > 1) markup = markup//' NumberOfComponents="'//to_text(n_components)//'"'
+      markup = markup//' format="binary">'
+      first = place_behind(unit, markup)
+      if (first == 0) then
+         fault = 'no '//name//' stands where it was written'
+      else
+         call read_bytes(unit, first, name, 8_int64*size(values, kind=int64), bytes, fault)
+         if (len(fault) == 0) values = transfer(bytes, values, size(values))
+         if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
+      end if
+      close (unit)
+   end subroutine read_array
+
+   !> The byte behind a piece of markup, from 1; 0 if the file does not hold it.
+   integer(int64) function place_behind(unit, markup) result(place)
+      integer, intent(in) :: unit !! the open file
+      character(*), intent(in) :: markup !! the markup
+      character(block_size) :: text
+      integer(int64) :: n_bytes, start
+      integer :: status, found
+
+      place = 0
+      inquire (unit=unit, size=n_bytes)
+      ! Blocks overlap: the markup may lie across the end of one.
+      do start = 1_int64, n_bytes, block_size - len(markup)
+         text = ''
+         read (unit, pos=start, iostat=status) text(:min(block_size, n_bytes - start + 1))
+         found = index(text, markup)
+         if (found > 0) place = start - 1 + found + len(markup)
+         if (found > 0 .or. status /= 0) return
+      end do
+   end function place_behind
+
+   !> Reads the bytes of an array, which stand behind their number.
+   subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
+      integer, intent(in) :: unit !! the open file
+      integer(int64), intent(in) :: position !! where its letters begin, from 1
+      character(*), intent(in) :: name !! name of the array
+      integer(int64), intent(in) :: n_bytes !! number of bytes that it should have
+      character(:), allocatable, intent(out) :: bytes !! the bytes, if they can be read
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      character(:), allocatable :: text, all_bytes
+      integer(int64) :: found
+      integer :: status
+      logical :: is_valid
+
+      fault = ''
+      allocate (character(base64_size(bytes_per_length + n_bytes)) :: text)
+      read (unit, pos=position, iostat=status) text
+      if (status /= 0) then
+         fault = 'the file ends within '//name
+         return
+      end if
+      call decode_base64(text, bytes_per_length + n_bytes, all_bytes, is_valid)
+      found = transfer(all_bytes(:bytes_per_length), found)
+      if (.not. is_valid) then
+         fault = name//' is not '//to_text(bytes_per_length + n_bytes)//' bytes in base64'
+      else if (found /= n_bytes) then
+         fault = 'the length of '//name//' is '//to_text(found)//', expected '//to_text(n_bytes)//' bytes'
+      else
+         bytes = all_bytes(bytes_per_length + 1:)
+      end if
+   end subroutine read_bytes
+
+   !> Compares the texts as they were written with those that follow from the other files.
+   subroutine verified_case_compare(self, documents, summary)
+      class(verified_case_t), intent(inout) :: self !! the case; gains the faults
+      type(document_t), intent(in) :: documents(:) !! the texts, but for the summary
+      type(document_t), intent(in) :: summary !! the summary
+      integer :: i
+
+      call compare_document(self%faults, self%stem, summary)
+      do i = size(documents), 1, -1
+         call compare_document(self%faults, self%stem, documents(i))
+      end do
+   end subroutine verified_case_compare
+
+   !> Adds what is wrong with a file, if anything is.
+   pure subroutine verified_case_fault(self, ending, sentence)
+      class(verified_case_t), intent(inout) :: self !! the case; gains the fault
+      character(*), intent(in) :: ending !! what the name of the file ends with, behind that of the case
+      character(*), intent(in) :: sentence !! what is wrong; empty if nothing is
+
+      if (len(sentence) > 0) call self%faults%add(self%stem//ending, sentence)
+   end subroutine verified_case_fault
+
+   !> A member of the summary as a number; 0 if it is none.
+   pure real(dp) function verified_case_number(self, section, member) result(number)
+      class(verified_case_t), intent(in) :: self !! the case
+      character(*), intent(in) :: section !! the member that it is in; empty for none
+      character(*), intent(in) :: member !! its name
+      logical :: ok
+
+      call read_real(self%value(section, member), number, ok)
+      if (.not. ok) number = 0.0_dp
+   end function verified_case_number
+
+   !> The text of a member of the summary; empty if there is no such member.
+   pure function verified_case_value(self, section, member) result(value)
+      class(verified_case_t), intent(in) :: self !! the case
+      character(*), intent(in) :: section !! the member that it is in; empty for none
+      character(*), intent(in) :: member !! its name
+      character(:), allocatable :: value
+
+      value = member_value(self%summary, section, member)
+   end function verified_case_value
+
+end module amontons_file_check
