@@ -609,7 +609,7 @@ contains
       end do
    end subroutine deck_refuse_unknown_groups
 
-   !> Turns the faults into one error that tells them all, a line of text for each.
+   !> Turns the faults into one error that lists them all, a line of text for each.
    subroutine deck_finish(self, error)
       class(deck_t), intent(in) :: self !! the deck
       type(error_t), allocatable, intent(out) :: error !! the faults, ordered by line, where there is any

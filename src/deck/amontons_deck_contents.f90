@@ -78,7 +78,7 @@ module amontons_deck_contents
       logical :: has_unknown_key = .false. !! whether a key is none of the group's
    end type deck_group_t
 
-   !> What stands in a deck, in the deck's order.
+   !> Groups, assignments and values of a deck, in their order.
    type :: deck_contents_t
       character(:), allocatable :: text !! the whole text
       type(deck_group_t), allocatable :: groups(:) !! the groups, `n_groups` of them
@@ -261,8 +261,8 @@ contains
       beginning = text(:length)//'...'
    end function excerpt
 
-   !> What a message about an unknown word adds: the known word that other programs call so, one that is near or begins
-   !> alike, or all known words.
+   !> Addition to a message about an unknown word: the known word that other programs call so, one that is near or
+   !> begins alike, or all known words.
    pure function suggestion(word, words, also, before, noun) result(text)
       character(*), intent(in) :: word !! the word found, in lower case
       character(*), intent(in) :: words(:) !! the words known
@@ -422,7 +422,7 @@ contains
       end associate
    end subroutine place_values
 
-   !> What a message adds where twice as many whole numbers are given as numbers are expected, a comma in each pair: the
+   !> Addition to a message where twice as many whole numbers are given as expected, a comma in each pair: the
    !> number that a decimal comma was meant to write.
    pure function comma_hint(contents, assignment, n_expected) result(hint)
       type(deck_contents_t), intent(in) :: contents !! the deck

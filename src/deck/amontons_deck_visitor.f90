@@ -297,7 +297,7 @@ contains
    subroutine visitor_require(self, holds, key, sentence)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       logical, intent(in) :: holds !! the condition
-      character(*), intent(in) :: key !! name of the key at whose line the fault is told
+      character(*), intent(in) :: key !! name of the key at whose line the fault is reported
       character(*), intent(in) :: sentence !! what is wrong
 
       if (self%place > 0 .and. .not. holds) call self%deck%fault(self%place, key, sentence)
@@ -347,7 +347,7 @@ contains
       if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
    end function bound_text
 
-   !> What one number of a key is called.
+   !> The noun for one number of a key, for messages.
    pure function key_noun(self) result(noun)
       class(key_t), intent(in) :: self !! the key
       character(:), allocatable :: noun
@@ -636,7 +636,7 @@ contains
          if (ok) then
             values(i) = number
          else
-            ! What a message adds where a word has the form of a number, but one too large or too small.
+            ! A word that has the form of a number, but is too large or too small, gets its limit in the message.
             limits = ''
             at_exponent = scan(word, 'eEdD')
             if (key%is_whole) then

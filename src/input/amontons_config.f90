@@ -45,7 +45,7 @@ module amontons_config
       tie_group, sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
-   !> What other programs call each of them, blanks between the words.
+   !> Names of each of them in other programs, blanks between the words.
    character(32), parameter :: other_names(size(groups)) = [character(32) :: 'job heading', '', &
       'node nodes element elements part', 'elastic section', 'boundary bc constraint fix', 'cload dload', &
       'interaction obstacle', '', 'parameter study', '', 'amplitude', '', 'static analysis', '']
@@ -71,7 +71,7 @@ module amontons_config
 
 contains
 
-   !> Takes what a mesh file says besides the mesh.
+   !> Takes materials, supports and loads from a mesh file.
    subroutine take_file(part, materials, supports, loads, error)
       type(mesh_part_t), intent(in) :: part !! the part of the mesh that names the file
       type(material_t), allocatable, intent(inout) :: materials(:) !! become those of the file
@@ -85,7 +85,7 @@ contains
       call read_file_model(model, part%file, part%is_used, error)
       if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
       if (allocated(error)) return
-      ! Takes the supports.
+      ! Supports of the file.
       allocate (supports(model%n_supports))
       do i = 1, size(supports)
          supports(i)%set = trim(model%supports(i)%set)
@@ -130,7 +130,7 @@ contains
 
       allocate (loads(model%n_loads + merge(1, 0, allocated(model%temperatures%table))))
       do i = 1, model%n_loads
-         ! Takes a load.
+         ! A load on a boundary set, or on a region.
          call new_load(loads(i), trim(model%loads(i)%set))
          if (model%loads(i)%kind /= file_pressure .and. model%loads(i)%kind /= file_force) then
             loads(i)%set = ''
@@ -359,7 +359,8 @@ contains
          call move_alloc(config%supports, supports)
          call move_alloc(config%loads, loads)
          associate (n_used => config%n_used)
-            ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
+            ! A body without a material gets one whose required keys are reported as missing, unless the file is at
+            ! fault.
             allocate (config%materials(max(merge(0, 1, allocated(error)), &
                n_used(1) + visitor%deck%count_groups('material'))))
             allocate (config%supports(n_used(2) + visitor%deck%count_groups('support')))

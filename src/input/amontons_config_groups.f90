@@ -35,7 +35,7 @@ module amontons_config_groups
    !> Fewest refinements that show an order of convergence.
    integer, parameter :: fewest_refinements = 2
 
-   !> What is asked of the accuracy.
+   !> Options on the accuracy.
    type :: accuracy_options_t
       character(8) :: estimate = 'recovery' !! one of `estimate_names`
       integer :: n_refinements = 0 !! on how many meshes, each refined from the one before, the case is solved again
@@ -70,13 +70,13 @@ module amontons_config_groups
    !> The group of a load.
    type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
 
-   !> What `ux`, `uy`, `un` and `ut` mean.
+   !> Meanings of `ux`, `uy`, `un` and `ut`.
    character(67), parameter :: component_meanings(*) = [character(67) :: &
       'prescribed displacement along x', &
       'prescribed displacement along y', &
       'prescribed displacement along the outward normal; with `set` only', &
       'prescribed displacement along the tangent; with `set` only']
-   !> What other programs call these.
+   !> Names of `ux`, `uy`, `un` and `ut` in other programs.
    character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t']
 
    !> The group of a contact set.
@@ -168,7 +168,7 @@ contains
       accuracy_wants_estimate = self%estimate == estimate_names(1)
    end function accuracy_wants_estimate
 
-   !> Describes `&output`: what a sweep or a history leaves besides its table.
+   !> Describes `&output`: the files of a sweep or a history in addition to its table.
    subroutine describe_output(visitor, sweep, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_t), intent(inout) :: sweep !! the sweep

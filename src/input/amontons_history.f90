@@ -14,13 +14,13 @@ module amontons_history
 
    public :: describe_history, fretting_names, history_t, is_shown, moved_things, steps_t
 
-   !> What changes: the factor of all loads of a name.
+   !> Target of a change: the factor of all loads of a name.
    integer, parameter, public :: stepped_load = 1
-   !> What changes: the factor of the displacements that supports of a name prescribe.
+   !> Target of a change: the factor of the displacements that supports of a name prescribe.
    integer, parameter, public :: stepped_support = 2
-   !> What changes: place and angle of the obstacles of contact sets.
+   !> Target of a change: place and angle of the obstacles of contact sets.
    integer, parameter, public :: stepped_obstacle = 3
-   !> What changes: the factor of the friction of contact sets.
+   !> Target of a change: the factor of the friction of contact sets.
    integer, parameter, public :: stepped_friction = 4
 
    !> How a deck writes whose change it is.
@@ -29,7 +29,7 @@ module amontons_history
    !> Whether parameters of fretting are computed, as a deck writes it.
    character(10), parameter :: fretting_names(2) = [character(10) :: 'none', 'parameters']
 
-   !> What changes over the history, in numbers: one factor, or shift along x, shift along y and angle of an obstacle.
+   !> A change over the history, in numbers: one factor, or shift along x, shift along y and angle of an obstacle.
    type :: steps_t
       integer :: target = stepped_load !! what it is
       character(:), allocatable :: name !! name of the load or support; name or set of the contact
@@ -102,7 +102,7 @@ module amontons_history
       ' counterclockwise', 'rad', default='`0.0`', also='angle rotation'), &
       key_t('friction_factor', 'what the friction of the `&contact` is multiplied by at each of the `times`', &
       at_least=0.0_dp)]
-   !> What each of these numbers is for.
+   !> Keys of the lists of numbers of a change.
    integer, parameter :: first_shift = 2, last_shift = 4, friction_value = 5
 
 contains
@@ -127,7 +127,7 @@ contains
       end if
    end function steps_changes
 
-   !> What one of the numbers is called in tables: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
+   !> Name of one of the numbers in tables: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
    pure function steps_label(self, number) result(label)
       class(steps_t), intent(in) :: self !! the steps
       integer, intent(in) :: number !! which of its numbers

@@ -14,11 +14,11 @@ module amontons_sweep
 
    public :: describe_sweep, key_result_names, largest_n_cases, sweep_axis_t, sweep_t
 
-   !> What a sweep may vary: the factor of all loads of a name.
+   !> Target of a quantity of a sweep: the factor of all loads of a name.
    integer, parameter, public :: swept_load = 1
-   !> What a sweep may vary: Coulomb's coefficient, in the place of the key `friction` of contact sets.
+   !> Target of a quantity of a sweep: Coulomb's coefficient, instead of the key `friction` of contact sets.
    integer, parameter, public :: swept_friction = 2
-   !> What a sweep may vary: a factor on the friction of contact sets.
+   !> Target of a quantity of a sweep: a factor on the friction of contact sets.
    integer, parameter, public :: swept_friction_factor = 3
 
    !> Names of these quantities, and the keys that a deck gives their values by.
@@ -79,7 +79,7 @@ contains
       acts = self%target /= swept_load .and. (len(self%name) == 0 .or. self%name == set)
    end function sweep_axis_acts_on
 
-   !> What the quantity is called in tables: 'factor_side', 'friction', 'friction_factor_bottom'.
+   !> Name of the quantity in tables: 'factor_side', 'friction', 'friction_factor_bottom'.
    pure function sweep_axis_label(self) result(label)
       class(sweep_axis_t), intent(in) :: self !! the quantity
       character(:), allocatable :: label
@@ -321,7 +321,7 @@ contains
          ', found '//to_text(size(axes(n)%values)))
    end subroutine check_axis
 
-   !> What a message adds to tell the names there are.
+   !> The names that exist, for the end of a message.
    pure function list(noun, names) result(text)
       character(*), intent(in) :: noun !! what they name
       character(*), intent(in) :: names !! the names, each with ', ' before it

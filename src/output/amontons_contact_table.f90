@@ -32,16 +32,16 @@ module amontons_contact_table
    type :: column_t
       character(32) :: key = '' !! its name in files
       character(12) :: label = '' !! its heading in the listing; blank for what this leaves out
-      character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
+      character(9) :: dimension = '' !! its dimension, as `unit_of` takes it
       logical :: is_field = .false. !! whether the grids show it
-      real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the numbers themselves
+      real(dp) :: scale = 0.0_dp !! scale of its rounding errors, if larger than the numbers themselves
       real(dp), allocatable :: values(:) !! the numbers (m)
    end type column_t
 
-   !> What a load history adds.
+   !> Names of the columns that a load history adds.
    character(32), parameter :: slip_keys(*) = [character(32) :: 'slip_step', 'slip_accumulated', 'dissipation', &
       'wear_integral', 'surface_stress', 'ruiz_1', 'ruiz_2', 'swt', 'swt_angle']
-   !> What these are measured in.
+   !> Dimensions of the columns that a load history adds.
    character(7), parameter :: slip_dimensions(size(slip_keys)) = [character(7) :: 'L', 'L', 'F L', 'F/L', 'F/L^2', &
       'F/L', 'F^2/L^3', 'F/L^2', 'rad']
 
@@ -189,9 +189,9 @@ contains
       subroutine add(key, label, dimension, values, scale, is_field)
          character(*), intent(in) :: key !! its name in files
          character(*), intent(in) :: label !! its heading in the listing
-         character(*), intent(in) :: dimension !! what it is measured in
+         character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
          real(dp), intent(in) :: values(:) !! its numbers (m)
-         real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
+         real(dp), intent(in) :: scale !! scale of its rounding errors, if larger than the numbers
          logical, intent(in), optional :: is_field !! whether the grids show it; default no
          type(column_t) :: column
 
@@ -240,8 +240,8 @@ contains
       bound = (slip_bound + friction*max(0.0_dp, normal_force))/area
    end function shear_bound
 
-   !> What the pairs of the contact points are called, SLAVE/MASTER, and SET where the obstacle is rigid; none where all
-   !> are. A comma would be the end of the field.
+   !> Names of the pairs of the contact points, SLAVE/MASTER, or SET where the obstacle is rigid; no names where all are
+   !> rigid. Commas become semicolons, since a comma would end the field.
    pure function pair_names(zone, contacts) result(names)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(contact_t), intent(in) :: contacts(:) !! the contact sets

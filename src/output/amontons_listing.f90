@@ -482,7 +482,7 @@ contains
       if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status))
    end function counts_text
 
-   !> What sums of forces and energies are measured by.
+   !> The scale of sums of forces and of energies.
    pure real(dp) function force_scale(result) result(scale)
       type(result_t), intent(in) :: result !! the result
 
@@ -603,7 +603,7 @@ contains
       text = to_text(count(status /= open_point))//' of '//to_text(size(status))//' points closed'
    end function closed_text
 
-   !> What a solution must fulfill, a line on each violation, and the verdict.
+   !> The violations of a solution, a line each, and the verdict.
    pure function violations_text(violations, limit) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]

@@ -2,10 +2,10 @@
 !> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident,
 !> even where no number follows from the others. `cksum FILE` prints the same numbers.
 !>
-!> What an earlier run of a case left in its directory and the new one does not write again, grids of other cases of a
-!> sweep or steps of a history, all solutions, a reduced problem, is removed, so that the files of a case are those of
-!> one run. These files are named by its manifest. Whatever else has the name of the case is left alone, as is a file
-!> that is no longer the one that was written, or that the new run has read.
+!> Files that an earlier run of a case left in its directory and that the new one does not write again (grids of other
+!> cases of a sweep or steps of a history, all solutions, a reduced problem) are removed, so that the files of a case
+!> are those of one run. These files are named by its manifest. Whatever else has the name of the case is left alone, as
+!> is a file that is no longer the one that was written, or that the new run has read.
 !>
 !> Collections for ParaView have the grids of several cases in one file, to be stepped through. A case is a step of the
 !> collection, its time the number of the case, or the pseudo-time of a history; body and contact line are parts of the
@@ -27,10 +27,10 @@ module amontons_manifest
    public :: case_entries, collection_head, collection_t, collection_tail, find_earlier_files, manifest_list_t, &
       manifest_t, new_collection, read_manifest, read_summary, with_manifest
 
-   !> What stands before the checksum of the summary, and behind it.
+   !> Text before the checksum of the summary, and behind it.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
 
-   !> What is known of a file.
+   !> Name, size and checksum of a file.
    type :: manifest_file_t
       character(:), allocatable :: name !! its name: seen from the output directory if written, as it was read otherwise
       integer(int64) :: n_bytes = 0_int64 !! its size
@@ -204,7 +204,7 @@ contains
       end if
    end function manifest_file_fault
 
-   !> Tells of all files that are not as they are listed.
+   !> Reports all files that are not as they are listed.
    subroutine manifest_list_check(self, faults, folder)
       class(manifest_list_t), intent(in) :: self !! the list
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
@@ -329,7 +329,7 @@ contains
       end do
    end subroutine read_list
 
-   !> What a JSON string stands for, of those that `string` makes.
+   !> The text that a JSON string stands for, of those that `json_string` makes.
    pure function unescaped(literal) result(text)
       character(*), intent(in) :: literal !! the string, without the quotes around it
       character(:), allocatable :: text

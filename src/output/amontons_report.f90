@@ -74,7 +74,7 @@ contains
       call summary%add(member('warnings', '['//text//']'))
    end subroutine add_head
 
-   !> What the method spent, and what it reached.
+   !> Members on the iterations and the work of the method, and on the residual.
    pure function effort_members(solution) result(text)
       type(contact_solution_t), intent(in) :: solution !! the solution and its record
       character(:), allocatable :: text
@@ -86,7 +86,7 @@ contains
          //member('residual_history', '['//json_numbers(solution%history(:solution%n_iterations))//']')
    end function effort_members
 
-   !> What is known of uniqueness.
+   !> The member on the uniqueness of the solution.
    pure function uniqueness_member(uniqueness) result(text)
       type(uniqueness_t), intent(in) :: uniqueness !! the bound
       character(:), allocatable :: text, bound
@@ -124,7 +124,7 @@ contains
       text = member(name, '{'//quantity_members(quantities)//'}')
    end function quantities_member
 
-   !> What a solution must fulfill, as a member: the verdict, the limit, the violations, and numbers that go with them.
+   !> The certificate as a member: the verdict, the limit, the violations, and numbers that go with them.
    pure function certificate_member(violations, limit, others, head) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]
@@ -306,8 +306,8 @@ contains
       end do
    end subroutine write_documents
 
-   !> Writes the summary, which comes last, since it tells the time of writing, and gives all files their names; what an
-   !> earlier run of the case left besides is removed.
+   !> Writes the summary, which comes last, since it has the time of writing, and gives all files their names. Other
+   !> files that an earlier run of the case left are removed.
    subroutine commit_case(files, manifest, directory, name, summary, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the last one to become the summary
       type(manifest_t), intent(in) :: manifest !! the manifest of the others, and of what was read

@@ -178,7 +178,7 @@ contains
       character(*), intent(in) :: type !! VTK's word for the kind of number
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: n_components !! numbers per point or cell
-      character(*), intent(in) :: dimension !! what it is measured in, as `unit_of` takes it
+      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
 
       call self%enter(section)
       self%label = unit_of(self%units, dimension)
@@ -223,7 +223,7 @@ contains
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
-      character(*), intent(in) :: dimension !! what it is measured in
+      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
 
@@ -283,7 +283,7 @@ contains
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
-      character(*), intent(in) :: dimension !! what it is measured in
+      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       real(dp), intent(in) :: vectors(:, :) !! the vectors (2, any)
 
       call put_spread(self, section, name, dimension, vectors, [1, 2, 0])
@@ -304,7 +304,7 @@ contains
       class(vtk_file_t), intent(inout) :: vtk !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
-      character(*), intent(in) :: dimension !! what it is measured in
+      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
       integer, intent(in) :: component(:) !! which component each number is, 0 for a zero
       real(dp), allocatable :: spread_out(:)
@@ -395,8 +395,9 @@ contains
 
       call vtk%begin_grid(body%mesh%n_nodes, body%mesh%n_elements)
       call vtk%put_vectors('PointData', 'displacement', 'L', result%displacement)
-      ! Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of constant
-      ! multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is largest.
+      ! Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of
+      ! constant multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is
+      ! largest.
       call contact_columns(columns, body, result)
       all_nodes = [(i, i=1, body%mesh%n_nodes)]
       do i = 1, size(columns)
@@ -470,7 +471,7 @@ contains
       vtk%scale = 0.0_dp
       call vtk%put_integers('PointData', 'status', [result%solution%status, 0*line%node])
       call vtk%put_integers('PointData', 'set', [body%zone%set, line%set])
-      ! Hands over the points and the cells.
+      ! Segments from point to point, then points without a neighbor.
       associate (zone => body%zone)
          start = pack([(i, i=1, zone%n_points)], zone%next > 0)
          lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))

@@ -29,7 +29,7 @@ module amontons_contact_check
       integer, allocatable :: status(:) !! statuses (m)
    end type contact_state_t
 
-   !> What is small beside the displacements and the forces of a case.
+   !> Lengths and forces that count as zero beside the displacements and the forces of a case.
    type :: law_scales_t
       real(dp) :: length = 0.0_dp !! displacements up to this count as none [L]
       real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
@@ -37,7 +37,7 @@ module amontons_contact_check
 
 contains
 
-   !> What is small beside the displacements and the forces of a case.
+   !> Finds the lengths and forces that count as zero beside the displacements and the forces of a case.
    pure function new_law_scales(limit, displacement, force_scale) result(scales)
       real(dp), intent(in) :: limit !! the share that counts as none [-]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
@@ -69,7 +69,7 @@ contains
          if (len(fault) > 0) return
          call rows%get_number(p, columns(1), force(p), fault)
          call rows%get_number(p, columns(2), force(n_points + p), fault)
-         ! Reads a status.
+         ! Each status is one of the known names.
          status(p) = 0
          do i = 1, size(status_names)
             if (rows%field(p, columns(3)) == trim(status_names(i))) status(p) = i
@@ -118,9 +118,9 @@ contains
       end do
    end subroutine check_statuses
 
-   !> What counts as none in a step: a share of the largest force of a point, or of the mean of the largest force of the
-   !> history; and of the largest displacement, or of that of all points under the largest force. Where a body hovers,
-   !> any gap may be another one.
+   !> Lengths and forces that count as zero in a step: a share of the largest force of a point, or of the mean of the
+   !> largest force of the history; and of the largest displacement, or of that of all points under the largest force.
+   !> Where a body hovers, any gap may be another one.
    pure function step_scales(limit, largest_force, problem, body, state) result(scales)
       real(dp), intent(in) :: limit !! the share [-]
       real(dp), intent(in) :: largest_force !! the largest resultant of the history [F]

@@ -133,7 +133,7 @@ contains
       integer, intent(in) :: row !! its row
       integer, intent(in) :: column !! its column
       real(dp), intent(out) :: value !! the number, 0 if there is none
-      character(:), allocatable, intent(inout) :: fault !! gains why it is no number, unless it tells a fault already
+      character(:), allocatable, intent(inout) :: fault !! gains why it is no number, unless it has a fault already
       logical :: ok
 
       call read_real(self%field(row, column), value, ok)

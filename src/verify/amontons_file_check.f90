@@ -17,7 +17,7 @@ module amontons_file_check
    public :: agree, check_collection, compare_collection, compare_line, contradiction, first_disagreement, &
       new_vtk_check, read_array, read_displacement, verified_case_t, vtk_check_t
 
-   !> What stands between words.
+   !> Characters that separate words.
    character(*), parameter :: separators = ' (),;:{}[]'
    !> Numbers of a listing have seven digits; the last may be rounded up in one listing and down in another [-].
    real(dp), parameter :: rounding = 2.0e-6_dp
@@ -148,7 +148,7 @@ contains
       character(*), intent(in) :: stated !! the line as it was written
       character(*), intent(in) :: computed !! what should stand there
       character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
-      real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
+      real(dp), intent(in) :: scales(:) !! scale of the first, second ... word, if larger than the word itself
       real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
       logical, intent(out) :: is_lost !! whether the lines have other words
       integer :: i, j, last_i, last_j, number
@@ -205,7 +205,7 @@ contains
       fault = fault//name//' is '//stated//', but '//computed
    end subroutine add_contradiction
 
-   !> What is said of two members of JSON, or of two lines that are none: only that they differ.
+   !> Text describing how two members of JSON differ; '?' for lines that are no members.
    pure function member_contradiction(stated, computed) result(sentence)
       character(*), intent(in) :: stated !! the line as it was written
       character(*), intent(in) :: computed !! what should stand there
@@ -258,7 +258,7 @@ contains
       end do
    end function n_numbers
 
-   !> What the word behind the beginning of a line is called: its column in a table, its members in JSON; else nothing.
+   !> Name of the word behind the beginning of a line: its column in a table, its members in JSON; else empty.
    pure function place_name(before, header) result(name)
       character(*), intent(in) :: before !! the line up to the word
       character(*), intent(in) :: header !! the header of a table, or nothing
@@ -290,7 +290,7 @@ contains
       end if
    end function place_name
 
-   !> What a part is found by: the name of a member, or a heading.
+   !> Text by which a part is found: the name of a member, or a heading.
    pure function head_of(text) result(head)
       character(*), intent(in) :: text !! the part
       character(:), allocatable :: head
@@ -348,7 +348,7 @@ contains
       place = 0
    end function first_disagreement
 
-   !> What is said of two numbers that do not agree.
+   !> Text describing two numbers that do not agree.
    pure function contradiction(what, stated, computed) result(sentence)
       character(*), intent(in) :: what !! what they are
       real(dp), intent(in) :: stated !! the number that a file states
@@ -485,7 +485,7 @@ contains
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section of the array
       character(*), intent(in) :: name !! name of the quantity
-      character(*), intent(in) :: dimension !! what it is measured in
+      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values that should stand there
       character(:), allocatable :: bytes

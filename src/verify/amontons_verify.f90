@@ -21,11 +21,11 @@ module amontons_verify
    public :: find_cases, verdict_t, verify_files
 
    character(*), parameter :: summary_suffix = '.summary.json'
-   !> What names of other files end with that tell of a case whose summary is missing.
+   !> Endings of the names of files that belong to a case, whose summary may be missing.
    character(12), parameter :: other_suffixes(*) = [character(12) :: '.deck.nml', '.contact.csv', '.contact.vtu', &
       '.sweep.csv']
 
-   !> What was found of a case.
+   !> The verdict on the files of a case.
    type :: verdict_t
       logical :: is_verified = .false. !! whether its files are as they were written and agree with each other
       logical :: is_certified = .false. !! whether, moreover, it converged and its certificate passes
@@ -84,7 +84,7 @@ contains
    !> Verifies the files of a case.
    subroutine verify_files(verdict, cache, directory, name)
       type(verdict_t), intent(out) :: verdict !! what was found
-      type(cache_t), intent(inout) :: cache !! the body at hand: cases that agree in it share it
+      type(cache_t), intent(inout) :: cache !! the last body: cases that agree in it share it
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
       type(verified_case_t) :: case
@@ -115,7 +115,7 @@ contains
    !> Checks the files of a case that comes from a deck against each other.
    subroutine verify_contents(case, cache, name)
       type(verified_case_t), intent(inout) :: case !! the case; gains its deck, the faults and the verdict
-      type(cache_t), intent(inout) :: cache !! the body at hand
+      type(cache_t), intent(inout) :: cache !! the last body
       character(*), intent(in) :: name !! name of the case
       type(error_t), allocatable :: error
 

@@ -36,7 +36,7 @@ contains
    !> Checks the files of a case.
    subroutine verify_case(case, cache)
       type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the last body, replaced if the case needs another
       type(result_t) :: result
       type(error_t), allocatable :: error
 
@@ -110,7 +110,7 @@ contains
       if (len(fault) > 0) return
       m = body%zone%n_points
       result%solution%displacement = body%zone%rows%displacement(result%displacement)
-      ! What supports prescribe is no unknown of the contact problem.
+      ! Displacements that supports prescribe are not among the unknowns of the contact problem.
       result%solution%displacement(:m) = result%solution%displacement(:m) + &
          (result%load_case%free_gap - result%load_case%gap)
    end subroutine restore_displacement

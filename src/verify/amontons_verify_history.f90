@@ -52,7 +52,7 @@ contains
    !> step has no equilibrium.
    subroutine verify_history(case, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults of all files, and the verdict
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(cache_t), intent(inout) :: cache !! the last body, replaced if the history needs another
       type(retrace_t) :: again
       type(config_t) :: solved
       type(result_t) :: step
@@ -62,7 +62,7 @@ contains
       character(:), allocatable :: fault
       real(dp), allocatable :: start(:)
 
-      ! What was spread over ranks is checked on however many there are.
+      ! A case that was spread over ranks is checked on any number of them.
       solved = case%config
       if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       call prepare_history(cache, solved, again%model, again%result%last, error)
@@ -114,8 +114,8 @@ contains
          call go_on(case, again, cache)
          last%is_complete = len(walk%fault) == 0
          last%outcome = walk%outcome
-         ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on another
-         ! machine, as far as they can be true.
+         ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
+         ! another machine, as far as they can be true.
          associate (result => again%result, walk => again%result%walk)
             call take_stated_worst(case, 'energy_identities', walk%n_steps, result%imbalance)
             result%indicator = again%indicator
@@ -147,7 +147,7 @@ contains
       do i = 1, table%csv%n_rows
          do k = 1, size(table%kinds)
             if (table%kinds(k) == number_alone) cycle
-            ! What is no number differs from what is computed.
+            ! A field that is not a number differs from the computed one.
             call table%csv%get_number(i, k, value, fault)
             table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
          end do
@@ -187,7 +187,7 @@ contains
             end if
             if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
             if (len(fault) == 0) then
-               ! What the method took is its own affair.
+               ! Iterations and residual of the run are recorded, not computed again.
                next%solution%residual = numbers(2)
                next%solution%n_iterations = nint(numbers(3))
                walk%n_iterations = walk%n_iterations + next%solution%n_iterations
@@ -264,7 +264,7 @@ contains
       end associate
    end subroutine solve_as_stated
 
-   !> What counts as none in a step.
+   !> The lengths and forces that count as zero in a step.
    pure type(law_scales_t) function scales_of(again, cache, state) result(scales)
       type(retrace_t), intent(in) :: again !! the history
       type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
@@ -354,7 +354,7 @@ contains
       end associate
    end subroutine compare_fields
 
-   !> Goes on behind the last row, where the way ends unless all times are reached.
+   !> Tries a step after the last row: the history must end there unless all times are reached.
    subroutine go_on(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other

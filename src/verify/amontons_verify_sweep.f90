@@ -48,7 +48,7 @@ contains
    !> Checks the files of a sweep.
    subroutine verify_sweep(case, cache)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults of all files, and the verdict
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the last body, replaced if the sweep needs another
       type(sweep_task_t) :: task
       type(sweep_result_t) :: result
       type(document_t) :: documents(n_documents), summary
@@ -114,7 +114,7 @@ contains
                if (.not. allocated(row%status)) allocate (row%status(body%zone%n_points))
                call read_row(row, table, size(sweep%axes) + 2, n_quantities, fault)
                if (len(fault) == 0) then
-                  ! Compares a row with the values of its case and the lengths that follow from its statuses.
+                  ! A row must state the values of its case, and the lengths that follow from its statuses.
                   computed = row%result
                   if (computed%has_solution) then
                      call new_lengths(lengths, body%zone, row%status)
@@ -189,7 +189,7 @@ contains
       type(row_t), intent(in) :: row !! the row
       type(body_t), intent(in) :: body !! the body
       type(case_result_t), intent(in) :: computed !! what should stand there
-      real(dp), intent(in) :: row_scales(:) !! what the first, second ... number is measured by besides itself
+      real(dp), intent(in) :: row_scales(:) !! scale of the first, second ... number, if larger than the number itself
       character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
       character(:), allocatable :: text, runs
       logical :: is_lost
@@ -247,7 +247,7 @@ contains
       call compare_collection(case%faults, case%stem//'.sweep.pvd', entries)
    end subroutine verify_fields
 
-   !> Tells of grids that are none of this sweep, as an interrupted one of the same name may leave them.
+   !> Reports grids that do not belong to this sweep, as an interrupted one of the same name may leave them.
    subroutine check_surplus(case, numbers)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       integer, intent(in) :: numbers(:) !! numbers of the cases whose grids should be there
@@ -257,7 +257,7 @@ contains
       integer :: i, number
       logical :: ok
 
-      ! What is missing is told when it is read.
+      ! A missing grid is reported where it is read.
       call list_directory(files, case%stem//'.sweep', error)
       if (allocated(error)) return
       allocate (has_grids(0:maxval([0, numbers])), source=.false.)
@@ -301,7 +301,7 @@ contains
          'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
          ', more than the limit of '//to_text(limit))
       call check_law(case%faults, body, result, case%stem//grid//'.contact.vtu', .false.)
-      ! Compares the row of a case with the numbers that follow from its grids.
+      ! The row must state the numbers that follow from the grids.
       computed = row%result
       allocate (peaks(0))
       if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)

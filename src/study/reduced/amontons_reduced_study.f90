@@ -61,7 +61,7 @@ contains
    subroutine reduced_study_solve(self, cache, options, monitor, outcome, error)
       class(reduced_study_t), intent(in) :: self !! the study
       type(cache_t), intent(inout) :: cache !! not used: there is no body
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(study_options_t), intent(in) :: options !! options of the command line
       class(study_monitor_t), intent(inout) :: monitor !! not used: there is one case only
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the file is at fault, or no files can be written
@@ -169,7 +169,7 @@ contains
       call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
    end subroutine reduced_documents
 
-   !> What the file holds.
+   !> The section of the listing on the problem in the file.
    pure function problem_text(config, system) result(text)
       type(config_t), intent(in) :: config !! the case
       type(reduced_system_t), intent(in) :: system !! the reduced problem
@@ -193,7 +193,7 @@ contains
          scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
    end function problem_text
 
-   !> What is known of the contacts, a column each.
+   !> Gap, slip and forces of the contacts, a column each.
    subroutine reduced_columns(list, result)
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(reduced_result_t), intent(in) :: result !! the result

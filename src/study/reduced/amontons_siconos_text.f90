@@ -368,7 +368,7 @@ contains
       end if
    end subroutine read_csparse
 
-   !> Takes the line that tells the version of CSparse or CXSparse.
+   !> Takes the line with the version of CSparse or CXSparse.
    pure subroutine take_version(input)
       type(input_file_t), intent(inout) :: input !! the file
       character(:), allocatable :: line

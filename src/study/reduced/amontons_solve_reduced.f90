@@ -56,7 +56,7 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! gains the problem
       type(error_t), allocatable, intent(out) :: error !! the file is at fault
-      ! What the sums of another program may leave between an entry and its mirror image.
+      ! Largest rounding error between an entry and its mirror image, relative to the diagonal.
       real(dp), parameter :: rounding = 1.0e-8_dp
 
       call new_timings(result%timings)
@@ -130,7 +130,7 @@ contains
          end if
          call new_reduced_check(result%check, system)
       end associate
-      ! What the caller does with the result is to write it.
+      ! The caller writes the result next.
       call result%timings%begin(phase_write)
    end subroutine solve_prepared
 
@@ -179,7 +179,7 @@ contains
       logical :: is_symmetric_solved
 
       tolerance = method%tolerance
-      ! What the other side gains last must not spoil the solution.
+      ! The last change of the right-hand side must not spoil the solution.
       if (system%asymmetry > 0.0_dp) method%tolerance = 0.5_dp*tolerance
       n_left = method%max_iterations
       allocate (history(0))
