@@ -38,9 +38,9 @@ module amontons_condenser
       procedure(complete), deferred :: complete
       procedure(schur_complement), deferred :: schur_complement
       procedure(condense), deferred :: condense
-      procedure(expand), deferred :: expand
+      procedure(expand_all), deferred :: expand_all
       procedure(solve), deferred :: solve
-      procedure :: expand_all => condenser_expand_all
+      procedure :: expand => condenser_expand
       procedure :: check_memory => condenser_check_memory
       procedure :: memory_mb => condenser_memory_mb
       procedure :: condition => condenser_condition
@@ -75,15 +75,16 @@ module amontons_condenser
          real(dp), intent(out) :: q(:) !! the condensed load, Schur variables in matrix order (n_schur)
       end subroutine condense
 
-      !> All unknowns from the Schur variables: K_ii x_i = b_i - K_ic v.
-      subroutine expand(self, partial, v, x)
+      !> All unknowns from the Schur variables under several loads, K_ii x_i = b_i - K_ic v, with one pass over the
+      !> factor.
+      subroutine expand_all(self, partial, v, x)
          import :: condenser_t, dp
          implicit none (type, external)
          class(condenser_t), intent(in) :: self !! the condenser
-         real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
-         real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
-         real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
-      end subroutine expand
+         real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+         real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
+         real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads), the last ones equal to v
+      end subroutine expand_all
 
       !> Solves K x = b.
       subroutine solve(self, b, x)
@@ -110,7 +111,6 @@ module amontons_condenser
       procedure :: solve => cholesky_solve
       procedure :: schur_complement => cholesky_schur_complement
       procedure :: condense => cholesky_condense
-      procedure :: expand => cholesky_expand
       procedure :: expand_all => cholesky_expand_all
       procedure :: set_order => cholesky_set_order
       procedure :: take_values => cholesky_take_values
@@ -161,19 +161,18 @@ module amontons_condenser
 
 contains
 
-   !> All unknowns from the Schur variables under several loads. What can share its passes over the factor between them
-   !> overrides this.
-   subroutine condenser_expand_all(self, partial, v, x)
+   !> All unknowns from the Schur variables under one load.
+   subroutine condenser_expand(self, partial, v, x)
       class(condenser_t), intent(in) :: self !! the condenser
-      real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
-      real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
-      real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
-      integer :: k
+      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
+      real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
+      real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
+      real(dp), allocatable :: columns(:, :)
 
-      do k = 1, size(v, 2)
-         call self%expand(partial(:, k), v(:, k), x(:, k))
-      end do
-   end subroutine condenser_expand_all
+      allocate (columns(self%n, 1))
+      call self%expand_all(reshape(partial, [self%n, 1]), reshape(v, [self%n_schur, 1]), columns)
+      x = columns(:, 1)
+   end subroutine condenser_expand
 
    !> The memory that `complete` takes [MB].
    pure real(dp) function condenser_memory_mb(self)
@@ -329,42 +328,21 @@ contains
       q(self%schur_order) = partial(n_interior + 1:)
    end subroutine cholesky_condense
 
-   !> All unknowns from the Schur variables by the backward substitution of the interior.
-   subroutine cholesky_expand(self, partial, v, x)
-      class(cholesky_t), intent(in) :: self !! the factorization
-      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
-      real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
-      real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
-
-      call expand_loads(self, 1, partial, v, x)
-   end subroutine cholesky_expand
-
-   !> All unknowns from the Schur variables under several loads.
+   !> All unknowns from the Schur variables by the backward substitution of the interior, with one pass over the factor.
    subroutine cholesky_expand_all(self, partial, v, x)
       class(cholesky_t), intent(in) :: self !! the factorization
       real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
       real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
       real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
-
-      call expand_loads(self, size(v, 2), partial, v, x)
-   end subroutine cholesky_expand_all
-
-   !> Does it for some loads, with one pass over the factor.
-   subroutine expand_loads(cholesky, n_loads, partial, v, x)
-      class(cholesky_t), intent(in) :: cholesky !! the factorization
-      integer, intent(in) :: n_loads !! number of loads
-      real(dp), intent(in) :: partial(cholesky%n, n_loads) !! what `condense` made of them
-      real(dp), intent(in) :: v(cholesky%n_schur, n_loads) !! the Schur variables in matrix order
-      real(dp), intent(out) :: x(cholesky%n, n_loads) !! all unknowns
       real(dp), allocatable :: work(:, :)
+      integer :: n_interior
 
-      associate (n_interior => cholesky%n - cholesky%n_schur)
-         allocate (work, source=partial)
-         work(n_interior + 1:, :) = v(cholesky%schur_order, :)
-         call cholesky%substitute_backward(n_interior, work)
-      end associate
-      x(cholesky%order, :) = work
-   end subroutine expand_loads
+      n_interior = self%n - self%n_schur
+      allocate (work, source=partial)
+      work(n_interior + 1:, :) = v(self%schur_order, :)
+      call self%substitute_backward(n_interior, work)
+      x(self%order, :) = work
+   end subroutine cholesky_expand_all
 
    !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
    pure subroutine cholesky_check_pivots(self, pivots, error)

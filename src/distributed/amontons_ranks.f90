@@ -9,7 +9,7 @@ module amontons_ranks
    implicit none (type, external)
    private
 
-   public :: agree, all_ranks, begin_ranks, broadcast, end_ranks, gather_columns, give_order, has_begun, line_t, &
+   public :: agree, all_ranks, begin_ranks, broadcast, end_ranks, gather_columns, give_order, has_begun, channel_t, &
       n_ranks, next_order, on_all_ranks, rank, sum_on_machine
 
    !> Whether MPI is in use.
@@ -17,22 +17,22 @@ module amontons_ranks
    !> The number of this process, and of how many.
    integer, protected :: rank = 0, n_ranks = 1
 
-   !> The peer of a line between rank 0 and all others.
+   !> The peer of a channel between rank 0 and all others.
    integer, parameter :: all_ranks = -1
 
-   !> A line to another rank. What both ends walk through in the same order, one end sends and the other receives. Of a
-   !> line between all ranks, rank 0 sends.
-   type :: line_t
+   !> A channel to another rank. Both ends pass the same things in the same order, one end sends and the other receives.
+   !> Of a channel between all ranks, rank 0 sends.
+   type :: channel_t
       integer :: peer = 0 !! the other rank, or `all_ranks`
       logical :: is_sender = .true. !! whether this end sends
    contains
-      procedure, private :: pass_number => line_pass_number
-      procedure, private :: pass_text => line_pass_text
-      procedure, private :: pass_numbers => line_pass_numbers
-      procedure, private :: pass_columns => line_pass_columns
-      procedure, private :: pass_real_columns => line_pass_real_columns
+      procedure, private :: pass_number => channel_pass_number
+      procedure, private :: pass_text => channel_pass_text
+      procedure, private :: pass_numbers => channel_pass_numbers
+      procedure, private :: pass_columns => channel_pass_columns
+      procedure, private :: pass_real_columns => channel_pass_real_columns
       generic :: pass => pass_number, pass_text, pass_numbers, pass_columns, pass_real_columns
-   end type line_t
+   end type channel_t
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -120,7 +120,7 @@ contains
    subroutine agree(error)
       type(error_t), allocatable, intent(inout) :: error !! what went wrong on this rank; then, what did on any
       type(error_t), allocatable :: first
-      type(line_t) :: line
+      type(channel_t) :: channel
       integer :: failing
 
       if (.not. has_begun) return
@@ -129,15 +129,15 @@ contains
       if (.not. allocated(error)) call new_error(error, system_failure, '')
       if (failing == 0) return
       if (rank == failing) then
-         line = line_t(0, .true.)
+         channel = channel_t(0, .true.)
       else if (rank == 0) then
-         line = line_t(failing, .false.)
+         channel = channel_t(failing, .false.)
       else
          return
       end if
       allocate (first, source=error)
-      call line%pass(first%kind)
-      call line%pass(first%message)
+      call channel%pass(first%kind)
+      call channel%pass(first%message)
       call move_alloc(first, error)
    end subroutine agree
 
@@ -157,36 +157,36 @@ contains
    end function sum_on_machine
 
    !> Passes bytes.
-   subroutine pass_bytes(line, bytes, n)
-      class(line_t), intent(in) :: line !! the line
+   subroutine pass_bytes(channel, bytes, n)
+      class(channel_t), intent(in) :: channel !! the channel
       ! allow(assumed-size, assumed-size-character-intent): bytes of any type, for C
       type(*), intent(inout) :: bytes(*) !! the bytes
       integer(int64), intent(in) :: n !! how many
 
-      call mpi_pass(bytes, int(n, c_int64_t), int(line%peer, c_int), merge(1_c_int, 0_c_int, line%is_sender))
+      call mpi_pass(bytes, int(n, c_int64_t), int(channel%peer, c_int), merge(1_c_int, 0_c_int, channel%is_sender))
    end subroutine pass_bytes
 
    !> Gives all ranks numbers of rank 0. Every rank calls it with as many.
    subroutine broadcast(list)
       real(dp), contiguous, intent(inout) :: list(:) !! the numbers
 
-      call pass_bytes(line_t(all_ranks, rank == 0), list, real_bytes*size(list))
+      call pass_bytes(channel_t(all_ranks, rank == 0), list, real_bytes*size(list))
    end subroutine broadcast
 
    !> Passes a number.
-   subroutine line_pass_number(self, number)
-      class(line_t), intent(in) :: self !! the line
+   subroutine channel_pass_number(self, number)
+      class(channel_t), intent(in) :: self !! the channel
       integer, intent(inout) :: number !! the number
       integer :: list(1)
 
       list = number
       call pass_bytes(self, list, integer_bytes)
       number = list(1)
-   end subroutine line_pass_number
+   end subroutine channel_pass_number
 
    !> Passes a text.
-   subroutine line_pass_text(self, text)
-      class(line_t), intent(in) :: self !! the line
+   subroutine channel_pass_text(self, text)
+      class(channel_t), intent(in) :: self !! the channel
       character(:), allocatable, intent(inout) :: text !! the text
       integer, allocatable :: code(:)
       integer :: i
@@ -198,11 +198,11 @@ contains
       do i = 1, size(code)
          text(i:i) = achar(code(i))
       end do
-   end subroutine line_pass_text
+   end subroutine channel_pass_text
 
    !> Passes whole numbers.
-   subroutine line_pass_numbers(self, list)
-      class(line_t), intent(in) :: self !! the line
+   subroutine channel_pass_numbers(self, list)
+      class(channel_t), intent(in) :: self !! the channel
       integer, allocatable, intent(inout) :: list(:) !! the numbers
       integer :: length
 
@@ -213,11 +213,11 @@ contains
          allocate (list(length))
       end if
       call pass_bytes(self, list, integer_bytes*length)
-   end subroutine line_pass_numbers
+   end subroutine channel_pass_numbers
 
    !> Passes whole numbers in columns.
-   subroutine line_pass_columns(self, columns)
-      class(line_t), intent(in) :: self !! the line
+   subroutine channel_pass_columns(self, columns)
+      class(channel_t), intent(in) :: self !! the channel
       integer, allocatable, intent(inout) :: columns(:, :) !! the numbers
       integer, allocatable :: list(:), extent(:)
 
@@ -228,11 +228,11 @@ contains
       call self%pass(extent)
       call self%pass(list)
       if (.not. self%is_sender) columns = reshape(list, [extent(1), extent(2)])
-   end subroutine line_pass_columns
+   end subroutine channel_pass_columns
 
    !> Passes real numbers in columns.
-   subroutine line_pass_real_columns(self, columns)
-      class(line_t), intent(in) :: self !! the line
+   subroutine channel_pass_real_columns(self, columns)
+      class(channel_t), intent(in) :: self !! the channel
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the numbers
       integer, allocatable :: extent(:)
 
@@ -243,29 +243,29 @@ contains
          allocate (columns(extent(1), extent(2)))
       end if
       call pass_bytes(self, columns, real_bytes*extent(1)*extent(2))
-   end subroutine line_pass_real_columns
+   end subroutine channel_pass_real_columns
 
    !> Adds columns that every rank has to those of the whole on rank 0, rank after rank. Every rank calls it.
    subroutine gather_columns(columns, place, whole)
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the columns of this rank
       integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are
       real(dp), intent(inout) :: whole(:, :) !! those of the whole; of no use but on rank 0
-      type(line_t) :: line
+      type(channel_t) :: channel
       real(dp), allocatable :: received(:, :)
       integer, allocatable :: to(:)
       integer :: i, k
 
       if (rank > 0) then
-         line = line_t(0, .true.)
-         call line%pass(place)
-         call line%pass(columns)
+         channel = channel_t(0, .true.)
+         call channel%pass(place)
+         call channel%pass(columns)
          return
       end if
       whole(:, place) = whole(:, place) + columns
       do i = 1, n_ranks - 1
-         line = line_t(i, .false.)
-         call line%pass(to)
-         call line%pass(received)
+         channel = channel_t(i, .false.)
+         call channel%pass(to)
+         call channel%pass(received)
          do k = 1, size(to)
             whole(:, to(k)) = whole(:, to(k)) + received(:, k)
          end do

@@ -7,7 +7,7 @@ module amontons_subdomain
    use amontons_kinds, only: dp, int64
    use amontons_material, only: materials_t
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
-   use amontons_ranks, only: line_t
+   use amontons_ranks, only: channel_t
    use amontons_sparse_matrix, only: graph_t, new_graph, new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
@@ -42,10 +42,17 @@ contains
       type(sparse_matrix_t) :: coupling
       type(graph_t) :: graph
       type(dissection_t) :: dissection
-      integer, allocatable :: node(:), item(:), order(:), start(:), own_node(:)
+      integer, allocatable :: node(:), node_of(:), item(:), order(:), start(:), own_node(:)
       integer :: n_schur, k, axis, last
 
-      call list_nodes(node, n_schur, mesh, dof_map)
+      ! The nodes that have unknowns, in the order of these; the first unknown of a node stands for it.
+      allocate (node_of(dof_map%n_dofs), source=0)
+      do k = 1, mesh%n_nodes
+         axis = merge(1, 2, dof_map%dof(1, k) > 0)
+         if (dof_map%dof(axis, k) > 0) node_of(dof_map%dof(axis, k)) = k
+      end do
+      node = pack(node_of, node_of > 0)
+      n_schur = count(node_of(dof_map%n_dofs - dof_map%n_schur + 1:) > 0)
       allocate (item(mesh%n_nodes), source=0)
       do k = 1, size(node)
          item(node(k)) = k
@@ -73,25 +80,6 @@ contains
       end do
    end subroutine find_positions
 
-   !> Lists the nodes that have unknowns, in the order of these.
-   pure subroutine list_nodes(node, n_last, mesh, dof_map)
-      integer, allocatable, intent(out) :: node(:) !! the nodes
-      integer, intent(out) :: n_last !! how many of them, the last ones, have Schur variables
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: node_of(:)
-      integer :: i, axis
-
-      allocate (node_of(dof_map%n_dofs), source=0)
-      do i = 1, mesh%n_nodes
-         ! The first unknown of a node stands for it.
-         axis = merge(1, 2, dof_map%dof(1, i) > 0)
-         if (dof_map%dof(axis, i) > 0) node_of(dof_map%dof(axis, i)) = i
-      end do
-      node = pack(node_of, node_of > 0)
-      n_last = count(node_of(dof_map%n_dofs - dof_map%n_schur + 1:) > 0)
-   end subroutine list_nodes
-
    !> Finds the rank that owns each element: the one whose share of the order of elimination has the element's unknown
    !> that is eliminated first. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
    pure subroutine find_owners(owner, n_ranks, position, mesh, dof_map)
@@ -101,12 +89,19 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: node_start(:), node(:)
-      integer :: i, first
+      integer :: i, k, axis, first
 
       call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, node_start, node)
       allocate (owner(mesh%n_elements))
       do i = 1, mesh%n_elements
-         first = first_position(position, dof_map%dof(:, node(node_start(i):node_start(i + 1) - 1)))
+         first = size(position)
+         do k = node_start(i), node_start(i + 1) - 1
+            do axis = 1, 2
+               associate (dof => dof_map%dof(axis, node(k)))
+                  if (dof > 0) first = min(first, position(dof))
+               end associate
+            end do
+         end do
          owner(i) = owner_of(first, size(position), n_ranks)
       end do
    end subroutine find_owners
@@ -145,20 +140,6 @@ contains
          /(n_positions - n_own))
    end function owner_of
 
-   !> The first position of some unknowns; the last one of all where there are none.
-   pure integer function first_position(position, dof) result(first)
-      integer, intent(in) :: position(:) !! position of each unknown
-      integer, intent(in) :: dof(:, :) !! the unknowns of some nodes; 0 stands for none (2, any)
-      integer :: i, axis
-
-      first = size(position)
-      do i = 1, size(dof, 2)
-         do axis = 1, 2
-            if (dof(axis, i) > 0) first = min(first, position(dof(axis, i)))
-         end do
-      end do
-   end function first_position
-
    !> Cuts a subdomain out of a body: elements, nodes and unknowns.
    pure subroutine new_subdomain(subdomain, elements, springs, last_nodes, number, mesh, dof_map)
       type(subdomain_t), intent(out) :: subdomain !! the subdomain; to be prepared where it is used
@@ -171,7 +152,20 @@ contains
       integer, allocatable :: start(:), node(:)
       integer :: n_displaced, i
 
-      call take_elements(subdomain, elements, mesh)
+      associate (own => subdomain%mesh)
+         own%n_elements = size(elements)
+         own%element_kind = mesh%element_kind(elements)
+         allocate (own%node_start(size(elements) + 1))
+         own%node_start(1) = 1
+         do i = 1, size(elements)
+            own%node_start(i + 1) = own%node_start(i) + mesh%node_start(elements(i) + 1) - mesh%node_start(elements(i))
+         end do
+         allocate (own%node(own%node_start(size(elements) + 1) - 1))
+         do i = 1, size(elements)
+            own%node(own%node_start(i):own%node_start(i + 1) - 1) = &
+               mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i) + 1) - 1)
+         end do
+      end associate
       allocate (subdomain%node(0))
       call number_nodes(subdomain%node, number, [subdomain%mesh%node, (springs(i)%node(:springs(i)%n_nodes), &
          i=1, size(springs))])
@@ -224,91 +218,50 @@ contains
       node = [node, new(:n)]
    end subroutine number_nodes
 
-   !> Takes the elements of a rank.
-   pure subroutine take_elements(subdomain, elements, mesh)
-      type(subdomain_t), intent(inout) :: subdomain !! gains its elements, their nodes still those of the body
-      integer, intent(in) :: elements(:) !! the elements
-      type(mesh_t), intent(in) :: mesh !! the mesh of the body
-      integer :: i
-
-      associate (own => subdomain%mesh)
-         own%n_elements = size(elements)
-         own%element_kind = mesh%element_kind(elements)
-         allocate (own%node_start(size(elements) + 1))
-         own%node_start(1) = 1
-         do i = 1, size(elements)
-            own%node_start(i + 1) = own%node_start(i) + mesh%node_start(elements(i) + 1) - mesh%node_start(elements(i))
-         end do
-         allocate (own%node(own%node_start(size(elements) + 1) - 1))
-         do i = 1, size(elements)
-            own%node(own%node_start(i):own%node_start(i + 1) - 1) = &
-               mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i) + 1) - 1)
-         end do
-      end associate
-   end subroutine take_elements
-
-   !> Passes a subdomain from rank 0 to the rank that owns it.
-   subroutine subdomain_pass(self, line)
+   !> Passes a subdomain from rank 0 to the rank that owns it: all that assembly needs.
+   subroutine subdomain_pass(self, channel)
       class(subdomain_t), intent(inout) :: self !! the subdomain
-      type(line_t), intent(in) :: line !! the line between the ranks
+      type(channel_t), intent(in) :: channel !! the channel between the ranks
+      real(dp), allocatable :: blocks(:, :), numbers(:, :)
+      integer, allocatable :: is(:, :)
+      integer :: i, n_blocks
 
       associate (mesh => self%mesh)
-         call line%pass(mesh%n_elements)
-         call line%pass(mesh%coordinates)
-         call line%pass(mesh%element_kind)
-         call line%pass(mesh%node_start)
-         call line%pass(mesh%node)
+         call channel%pass(mesh%n_elements)
+         call channel%pass(mesh%coordinates)
+         call channel%pass(mesh%element_kind)
+         call channel%pass(mesh%node_start)
+         call channel%pass(mesh%node)
       end associate
-      call line%pass(self%node)
-      call line%pass(self%constraints%axis)
-      call line%pass(self%dof_map%dof)
-      call pass_substitution(self%dof_map%substitution, line)
-      call pass_materials(self%materials, line)
-      if (line%is_sender) return
-      self%mesh%n_nodes = size(self%node)
-      allocate (self%springs(0))
-   end subroutine subdomain_pass
-
-   !> Passes a substitution.
-   subroutine pass_substitution(substitution, line)
-      type(substitution_t), intent(inout) :: substitution !! the substitution
-      type(line_t), intent(in) :: line !! the line between the ranks
-      real(dp), allocatable :: blocks(:, :)
-      integer :: n_blocks
-
-      n_blocks = 0
-      if (allocated(substitution%node)) n_blocks = size(substitution%node)
-      call line%pass(n_blocks)
-      if (n_blocks == 0) return
-      call line%pass(substitution%start)
-      call line%pass(substitution%node)
-      if (line%is_sender) blocks = reshape(substitution%block, [4, n_blocks])
-      call line%pass(blocks)
-      substitution%block = reshape(blocks, [2, 2, n_blocks])
-   end subroutine pass_substitution
-
-   !> Passes what assembly needs of materials.
-   subroutine pass_materials(materials, line)
-      type(materials_t), intent(inout) :: materials !! the materials
-      type(line_t), intent(in) :: line !! the line between the ranks
-      real(dp), allocatable :: numbers(:, :)
-      integer, allocatable :: is(:, :)
-      integer :: i
-
-      call line%pass(materials%of_element)
-      if (line%is_sender) then
-         associate (list => materials%list)
+      call channel%pass(self%node)
+      call channel%pass(self%constraints%axis)
+      call channel%pass(self%dof_map%dof)
+      associate (substitution => self%dof_map%substitution)
+         n_blocks = 0
+         if (allocated(substitution%node)) n_blocks = size(substitution%node)
+         call channel%pass(n_blocks)
+         if (n_blocks > 0) then
+            call channel%pass(substitution%start)
+            call channel%pass(substitution%node)
+            if (channel%is_sender) blocks = reshape(substitution%block, [4, n_blocks])
+            call channel%pass(blocks)
+            substitution%block = reshape(blocks, [2, 2, n_blocks])
+         end if
+      end associate
+      call channel%pass(self%materials%of_element)
+      if (channel%is_sender) then
+         associate (list => self%materials%list)
             numbers = reshape([list%thickness, list%lambda, list%mu], [size(list), 3])
             is = merge(1, 0, reshape([list%has_mean_dilatation, list%is_plane_stress, list%is_axisymmetric], &
                [size(list), 3]))
          end associate
       end if
-      call line%pass(numbers)
-      call line%pass(is)
-      if (line%is_sender) return
-      allocate (materials%list(size(is, 1)))
+      call channel%pass(numbers)
+      call channel%pass(is)
+      if (channel%is_sender) return
+      allocate (self%materials%list(size(is, 1)))
       do i = 1, size(is, 1)
-         associate (material => materials%list(i))
+         associate (material => self%materials%list(i))
             material%thickness = numbers(i, 1)
             material%lambda = numbers(i, 2)
             material%mu = numbers(i, 3)
@@ -317,7 +270,9 @@ contains
             material%is_axisymmetric = is(i, 3) > 0
          end associate
       end do
-   end subroutine pass_materials
+      self%mesh%n_nodes = size(self%node)
+      allocate (self%springs(0))
+   end subroutine subdomain_pass
 
    !> Numbers the unknowns anew and colors the elements.
    subroutine subdomain_prepare(self)

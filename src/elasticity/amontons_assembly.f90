@@ -29,13 +29,31 @@ contains
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(element_geometry_t) :: geometry
       real(dp) :: block(2*max_nodes, 2*max_nodes)
-      integer, allocatable :: start(:), unknowns(:)
-      integer :: color, element, i, n
+      integer, allocatable :: spring_start(:), start(:), node(:), unknowns(:)
+      integer :: axis, color, element, i, n
 
-      call list_unknowns(start, unknowns, mesh, springs, dof_map)
-      call new_sparse_pattern(stiffness, dof_map%n_dofs, start, unknowns, error)
+      ! The unknowns of all elements, one element after the other, then those of all springs; 0 for a held component.
+      allocate (spring_start(size(springs)))
+      n = size(mesh%node) + 1
+      do i = 1, size(springs)
+         n = n + springs(i)%n_nodes
+         spring_start(i) = n
+      end do
+      call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
+         [mesh%node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))], start, node)
+      allocate (unknowns(2*size(node)))
+      do i = 1, size(node)
+         unknowns(2*i - 1:2*i) = dof_map%dof(:, node(i))
+      end do
+      call new_sparse_pattern(stiffness, dof_map%n_dofs, 2*start - 1, unknowns, error)
       if (allocated(error)) return
-      call place_unknowns(stiffness, mesh, dof_map)
+      ! Where the unknowns sit, for the ordering.
+      allocate (stiffness%place(2, dof_map%n_dofs))
+      do i = 1, mesh%n_nodes
+         do axis = 1, 2
+            if (dof_map%dof(axis, i) > 0) stiffness%place(:, dof_map%dof(axis, i)) = mesh%coordinates(:, i)
+         end do
+      end do
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, block, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
@@ -106,46 +124,6 @@ contains
       end do
       call stiffness%add_element(reshape(dof_map%dof(:, own), [2*size(own)]), turned)
    end subroutine add_block
-
-   !> Tells the matrix where its unknowns sit, for the ordering.
-   pure subroutine place_unknowns(stiffness, mesh, dof_map)
-      type(sparse_matrix_t), intent(inout) :: stiffness !! the matrix
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer :: node, axis
-
-      allocate (stiffness%place(2, dof_map%n_dofs))
-      do node = 1, mesh%n_nodes
-         do axis = 1, 2
-            if (dof_map%dof(axis, node) > 0) stiffness%place(:, dof_map%dof(axis, node)) = mesh%coordinates(:, node)
-         end do
-      end do
-   end subroutine place_unknowns
-
-   !> Lists the unknowns of all elements, one element after the other, then those of all springs; 0 for a held
-   !> component.
-   pure subroutine list_unknowns(start, unknowns, mesh, springs, dof_map)
-      integer, allocatable, intent(out) :: start(:) !! where each element or spring starts, and past the last one
-      integer, allocatable, intent(out) :: unknowns(:) !! the unknowns
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; part of a body may lack their elements
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: node(:)
-      integer :: spring_start(size(springs)), past, i
-
-      past = size(mesh%node) + 1
-      do i = 1, size(springs)
-         past = past + springs(i)%n_nodes
-         spring_start(i) = past
-      end do
-      call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
-         [mesh%node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))], start, node)
-      allocate (unknowns(2*size(node)))
-      do i = 1, size(node)
-         unknowns(2*i - 1:2*i) = dof_map%dof(:, node(i))
-      end do
-      start = 2*start - 1
-   end subroutine list_unknowns
 
    !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)

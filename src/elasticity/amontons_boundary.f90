@@ -34,22 +34,47 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
       type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
+      ! What is left of two normals that cancel but for the digits of a mesh file.
+      real(dp), parameter :: negligible = 1.0e-6_dp
       integer, allocatable :: sides(:, :), after(:), before(:)
       logical, allocatable :: is_bare(:), is_on_axis(:)
-      integer :: i
+      real(dp) :: length
+      integer :: i, turn, node, place, first_place
 
       call mesh%set_sides(set, sides, error)
       if (allocated(error)) return
+      ! The node that follows each node, and the corner that comes before each corner.
       allocate (after(mesh%n_nodes), before(mesh%n_nodes), source=0)
-      call link_sides(sides, after, before, set, error)
-      if (allocated(error)) return
+      do i = 1, size(sides, 2)
+         associate (first => sides(1, i), second => sides(2, i), middle => sides(3, i))
+            if (after(first) /= 0 .or. before(second) /= 0) then
+               call new_error(error, input_refused, "the sides of the set '"//set// &
+                  "' do not form lines: they branch at node "//to_text(merge(first, second, after(first) /= 0)))
+               return
+            end if
+            after(first) = merge(middle, second, middle > 0)
+            if (middle > 0) after(middle) = second
+            before(second) = first
+         end associate
+      end do
       ! Open pieces from their first node on, then closed ones.
       allocate (line%node(3*size(sides, 2)), line%next(3*size(sides, 2)))
-      do i = 1, size(sides, 2)
-         if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
-      end do
-      do i = 1, size(sides, 2)
-         if (after(sides(1, i)) /= 0) call follow_piece(line, sides(1, i), after)
+      do turn = 1, 2
+         do i = 1, size(sides, 2)
+            node = sides(1, i)
+            if (after(node) == 0 .or. (turn == 1 .and. before(node) /= 0)) cycle
+            first_place = line%n_nodes + 1
+            do
+               place = line%n_nodes + 1
+               line%n_nodes = place
+               line%node(place) = node
+               node = after(node)
+               after(line%node(place)) = 0
+               line%next(place) = merge(place + 1, 0, node > 0)
+               if (node == sides(1, i)) line%next(place) = first_place
+               if (node == 0 .or. node == sides(1, i)) exit
+            end do
+         end do
       end do
       line%node = line%node(:line%n_nodes)
       line%next = line%next(:line%n_nodes)
@@ -65,57 +90,18 @@ contains
          end do
          where (is_bare(line%node)) line%area = 0.0_dp
       end if
-      call normalize_normals(line, mesh%coordinates, set, error)
-   end subroutine new_boundary_line
-
-   !> Notes for each node which node follows it and which comes before it.
-   pure subroutine link_sides(sides, after, before, set, error)
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      integer, intent(inout) :: after(:) !! the node that follows, 0 for none (nodes)
-      integer, intent(inout) :: before(:) !! the corner that comes before, 0 for none (nodes)
-      character(*), intent(in) :: set !! name of the set, for the message
-      type(error_t), allocatable, intent(out) :: error !! two sides begin, or two end, at one node
-      integer :: i
-
-      do i = 1, size(sides, 2)
-         if (after(sides(1, i)) /= 0 .or. before(sides(2, i)) /= 0) then
-            call new_error(error, input_refused, "the sides of the set '"//set// &
-               "' do not form lines: they branch at node "// &
-               to_text(merge(sides(1, i), sides(2, i), after(sides(1, i)) /= 0)))
+      do i = 1, line%n_nodes
+         length = norm2(line%normal(:, i))
+         if (.not. length > negligible*line%weight(i)) then
+            associate (position => mesh%coordinates(:, line%node(i)))
+               call new_error(error, input_refused, "the sides of the set '"//set//"' fold back on each other at "// &
+                  'the node '//to_text(position(1))//', '//to_text(position(2))//', which leaves it no normal')
+            end associate
             return
          end if
-         if (sides(3, i) == 0) then
-            after(sides(1, i)) = sides(2, i)
-         else
-            after(sides(1, i)) = sides(3, i)
-            after(sides(3, i)) = sides(2, i)
-         end if
-         before(sides(2, i)) = sides(1, i)
+         line%normal(:, i) = line%normal(:, i)/length
       end do
-   end subroutine link_sides
-
-   !> Lists the nodes of one piece, from a first node until the piece ends or closes.
-   pure subroutine follow_piece(line, first, after)
-      type(boundary_line_t), intent(inout) :: line !! the line
-      integer, intent(in) :: first !! first node of the piece
-      integer, intent(inout) :: after(:) !! the node that follows; emptied on the way
-      integer :: node, place, first_place
-
-      first_place = line%n_nodes + 1
-      node = first
-      do
-         place = line%n_nodes + 1
-         line%n_nodes = place
-         line%node(place) = node
-         node = after(node)
-         after(line%node(place)) = 0
-         line%next(place) = 0
-         if (node == 0) return
-         line%next(place) = first_place
-         if (node == first) return
-         line%next(place) = place + 1
-      end do
-   end subroutine follow_piece
+   end subroutine new_boundary_line
 
    !> Integrals of the nodes' shape functions: alone, times the normal and, where there are materials, times the depth.
    !> Sides on the axis of revolution lie inside the body: they turn no normal of the sides beside them.
@@ -162,29 +148,5 @@ contains
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(line%normal) > 0.0_dp, dim=1), 1, 2)) line%normal = axial
    end subroutine measure_sides
-
-   !> Gives the normals of the nodes the length 1.
-   pure subroutine normalize_normals(line, coordinates, set, error)
-      type(boundary_line_t), intent(inout) :: line !! the line, measured
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      character(*), intent(in) :: set !! name of the set, for the message
-      type(error_t), allocatable, intent(out) :: error !! a node has no normal: its sides fold back on each other
-      ! What is left of two normals that cancel but for the digits of a mesh file.
-      real(dp), parameter :: negligible = 1.0e-6_dp
-      real(dp) :: length
-      integer :: i
-
-      do i = 1, line%n_nodes
-         length = norm2(line%normal(:, i))
-         if (.not. length > negligible*line%weight(i)) then
-            associate (position => coordinates(:, line%node(i)))
-               call new_error(error, input_refused, "the sides of the set '"//set//"' fold back on each other at "// &
-                  'the node '//to_text(position(1))//', '//to_text(position(2))//', which leaves it no normal')
-            end associate
-            return
-         end if
-         line%normal(:, i) = line%normal(:, i)/length
-      end do
-   end subroutine normalize_normals
 
 end module amontons_boundary

@@ -418,10 +418,15 @@ contains
 
       self%node = mesh%node(mesh%node_start(element):mesh%node_start(element) + 3)
       do i = 1, 4
-         self%corner(i, :) = mesh%coordinates(:, self%node(i))
+         self%corner(i, 1) = mesh%coordinates(1, self%node(i))
+         self%corner(i, 2) = mesh%coordinates(2, self%node(i))
       end do
-      call differentiate(self%corner, self%by_xi, self%by_eta)
-      self%area = self%by_xi(:, 1)*self%by_eta(:, 2) - self%by_eta(:, 1)*self%by_xi(:, 2)
+      call differentiate(self%corner(:, 1), self%by_xi(:, 1), self%by_eta(:, 1))
+      call differentiate(self%corner(:, 2), self%by_xi(:, 2), self%by_eta(:, 2))
+      !$omp simd
+      do i = 1, 4
+         self%area(i) = self%by_xi(i, 1)*self%by_eta(i, 2) - self%by_eta(i, 1)*self%by_xi(i, 2)
+      end do
    end subroutine plane_quadrilateral_place
 
    !> Finds strains and stresses of a displacement field.
@@ -429,35 +434,44 @@ contains
       class(plane_quadrilateral_t), intent(inout) :: self !! the quadrilateral; gains strains and stresses
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp), dimension(4, 2) :: u, by_xi, by_eta
-      real(dp) :: mean(4)
+      real(dp), dimension(4) :: u, v, u_xi, u_eta, v_xi, v_eta
+      real(dp) :: lambda, lambda_across, mu, trace
       integer :: i
 
       do i = 1, 4
-         u(i, :) = displacement(:, self%node(i))
+         u(i) = displacement(1, self%node(i))
+         v(i) = displacement(2, self%node(i))
       end do
-      call differentiate(u, by_xi, by_eta)
-      associate (x_xi => self%by_xi(:, 1), y_xi => self%by_xi(:, 2), x_eta => self%by_eta(:, 1), &
-         y_eta => self%by_eta(:, 2), strain => self%strain)
-         strain(:, 1) = (by_xi(:, 1)*y_eta - by_eta(:, 1)*y_xi)/self%area
-         strain(:, 2) = (by_eta(:, 2)*x_xi - by_xi(:, 2)*x_eta)/self%area
-         strain(:, 3) = (by_eta(:, 1)*x_xi - by_xi(:, 1)*x_eta + by_xi(:, 2)*y_eta - by_eta(:, 2)*y_xi)/self%area
-         mean = material%lambda*(strain(:, 1) + strain(:, 2))
-         self%stress(:, 1) = mean + 2.0_dp*material%mu*strain(:, 1)
-         self%stress(:, 2) = mean + 2.0_dp*material%mu*strain(:, 2)
-         self%stress(:, 3) = material%mu*strain(:, 3)
-         self%stress(:, 4) = merge(0.0_dp, mean, material%is_plane_stress)
-      end associate
+      call differentiate(u, u_xi, u_eta)
+      call differentiate(v, v_xi, v_eta)
+      lambda = material%lambda
+      lambda_across = merge(0.0_dp, lambda, material%is_plane_stress)
+      mu = material%mu
+      !$omp simd private(trace)
+      do i = 1, 4
+         self%strain(i, 1) = (u_xi(i)*self%by_eta(i, 2) - u_eta(i)*self%by_xi(i, 2))/self%area(i)
+         self%strain(i, 2) = (v_eta(i)*self%by_xi(i, 1) - v_xi(i)*self%by_eta(i, 1))/self%area(i)
+         self%strain(i, 3) = (u_eta(i)*self%by_xi(i, 1) - u_xi(i)*self%by_eta(i, 1) + v_xi(i)*self%by_eta(i, 2) &
+            - v_eta(i)*self%by_xi(i, 2))/self%area(i)
+         trace = self%strain(i, 1) + self%strain(i, 2)
+         self%stress(i, 1) = lambda*trace + 2.0_dp*mu*self%strain(i, 1)
+         self%stress(i, 2) = lambda*trace + 2.0_dp*mu*self%strain(i, 2)
+         self%stress(i, 3) = mu*self%strain(i, 3)
+         self%stress(i, 4) = lambda_across*trace
+      end do
    end subroutine plane_quadrilateral_deform
 
    !> Strain energy densities at the points [F/L^2].
    pure function plane_quadrilateral_energy_density(self) result(density)
       class(plane_quadrilateral_t), intent(in) :: self !! the quadrilateral, deformed
       real(dp) :: density(4)
+      integer :: i
 
-      associate (strain => self%strain, stress => self%stress)
-         density = 0.5_dp*(strain(:, 1)*stress(:, 1) + strain(:, 2)*stress(:, 2) + strain(:, 3)*stress(:, 3))
-      end associate
+      !$omp simd
+      do i = 1, 4
+         density(i) = 0.5_dp*(self%strain(i, 1)*self%stress(i, 1) + self%strain(i, 2)*self%stress(i, 2) &
+            + self%strain(i, 3)*self%stress(i, 3))
+      end do
    end function plane_quadrilateral_energy_density
 
    !> Nodal forces that its stresses amount to: what each derivative of the displacements has to do with the work of the
@@ -471,13 +485,13 @@ contains
       real(dp) :: side(4), half
       integer :: i
 
-      associate (x_xi => self%by_xi(:, 1), y_xi => self%by_xi(:, 2), x_eta => self%by_eta(:, 1), &
-         y_eta => self%by_eta(:, 2), stress => self%stress)
-         along(:, 1) = stress(:, 1)*y_eta - stress(:, 3)*x_eta
-         along(:, 2) = stress(:, 3)*y_eta - stress(:, 2)*x_eta
-         across(:, 1) = stress(:, 3)*x_xi - stress(:, 1)*y_xi
-         across(:, 2) = stress(:, 2)*x_xi - stress(:, 3)*y_xi
-      end associate
+      !$omp simd
+      do i = 1, 4
+         along(i, 1) = self%stress(i, 1)*self%by_eta(i, 2) - self%stress(i, 3)*self%by_eta(i, 1)
+         along(i, 2) = self%stress(i, 3)*self%by_eta(i, 2) - self%stress(i, 2)*self%by_eta(i, 1)
+         across(i, 1) = self%stress(i, 3)*self%by_xi(i, 1) - self%stress(i, 1)*self%by_xi(i, 2)
+         across(i, 2) = self%stress(i, 2)*self%by_xi(i, 1) - self%stress(i, 3)*self%by_xi(i, 2)
+      end do
       half = 0.5_dp*thickness
       do i = 1, 2
          ! The weights `first` and `last`, summed where they are alike.
@@ -487,18 +501,19 @@ contains
       end do
    end function plane_quadrilateral_forces
 
-   !> Derivatives by the reference coordinates at the points, from what changes along the sides.
+   !> Derivatives by the reference coordinates at the points, from the changes along the sides.
    pure subroutine differentiate(values, by_xi, by_eta)
-      real(dp), intent(in) :: values(4, 2) !! values at the corners
-      real(dp), intent(out) :: by_xi(4, 2) !! derivatives by the first coordinate (point, value)
-      real(dp), intent(out) :: by_eta(4, 2) !! by the second one
-      integer :: k
+      real(dp), intent(in) :: values(4) !! values at the corners
+      real(dp), intent(out) :: by_xi(4) !! derivatives by the first coordinate at the points
+      real(dp), intent(out) :: by_eta(4) !! by the second one
+      real(dp) :: side(4)
+      integer :: i
 
-      do k = 1, 2
-         associate (v => values(:, k))
-            by_xi(:, k) = 0.5_dp*(first*(v(2) - v(1)) + (1.0_dp - first)*(v(3) - v(4)))
-            by_eta(:, k) = 0.5_dp*(last*(v(4) - v(1)) + (1.0_dp - last)*(v(3) - v(2)))
-         end associate
+      side = 0.5_dp*[values(2) - values(1), values(3) - values(4), values(4) - values(1), values(3) - values(2)]
+      !$omp simd
+      do i = 1, 4
+         by_xi(i) = first(i)*side(1) + (1.0_dp - first(i))*side(2)
+         by_eta(i) = last(i)*side(3) + (1.0_dp - last(i))*side(4)
       end do
    end subroutine differentiate
 

@@ -196,10 +196,24 @@ contains
       type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
       real(dp) :: force(2)
+      logical :: spins
       integer :: i, k, point
 
       call mesh%region_elements(load%region, elements, error)
-      if (.not. allocated(error)) call check_body_force(materials, load, elements, error)
+      if (allocated(error)) return
+      spins = abs(load%angular_speed) > 0.0_dp
+      if (any(materials%list%is_axisymmetric)) then
+         if (abs(load%gravity(1)) > 0.0_dp) then
+            call new_error(error, input_refused, 'the gravity on a body of revolution must be along its axis: '// &
+               'gravity = 0.0, ...')
+         else if (spins .and. any(abs([load%center, load%axis]) > 0.0_dp)) then
+            call new_error(error, input_refused, 'a body of revolution spins about its own axis, x = 0: leave out '// &
+               'center and axis')
+         end if
+      end if
+      if ((spins .or. any(abs(load%gravity) > 0.0_dp)) .and. &
+         any(.not. materials%list(materials%of_element(elements))%density > 0.0_dp)) call new_error(error, &
+         input_refused, 'gravity and angular_speed need the density of every &material they act on')
       if (allocated(error)) return
       do i = 1, size(elements)
          associate (material => materials%list(materials%of_element(elements(i))))
@@ -214,34 +228,6 @@ contains
          end associate
       end do
    end subroutine add_body_force
-
-   !> Refuses a force per volume that the materials or the body of revolution cannot have.
-   pure subroutine check_body_force(materials, load, elements, error)
-      type(materials_t), intent(in) :: materials !! the materials
-      type(load_t), intent(in) :: load !! the load
-      integer, intent(in) :: elements(:) !! the elements it acts on
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with it
-      integer :: i
-      logical :: spins
-
-      spins = abs(load%angular_speed) > 0.0_dp
-      do i = 1, size(elements)
-         associate (material => materials%list(materials%of_element(elements(i))))
-            if (material%density > 0.0_dp .or. .not. (spins .or. any(abs(load%gravity) > 0.0_dp))) cycle
-            call new_error(error, input_refused, 'gravity and angular_speed need the density of every &material '// &
-               'they act on')
-            return
-         end associate
-      end do
-      if (.not. any(materials%list%is_axisymmetric)) return
-      if (abs(load%gravity(1)) > 0.0_dp) then
-         call new_error(error, input_refused, 'the gravity on a body of revolution must be along its axis: '// &
-            'gravity = 0.0, ...')
-      else if (spins .and. any(abs([load%center, load%axis]) > 0.0_dp)) then
-         call new_error(error, input_refused, 'a body of revolution spins about its own axis, x = 0: leave out '// &
-            'center and axis')
-      end if
-   end subroutine check_body_force
 
    !> Centrifugal acceleration: the square of the angular speed times the way from the axis [L/T^2].
    pure function centrifugal_acceleration(load, position, is_axisymmetric) result(acceleration)
@@ -271,41 +257,28 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error
          !! a load names a region that the mesh has not, or gives no temperature for a node
-      integer :: i
+      integer, allocatable :: elements(:)
+      real(dp), allocatable :: at_nodes(:)
+      integer :: first, last, i, k
 
       if (.not. any(loads%target == load_by_temperature)) return
       allocate (strain(size(mesh%node)), source=0.0_dp)
       do i = 1, size(loads)
          if (loads(i)%target /= load_by_temperature) cycle
-         call add_thermal_strain(strain, mesh, materials, loads(i), error)
-         if (.not. allocated(error)) cycle
-         error%message = loads(i)%origin//error%message
-         return
+         call mesh%region_elements(loads(i)%region, elements, error)
+         if (.not. allocated(error)) call find_temperatures(at_nodes, mesh, loads(i), elements, error)
+         if (allocated(error)) then
+            error%message = loads(i)%origin//error%message
+            return
+         end if
+         do k = 1, size(elements)
+            first = mesh%node_start(elements(k))
+            last = mesh%node_start(elements(k) + 1) - 1
+            strain(first:last) = strain(first:last) + materials%list(materials%of_element(elements(k)))%expansion &
+               *at_nodes(mesh%node(first:last))
+         end do
       end do
    end subroutine sum_thermal_strain
-
-   !> Adds the thermal strain of one load.
-   subroutine add_thermal_strain(strain, mesh, materials, load, error)
-      real(dp), intent(inout) :: strain(:) !! thermal strain at the nodes of each element [-]
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials
-      type(load_t), intent(in) :: load !! the load
-      type(error_t), allocatable, intent(out) :: error !! no such region, or a node without a temperature
-      integer, allocatable :: elements(:)
-      real(dp), allocatable :: at_nodes(:)
-      integer :: first, last, i
-
-      call mesh%region_elements(load%region, elements, error)
-      if (.not. allocated(error)) call find_temperatures(at_nodes, mesh, load, elements, error)
-      if (allocated(error)) return
-      do i = 1, size(elements)
-         first = mesh%node_start(elements(i))
-         last = mesh%node_start(elements(i) + 1) - 1
-         associate (material => materials%list(materials%of_element(elements(i))))
-            strain(first:last) = strain(first:last) + material%expansion*at_nodes(mesh%node(first:last))
-         end associate
-      end do
-   end subroutine add_thermal_strain
 
    !> Temperatures of a load at the nodes of its elements; of its table where it has one. A node of refinement that the
    !> table has not takes the mean of the nodes that it comes from.
@@ -318,7 +291,7 @@ contains
       type(tag_map_t) :: map
       integer, allocatable :: tags(:)
       logical :: is_met(mesh%n_nodes)
-      integer :: i, node, row
+      integer :: i, node, row, tag
 
       temperature = load%temperature + matmul(load%temperature_slope, mesh%coordinates)
       if (.not. allocated(load%temperature_table)) return
@@ -334,7 +307,13 @@ contains
       end do
       do node = 1, mesh%n_nodes
          if (.not. is_met(node)) cycle
-         row = map%find(tag_of(mesh, node))
+         ! The table knows a node by its number in the mesh's file, which a node of refinement has not.
+         tag = node
+         if (allocated(mesh%node_tag)) then
+            tag = 0
+            if (node <= size(mesh%node_tag)) tag = mesh%node_tag(node)
+         end if
+         row = map%find(tag)
          if (row > 0) then
             temperature(node) = load%temperature_table(2, row)
          else if (mesh%is_of_refinement(node)) then
@@ -344,22 +323,10 @@ contains
             end associate
          else
             call new_error(error, input_refused, load%temperature_file//': no temperature of node '// &
-               to_text(tag_of(mesh, node)))
+               to_text(tag))
             return
          end if
       end do
    end subroutine find_temperatures
-
-   !> The number by which a table knows a node: that in the mesh's file.
-   pure integer function tag_of(mesh, node) result(tag)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: node !! the node
-
-      tag = node
-      if (.not. allocated(mesh%node_tag)) return
-      ! A refined mesh has nodes that its file has not.
-      tag = 0
-      if (node <= size(mesh%node_tag)) tag = mesh%node_tag(node)
-   end function tag_of
 
 end module amontons_loads

@@ -7,8 +7,8 @@
 module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
-   use amontons_element, only: n_corners, n_sampling_points
-   use amontons_integer_list, only: integer_list_t
+   use amontons_element, only: n_corners, n_sampling_points, side_shapes
+   use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
    use amontons_material, only: materials_t
@@ -19,7 +19,7 @@ module amontons_recovery_tables
 
    public :: block_size, far_weight, find_terms, frame_t, is_linear, known_traction_t, known_tractions_t, max_terms, &
       new_boundary_sides, new_patch_table, new_recovery_tables, patch_table_t, recovery_tables_t, samples_t, &
-      solve_normal
+      solve_normal, sum_samples
 
    !> The traction on a side of the boundary, at its first corner, its middle and its second corner.
    type :: known_traction_t
@@ -30,15 +30,12 @@ module amontons_recovery_tables
       real(dp) :: normal(2, 3) = 0.0_dp !! unit outward normal there [-]
       logical :: is_known(2) = .true. !! whether the traction along normal and tangent (-n_y, n_x) is known
       real(dp) :: traction(2, 3) = 0.0_dp !! force per area along x and y at the three places [F/L^2]
-   contains
-      procedure :: goes_on => known_traction_goes_on
-      procedure :: mean => known_traction_mean
    end type known_traction_t
 
    !> The sides of the boundary.
    type :: known_tractions_t
       type(known_traction_t), allocatable :: side(:) !! the sides
-      integer, allocatable, private :: number(:) !! which side of an element each is, by `side_number`; ascending
+      type(tag_map_t), private :: place !! places of the sides by their numbers in the elements, see `side_number`
    contains
       procedure :: add_loads => known_tractions_add_loads
       procedure :: forget => known_tractions_forget
@@ -123,95 +120,67 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(side_table_t) :: table
-      logical, allocatable :: is_there(:)
-      integer :: overlapping(2), i, left, right, number
+      integer, allocatable :: number(:)
+      real(dp) :: x(2, 3), values(3), slopes(3), tangent(2)
+      integer :: overlapping(2), i, k, left, right, nodes(3)
 
       call new_side_table(table, mesh, overlapping)
-      allocate (is_there(0:side_number(mesh%n_elements + 1, 0)), source=.false.)
-      do i = 1, table%n_sides
-         is_there(table%boundary(i)) = .true.
-      end do
-      is_there(0) = .false.
-      allocate (tractions%side(count(is_there)), tractions%number(count(is_there)))
-      i = 0
-      do number = 1, ubound(is_there, 1)
-         if (.not. is_there(number)) cycle
-         i = i + 1
-         tractions%number(i) = number
-         call place_side(tractions%side(i), mesh, side_element(number), side_place(number))
-         tractions%side(i)%is_known = .not. (held(tractions%side(i), constraints, 1) .and. &
-            held(tractions%side(i), constraints, 2))
+      number = [(table%boundary(i), i=1, table%n_sides)]
+      number = pack(number, number > 0)
+      call new_tag_map(tractions%place, number)
+      allocate (tractions%side(size(number)))
+      do i = 1, size(number)
+         associate (side => tractions%side(i))
+            side%element = side_element(tractions%place%tag(i))
+            nodes = mesh%side(side%element, side_place(tractions%place%tag(i)))
+            tractions%place%item(i) = i
+            side%corner = nodes(:2)
+            side%middle = nodes(3)
+            x = 0.0_dp
+            x(:, :count(nodes > 0)) = mesh%coordinates(:, pack(nodes, nodes > 0))
+            do k = 1, 3
+               call side_shapes(nodes(3) > 0, real(k - 2, dp), values, slopes)
+               side%position(:, k) = matmul(x, values)
+               tangent = matmul(x, slopes)
+               side%normal(:, k) = [tangent(2), -tangent(1)]/norm2(tangent)
+            end do
+            side%is_known = .not. (held(side, constraints, 1) .and. held(side, constraints, 2))
+         end associate
       end do
       do i = 1, size(springs)
          call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
-         tractions%side(place_of(tractions, left))%is_known = .false.
+         tractions%side(tractions%place%find(left))%is_known = .false.
       end do
    end subroutine new_boundary_sides
 
-   !> Adds the tractions of loads.
+   !> Adds the tractions and pressures of loads on the sides of sets.
    pure subroutine known_tractions_add_loads(self, mesh, loads, factor)
       class(known_tractions_t), intent(inout) :: self !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(load_t), intent(in) :: loads(:) !! the loads
       real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
-      integer :: i
+      real(dp) :: share
+      integer :: i, k, point
 
+      share = 1.0_dp
       do i = 1, size(loads)
          if (loads(i)%target /= load_on_sides) cycle
-         if (present(factor)) then
-            call add_load(self, mesh, loads(i), factor(i))
-         else
-            call add_load(self, mesh, loads(i), 1.0_dp)
-         end if
+         if (present(factor)) share = factor(i)
+         associate (load => loads(i), set => mesh%sets(mesh%find_set(loads(i)%set)))
+            do k = 1, size(set%element)
+               associate (side => self%side(self%place%find(side_number(set%element(k), set%side(k)))))
+                  do point = 1, 3
+                     associate (x => side%position(:, point))
+                        side%traction(:, point) = side%traction(:, point) + share*(load%traction &
+                           + matmul(load%traction_slope, x) &
+                           - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, point))
+                     end associate
+                  end do
+               end associate
+            end do
+         end associate
       end do
    end subroutine known_tractions_add_loads
-
-   !> Which of the sides one of an element is.
-   pure integer function place_of(self, number) result(place)
-      class(known_tractions_t), intent(in) :: self !! the sides
-      integer, intent(in) :: number !! its number, by `side_number`
-      integer :: last, middle
-
-      place = 1
-      last = size(self%number)
-      do while (place < last)
-         middle = (place + last)/2
-         if (self%number(middle) < number) then
-            place = middle + 1
-         else
-            last = middle
-         end if
-      end do
-   end function place_of
-
-   !> Places a side of an element.
-   pure subroutine place_side(traction, mesh, element, place)
-      type(known_traction_t), intent(out) :: traction !! the side, free of tractions
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: element !! the element
-      integer, intent(in) :: place !! the side's place in it
-      real(dp) :: tangent(2, 3), chord(2), bend(2)
-      integer :: nodes(3), i
-
-      nodes = mesh%side(element, place)
-      traction%corner = nodes(:2)
-      traction%middle = nodes(3)
-      traction%element = element
-      associate (first => mesh%coordinates(:, nodes(1)), second => mesh%coordinates(:, nodes(2)))
-         traction%position(:, 1) = first
-         traction%position(:, 2) = 0.5_dp*(first + second)
-         traction%position(:, 3) = second
-         if (nodes(3) > 0) traction%position(:, 2) = mesh%coordinates(:, nodes(3))
-         chord = second - first
-         bend = 2.0_dp*(2.0_dp*traction%position(:, 2) - first - second)
-      end associate
-      tangent(:, 1) = chord + bend
-      tangent(:, 2) = chord
-      tangent(:, 3) = chord - bend
-      do i = 1, 3
-         traction%normal(:, i) = [tangent(2, i), -tangent(1, i)]/norm2(tangent(:, i))
-      end do
-   end subroutine place_side
 
    !> Whether supports hold normal and tangent of a side at a corner of it.
    pure function held(side, constraints, corner)
@@ -224,29 +193,6 @@ contains
          held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, [-normal(2), normal(1)])]
       end associate
    end function held
-
-   !> Adds the traction and the pressure of a load.
-   pure subroutine add_load(tractions, mesh, load, factor)
-      class(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(load_t), intent(in) :: load !! a load on the sides of a set
-      real(dp), intent(in) :: factor !! what it is multiplied by [-]
-      integer :: i, k
-
-      associate (set => mesh%sets(mesh%find_set(load%set)))
-         do i = 1, size(set%element)
-            associate (side => tractions%side(place_of(tractions, side_number(set%element(i), set%side(i)))))
-               do k = 1, 3
-                  associate (x => side%position(:, k))
-                     side%traction(:, k) = side%traction(:, k) + factor*(load%traction &
-                        + matmul(load%traction_slope, x) &
-                        - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, k))
-                  end associate
-               end do
-            end associate
-         end do
-      end associate
-   end subroutine add_load
 
    !> Adds to the traction on the sides of a boundary set one given at nodes, linear or quadratic between them: that of
    !> contact, beside that of loads. Nothing is known along a direction that supports hold at a corner.
@@ -261,7 +207,7 @@ contains
 
       associate (set_sides => mesh%sets(mesh%find_set(set)))
          do i = 1, size(set_sides%element)
-            associate (side => self%side(place_of(self, side_number(set_sides%element(i), set_sides%side(i)))))
+            associate (side => self%side(self%place%find(side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
                at_places(:, 1) = traction(:, side%corner(1))
                at_places(:, 3) = traction(:, side%corner(2))
@@ -284,32 +230,6 @@ contains
       end do
    end subroutine known_tractions_forget
 
-   !> Whether another side goes on smoothly at a node that both meet: by less than 30 degrees.
-   pure logical function known_traction_goes_on(self, other, place) result(goes_on)
-      class(known_traction_t), intent(in) :: self !! the side
-      type(known_traction_t), intent(in) :: other !! the other side
-      integer, intent(in) :: place(2) !! which place of each is the node, 1 or 3
-      real(dp), parameter :: smooth = cos(acos(-1.0_dp)/6.0_dp)
-
-      goes_on = place(1) /= place(2) .and. all(self%is_known .eqv. other%is_known) .and. &
-         dot_product(self%normal(:, place(1)), other%normal(:, place(2))) > smooth
-   end function known_traction_goes_on
-
-   !> What is known at a node where another side goes on smoothly, as the middle of a side: with the mean of normals and
-   !> tractions.
-   pure function known_traction_mean(self, other, place) result(mean)
-      class(known_traction_t), intent(in) :: self !! the side
-      type(known_traction_t), intent(in) :: other !! the other side
-      integer, intent(in) :: place(2) !! which place of each is the node, 1 or 3
-      type(known_traction_t) :: mean
-
-      mean%is_known = self%is_known
-      mean%position(:, 2) = self%position(:, place(1))
-      mean%normal(:, 2) = self%normal(:, place(1)) + other%normal(:, place(2))
-      mean%normal(:, 2) = mean%normal(:, 2)/norm2(mean%normal(:, 2))
-      mean%traction(:, 2) = 0.5_dp*(self%traction(:, place(1)) + other%traction(:, place(2)))
-   end function known_traction_mean
-
    !> Whether a polynomial has no terms of the second order.
    elemental logical function is_linear(frame)
       type(frame_t), intent(in) :: frame !! coordinates and terms of its patch
@@ -328,7 +248,7 @@ contains
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
       type(moments_t) :: moments
-      integer :: i, k
+      integer :: first, i, k
 
       is_determined = frame%n_terms == 1
       if (is_determined) then
@@ -337,31 +257,6 @@ contains
          return
       end if
       if (sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
-      call spread_corners(frame, mesh, elements)
-      if (is_linear(frame)) then
-         moments%origin = samples%position(:, samples%start(elements(1)))
-         do i = 1, size(elements)
-            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-               call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
-            end do
-         end do
-         is_determined = are_spread(moments, frame%scale)
-         if (is_determined) call spread_points(frame, moments)
-      else
-         call sum_products(normal, frame, samples, elements, n_near)
-         right = 0.0_dp
-         call solve_normal(unused, frame%n_terms, normal, right, is_determined)
-      end if
-   end subroutine place_patch
-
-   !> Sets the coordinates of a patch from the corners of its elements.
-   pure subroutine spread_corners(frame, mesh, elements)
-      type(frame_t), intent(inout) :: frame !! the coordinates; have their number of terms
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: elements(:) !! its elements
-      type(moments_t) :: moments
-      integer :: first, i, k
-
       moments%origin = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
       do i = 1, size(elements)
          first = mesh%node_start(elements(i))
@@ -371,7 +266,21 @@ contains
       end do
       call spread_points(frame, moments)
       if (frame%n_terms == max_terms) call turn_frame(frame%scale, mesh, elements)
-   end subroutine spread_corners
+      if (is_linear(frame)) then
+         moments = moments_t()
+         moments%origin = samples%position(:, samples%start(elements(1)))
+         do i = 1, size(elements)
+            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+               call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
+            end do
+         end do
+         is_determined = are_spread(moments, frame%scale)
+         if (is_determined) call spread_points(frame, moments)
+      else
+         call sum_samples(normal, right, frame, samples, elements, n_near)
+         call solve_normal(unused, frame%n_terms, normal, right, is_determined)
+      end if
+   end subroutine place_patch
 
    !> Adds a point.
    pure subroutine moments_add(self, x, y, weight)
@@ -453,29 +362,32 @@ contains
       scale = matmul(reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2]), scale)
    end subroutine turn_frame
 
-   !> Sums the products of the terms of a patch over its samples.
-   pure subroutine sum_products(normal, frame, samples, elements, n_near)
+   !> Sums the normal equations of the samples of a patch; of no stresses without any.
+   pure subroutine sum_samples(normal, right, frame, samples, elements, n_near, stress)
       real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
+      real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
+      real(dp), contiguous, intent(in), optional :: stress(:, :) !! stresses of the samples (4, n_samples) [F/L^2]
       real(dp) :: p(max_terms), weight
-      integer :: i, j, k
+      integer :: i, j, k, n
 
-      associate (n => frame%n_terms)
-         normal(:n, :n) = 0.0_dp
-         do i = 1, size(elements)
-            weight = merge(1.0_dp, far_weight, i <= n_near)
-            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-               call find_terms(frame, n, samples%position(:, k), p)
-               do j = 1, n
-                  normal(j:n, j) = normal(j:n, j) + (weight*p(j))*p(j:n)
-               end do
+      n = frame%n_terms
+      normal(:n, :n) = 0.0_dp
+      right(:, :n) = 0.0_dp
+      do i = 1, size(elements)
+         weight = merge(1.0_dp, far_weight, i <= n_near)
+         do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+            call find_terms(frame, n, samples%position(:, k), p)
+            do j = 1, n
+               normal(j:n, j) = normal(j:n, j) + (weight*p(j))*p(j:n)
+               if (present(stress)) right(:, j) = right(:, j) + (weight*p(j))*stress(:, k)
             end do
          end do
-      end associate
-   end subroutine sum_products
+      end do
+   end subroutine sum_samples
 
    !> The terms of a patch's polynomial at a point; nothing behind the last.
    pure subroutine find_terms(frame, n, position, p)

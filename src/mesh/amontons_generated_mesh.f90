@@ -6,7 +6,7 @@ module amontons_generated_mesh
       quad4, quad8, quad9, shape_functions, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_mesh, only: boundary_set_t, mesh_t, parents_t
+   use amontons_mesh, only: boundary_set_t, mesh_t, new_side_table, parents_t, side_number, side_table_t
    use amontons_system, only: available_memory_mb
    use amontons_text, only: short_text, to_text
    implicit none (type, external)
@@ -21,14 +21,6 @@ module amontons_generated_mesh
    !> The nodes of a nine-node quadrilateral that are the corners of its parts (corner, part).
    integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], &
       [4, n_parts])
-
-   !> The sides met so far, found by their lower-numbered corner.
-   type :: side_table_t
-      integer, allocatable :: first(:) !! last side entered of each corner, 0 for none (corners)
-      integer, allocatable :: before(:) !! the side entered before it at the same corner, 0 for none (sides)
-      integer, allocatable :: higher(:) !! its higher-numbered corner (sides)
-      integer :: n_sides = 0 !! number of sides entered
-   end type side_table_t
 
    !> Ways to halve a cell, as a deck writes them.
    character(11), parameter :: diagonal_names(3) = [character(11) :: 'right', 'left', 'alternating']
@@ -253,76 +245,49 @@ contains
          !! kind of each element after: a quadratic one in the place of the linear one of the same shape, or its own;
          !! elements that share a side are all raised or all kept (n_elements)
       type(side_table_t) :: table
-      integer, allocatable :: node(:), node_start(:)
-      real(dp), allocatable :: middle(:, :)
-      logical, allocatable :: is_raised(:)
-      integer :: element, i, n, first, side, corners(4)
+      integer, allocatable :: middle(:), node(:), node_start(:)
+      real(dp), allocatable :: more(:, :)
+      integer :: element, i, n, n_more, first, left, right, overlapping(2), ends(2)
 
-      is_raised = kinds /= mesh%element_kind
-      if (.not. any(is_raised)) return
-      n = size(mesh%node)
-      allocate (table%first(mesh%n_nodes), source=0)
-      allocate (table%before(n), table%higher(n), source=0)
-      allocate (middle(2, n), node(sum(n_element_nodes(kinds))), node_start(mesh%n_elements + 1))
+      if (all(kinds == mesh%element_kind)) return
+      call new_side_table(table, mesh, overlapping)
+      ! The node in the middle of each side by the side's number, and the nodes that are new.
+      allocate (middle(0:side_number(mesh%n_elements + 1, 0)), source=0)
+      allocate (more(2, size(mesh%node) + mesh%n_elements), node(sum(n_element_nodes(kinds))), &
+         node_start(mesh%n_elements + 1))
+      n_more = 0
       node_start(1) = 1
       do element = 1, mesh%n_elements
          first = node_start(element)
          node_start(element + 1) = first + n_element_nodes(kinds(element))
          n = mesh%node_start(element + 1) - mesh%node_start(element)
          node(first:first + n - 1) = mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1)
-         if (.not. is_raised(element)) cycle
-         corners(:n) = node(first:first + n - 1)
+         if (kinds(element) == mesh%element_kind(element)) cycle
          do i = 1, n
-            call find_side(table, corners(i), corners(mod(i, n) + 1), side)
-            middle(:, side) = 0.5_dp*(mesh%coordinates(:, corners(i)) + mesh%coordinates(:, corners(mod(i, n) + 1)))
-            node(first + n + i - 1) = mesh%n_nodes + side
+            if (middle(side_number(element, i)) == 0) then
+               n_more = n_more + 1
+               ends = node(first - 1 + [i, mod(i, n) + 1])
+               more(:, n_more) = 0.5_dp*(mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
+               call table%find(ends(1), ends(2), left, right)
+               middle([left, right]) = mesh%n_nodes + n_more
+            end if
+            node(first + n + i - 1) = middle(side_number(element, i))
          end do
       end do
-      mesh%coordinates = reshape([mesh%coordinates, middle(:, :table%n_sides)], [2, mesh%n_nodes + table%n_sides])
-      mesh%n_nodes = mesh%n_nodes + table%n_sides
-      mesh%element_kind = kinds
-      mesh%node = node
-      mesh%node_start = node_start
-      call add_centers(mesh, is_raised)
-   end subroutine raise_order
-
-   !> The number of the side between two corners; a new one is entered.
-   pure subroutine find_side(table, a, b, side)
-      type(side_table_t), intent(inout) :: table !! the sides met so far
-      integer, intent(in) :: a !! one corner
-      integer, intent(in) :: b !! the other corner
-      integer, intent(out) :: side !! the side's number
-
-      side = table%first(min(a, b))
-      do while (side > 0)
-         if (table%higher(side) == max(a, b)) return
-         side = table%before(side)
-      end do
-      table%n_sides = table%n_sides + 1
-      side = table%n_sides
-      table%higher(side) = max(a, b)
-      table%before(side) = table%first(min(a, b))
-      table%first(min(a, b)) = side
-   end subroutine find_side
-
-   !> Gives new nine-node elements their center, the mean of their corners.
-   pure subroutine add_centers(mesh, is_raised)
-      type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for the centers
-      logical, intent(in) :: is_raised(:) !! whether an element is new (n_elements)
-      real(dp) :: center(2, count(is_raised .and. mesh%element_kind == quad9))
-      integer :: element, first, n
-
-      n = 0
+      ! The centers of nine-node elements come last.
       do element = 1, mesh%n_elements
-         if (.not. is_raised(element) .or. mesh%element_kind(element) /= quad9) cycle
-         n = n + 1
-         first = mesh%node_start(element)
-         center(:, n) = 0.25_dp*sum(mesh%coordinates(:, mesh%node(first:first + 3)), dim=2)
-         mesh%node(first + 8) = mesh%n_nodes + n
+         if (kinds(element) /= quad9 .or. mesh%element_kind(element) == quad9) cycle
+         first = node_start(element)
+         n_more = n_more + 1
+         more(:, n_more) = 0.25_dp*sum(mesh%coordinates(:, node(first:first + 3)), dim=2)
+         node(first + 8) = mesh%n_nodes + n_more
       end do
-      mesh%coordinates = reshape([mesh%coordinates, center], [2, mesh%n_nodes + n])
-      mesh%n_nodes = mesh%n_nodes + n
-   end subroutine add_centers
+      mesh%coordinates = reshape([mesh%coordinates, more(:, :n_more)], [2, mesh%n_nodes + n_more])
+      mesh%n_nodes = mesh%n_nodes + n_more
+      mesh%element_kind = kinds
+      call move_alloc(node, mesh%node)
+      call move_alloc(node_start, mesh%node_start)
+   end subroutine raise_order
 
    !> Makes the mesh of a rectangle, with the boundary sets left, right, bottom and top.
    subroutine new_rectangle_mesh(mesh, rectangle, error)
@@ -332,6 +297,11 @@ contains
       ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default
       ! integers reach 2^31.
       integer(int64), parameter :: most_nodes = 2_int64**27
+      ! The least memory, which is refused before a mesh is made: mesh and assembled stiffness; and the factor of nested
+      ! dissection, which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more
+      ! cells the shorter side has. Half of that leaves room for doubt.
+      real(dp), parameter :: node_bytes = 500.0_dp, factor_bytes = 96.0_dp
+      real(dp) :: n_nodes, megabytes, available
       integer :: kind, shape
 
       kind = findloc(element_names == rectangle%element, .true., dim=1)
@@ -347,8 +317,15 @@ contains
             'of quadratic elements half as many)')
          return
       end if
-      call check_memory(rectangle%cells, kind /= shape, error)
-      if (allocated(error)) return
+      n_nodes = product(rectangle%cells + 1.0_dp)*merge(1.0_dp, 3.0_dp, kind == shape)
+      megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells))/log(2.0_dp))
+      available = available_memory_mb()
+      if (megabytes > available) then
+         call new_error(error, system_failure, 'rectangle: not enough memory: '//to_text(nint(n_nodes, int64))// &
+            ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
+            to_text(nint(available, int64))//' MB are available')
+         return
+      end if
       mesh%source = 'rectangle '//short_text(rectangle%size(1))//' x '//short_text(rectangle%size(2))//', '// &
          to_text(rectangle%cells(1))//' x '//to_text(rectangle%cells(2))//' cells of '//trim(rectangle%element)
       call place_nodes(mesh, rectangle)
@@ -356,25 +333,6 @@ contains
       call name_sides(mesh, rectangle%cells, shape, rectangle%diagonal)
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
-
-   !> Refuses cells whose stiffness and factor the memory cannot hold, by what they take at the very least, before a
-   !> mesh of them is made.
-   subroutine check_memory(cells, is_quadratic, error)
-      integer, intent(in) :: cells(2) !! number of cells along x and along y
-      logical, intent(in) :: is_quadratic !! whether the sides have middle nodes
-      type(error_t), allocatable, intent(out) :: error !! not enough memory
-      ! Mesh and assembled stiffness; the factor of nested dissection has 90 to 120 numbers an unknown on squares of
-      ! 256 to 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
-      real(dp), parameter :: node_bytes = 500.0_dp, factor_bytes = 96.0_dp
-      real(dp) :: n_nodes, megabytes
-
-      n_nodes = real(cells(1) + 1, dp)*real(cells(2) + 1, dp)*merge(3.0_dp, 1.0_dp, is_quadratic)
-      megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(cells))/log(2.0_dp))
-      if (megabytes <= available_memory_mb()) return
-      call new_error(error, system_failure, 'rectangle: not enough memory: '//to_text(nint(n_nodes, int64))// &
-         ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-         to_text(nint(available_memory_mb(), int64))//' MB are available')
-   end subroutine check_memory
 
    !> Places the nodes row by row, from the lower left corner.
    pure subroutine place_nodes(mesh, rectangle)

@@ -74,8 +74,6 @@ module amontons_mesh
       procedure :: is_turned_over => mesh_is_turned_over
       procedure :: set_nodes => mesh_set_nodes
       procedure :: set_sides => mesh_set_sides
-      procedure :: region_names => mesh_region_names
-      procedure, private :: set_names => mesh_set_names
       procedure :: side => mesh_side
    end type mesh_t
 
@@ -255,21 +253,6 @@ contains
       region = 0
    end function mesh_find_region
 
-   !> The names of all regions, as messages list them.
-   pure function mesh_region_names(self) result(text)
-      class(mesh_t), intent(in) :: self !! the mesh
-      character(:), allocatable :: text
-      integer :: i
-
-      text = '; it has no regions at all'
-      if (.not. allocated(self%regions)) return
-      text = '; its regions are: '
-      do i = 1, size(self%regions)
-         if (i > 1) text = text//', '
-         text = text//self%regions(i)%name
-      end do
-   end function mesh_region_names
-
    !> Whether a node came with a refinement of the mesh.
    pure logical function mesh_is_of_refinement(self, node) result(is_of_refinement)
       class(mesh_t), intent(in) :: self !! the mesh
@@ -279,26 +262,6 @@ contains
       if (is_of_refinement) is_of_refinement = self%parents%start(node + 1) > self%parents%start(node)
    end function mesh_is_of_refinement
 
-   !> The names of all boundary sets, as messages list them, and the one that is near another name.
-   pure function mesh_set_names(self, name) result(text)
-      class(mesh_t), intent(in) :: self !! the mesh
-      character(*), intent(in) :: name !! the other name
-      character(:), allocatable :: text, nearest, names(:)
-      integer :: i
-
-      allocate (character(maxval([0, (len(self%sets(i)%name), i=1, size(self%sets))])) :: names(size(self%sets)))
-      text = '; it has no sets at all: name its boundaries in the mesh file, in Gmsh as physical curves'
-      if (size(names) == 0) return
-      text = '; its sets are: '
-      do i = 1, size(names)
-         names(i) = self%sets(i)%name
-         if (i > 1) text = text//', '
-         text = text//self%sets(i)%name
-      end do
-      nearest = nearest_word(lower_case(name), names)
-      if (nearest /= '') text = text//"; did you mean '"//nearest//"'?"
-   end function mesh_set_names
-
    !> The sides of a named boundary set.
    pure subroutine mesh_set_sides(self, name, sides, error)
       class(mesh_t), intent(in) :: self !! the mesh
@@ -306,6 +269,7 @@ contains
       integer, allocatable, intent(out) :: sides(:, :)
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
+      character(:), allocatable :: text, nearest, names(:)
       integer :: set, i
 
       set = self%find_set(name)
@@ -317,7 +281,19 @@ contains
          end do
          return
       end if
-      call new_error(error, input_refused, "the mesh has no set '"//name//"'"//self%set_names(name))
+      text = '; it has no sets at all: name its boundaries in the mesh file, in Gmsh as physical curves'
+      if (size(self%sets) > 0) then
+         allocate (character(maxval([(len(self%sets(i)%name), i=1, size(self%sets))])) :: names(size(self%sets)))
+         text = '; its sets are: '
+         do i = 1, size(names)
+            names(i) = self%sets(i)%name
+            if (i > 1) text = text//', '
+            text = text//self%sets(i)%name
+         end do
+         nearest = nearest_word(lower_case(name), names)
+         if (nearest /= '') text = text//"; did you mean '"//nearest//"'?"
+      end if
+      call new_error(error, input_refused, "the mesh has no set '"//name//"'"//text)
    end subroutine mesh_set_sides
 
    !> The nodes of a named set: of a node set, or of all sides of a boundary set.
@@ -350,6 +326,7 @@ contains
       character(*), intent(in) :: name !! name of the region; empty for the whole body
       integer, allocatable, intent(out) :: elements(:) !! its elements
       type(error_t), allocatable, intent(out) :: error !! there is no such region
+      character(:), allocatable :: text
       integer :: region, i
 
       region = self%find_region(name)
@@ -358,7 +335,15 @@ contains
       else if (region > 0) then
          elements = self%regions(region)%element
       else
-         call new_error(error, input_refused, "the mesh has no region '"//name//"'"//self%region_names())
+         text = '; it has no regions at all'
+         if (allocated(self%regions)) then
+            text = '; its regions are: '
+            do i = 1, size(self%regions)
+               if (i > 1) text = text//', '
+               text = text//self%regions(i)%name
+            end do
+         end if
+         call new_error(error, input_refused, "the mesh has no region '"//name//"'"//text)
       end if
    end subroutine mesh_region_elements
 

@@ -7,7 +7,7 @@ module amontons_case_error
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
-   use amontons_stress_recovery, only: error_estimate_t, new_error_estimate, new_recovered_stress, recovered_stress_t
+   use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, recovered_stress_t
    use amontons_surface, only: surface_t
    implicit none (type, external)
    private

@@ -12,8 +12,7 @@ module amontons_result
    use amontons_methods, only: method_options_t
    use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, solution_word, word_no_equilibrium
    use amontons_quantity, only: quantity_t
-   use amontons_stress_field, only: stress_field_t
-   use amontons_stress_recovery, only: error_estimate_t
+   use amontons_stress_field, only: error_estimate_t, stress_field_t
    use amontons_terminal, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_zone_edges, only: interval_t

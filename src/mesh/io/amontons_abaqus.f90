@@ -1,19 +1,22 @@
-!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand materials, supports
-!> and loads; everything else is ignored, with a warning where it matters.
+!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets; and on demand the model:
+!> materials, the sections that put them into sets of elements, the temperatures of nodes (those at which nothing is
+!> strained, and those of the step), supports and loads. Everything else is ignored, with a warning where it matters.
 module amontons_abaqus
-   use amontons_abaqus_lines, only: abaqus_scope_t, find_parameter, get_set, is_at_line_end, next_data_line, &
-      next_keyword, read_set, read_surface, resolve_elements, take_comma
-   use amontons_abaqus_model, only: finish_materials, finish_temperatures, read_model_keyword
-   use amontons_element, only: quad4, quad8, tri3, tri6
-   use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t, use_loads, use_materials, &
-      use_names, use_supports
+   use amontons_abaqus_lines, only: abaqus_scope_t, find_parameter, get_set, is_at_line_end, named_group, &
+      next_data_line, next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, &
+      take_fields, take_number
+   use amontons_element, only: max_nodes, quad4, quad8, tri3, tri6
+   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_material_t, &
+      file_rotation, file_support_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, no_cell, &
+      raw_mesh_t, use_loads, use_materials, use_names, use_supports
    use amontons_input_file, only: input_file_t, printable
+   use amontons_integer_list, only: new_tag_map
    use amontons_kinds, only: dp
-   use amontons_text, only: counted, lower_case
+   use amontons_text, only: counted, lower_case, read_integer, to_text
    implicit none (type, external)
    private
 
-   public :: ignored_keywords_t, read_abaqus
+   public :: finish_materials, finish_temperatures, ignored_keywords_t, read_abaqus, read_model_keyword
 
    !> Keywords that say what the body is made of.
    character(12), parameter :: material_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
@@ -35,7 +38,7 @@ module amontons_abaqus
       'complexfrequency', 'buckle', 'visco', 'modaldynamic', 'steadystatedynamics', 'heattransfer', &
       'coupledtemperature-displacement', 'uncoupledtemperature-displacement']
    !> Names of keywords are cut in messages.
-   integer, parameter :: longest_name = 40
+   integer, parameter :: longest_shown = 40
    !> Most keywords that are named.
    integer, parameter :: most_named = 40
 
@@ -52,6 +55,9 @@ module amontons_abaqus
       procedure :: add => ignored_keywords_add
       procedure :: tell => ignored_keywords_tell
    end type ignored_keywords_t
+
+   !> Most fields of a data line that is read here; the temperatures of a shell follow that of its first point.
+   integer, parameter :: most_fields = 9
 
 contains
 
@@ -138,9 +144,11 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
+      ! Numbers behind the coordinates, as the normals of shells, are skipped.
+      integer, parameter :: most_numbers = 6
       character(:), allocatable :: value
-      integer :: group, place, tag
-      real(dp) :: x(3)
+      integer :: group, i, place, tag
+      real(dp) :: numbers(most_numbers)
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
@@ -154,42 +162,31 @@ contains
          if (.not. is_there) exit
          place = input%position
          call input%take_integer(tag, 'the number of a node')
-         call take_coordinates(input, x)
+         numbers = 0.0_dp
+         do i = 1, most_numbers
+            call take_comma(input, is_there)
+            if (.not. is_there) exit
+            if (is_at_line_end(input)) exit
+            if (input%text(input%position:input%position) == ',') cycle
+            call input%take_real(numbers(i), 'a coordinate')
+         end do
+         call input%end_line()
          if (allocated(input%error)) exit
-         call raw%add_node(tag, place, x)
+         call raw%add_node(tag, place, numbers(:3))
          if (group > 0) call raw%groups(group)%node%append(tag)
       end do
    end subroutine read_nodes
 
-   !> Takes the coordinates of a node; more numbers, as the normals of shells, are skipped.
-   pure subroutine take_coordinates(input, x)
-      type(input_file_t), intent(inout) :: input !! the file
-      real(dp), intent(out) :: x(3) !! the coordinates [L]
-      integer, parameter :: most_numbers = 6
-      integer :: i
-      real(dp) :: numbers(most_numbers)
-      logical :: is_there
-
-      numbers = 0.0_dp
-      do i = 1, most_numbers
-         call take_comma(input, is_there)
-         if (.not. is_there) exit
-         if (is_at_line_end(input)) exit
-         if (input%text(input%position:input%position) == ',') cycle
-         call input%take_real(numbers(i), 'a coordinate')
-      end do
-      x = numbers(:3)
-      call input%end_line()
-   end subroutine take_coordinates
-
-   !> Reads elements of one type.
+   !> Reads elements of one type, and notes the hypothesis that they are of; lines are of none. A comma at the end of a
+   !> line continues it on the next one.
    pure subroutine read_elements(raw, input, scope, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: value
-      integer :: group, kind, place, tag
+      character(12) :: before
+      integer :: group, i, kind, n, nodes(max_nodes), place, tag
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
@@ -200,67 +197,44 @@ contains
          ' are taken for names of the boundary, not for bars')
       if (kind > 0 .and. len(value) > 4) call raw%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
-      call find_hypothesis(raw, input, value, kind)
+      before = raw%hypothesis
+      if (kind > 0) then
+         select case (lower_case(value(:3)))
+         case ('cps')
+            raw%hypothesis = 'plane stress'
+         case ('cax')
+            raw%hypothesis = 'axisymmetric'
+         case default
+            raw%hypothesis = 'plane strain'
+         end select
+      end if
+      if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse( &
+         'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
+         trim(raw%hypothesis), input%position - 1)
+      n = n_cell_nodes(kind)
       call get_set(raw, input, scope, line, 'elset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          place = input%position
          call input%take_integer(tag, 'the number of an element')
-         call take_nodes(raw, input, kind, tag, place)
+         do i = 1, n
+            call take_comma(input, is_there)
+            if (.not. is_there) call input%refuse('expected a comma and a node of an element, found '//input%word())
+            if (is_at_line_end(input)) call next_data_line(input, is_there)
+            call input%take_integer(nodes(i), 'a node of an element')
+         end do
+         call take_comma(input, is_there)
+         call input%end_line()
          if (allocated(input%error)) exit
+         ! A line over three nodes is given from end to end here.
+         if (kind == line3) nodes(:n) = nodes([1, 3, 2])
+         call raw%add_cell(kind, tag, place, nodes(:n))
          if (group == 0) cycle
          call raw%groups(group)%cell%append(tag)
          call raw%groups(group)%side%append(0)
       end do
    end subroutine read_elements
-
-   !> Notes the hypothesis that elements of a type are of; lines are of none.
-   pure subroutine find_hypothesis(raw, input, type, kind)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the hypothesis
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: type !! name of the type
-      integer, intent(in) :: kind !! kind of the elements
-      character(12) :: before
-
-      if (kind <= 0) return
-      before = raw%hypothesis
-      select case (lower_case(type(:3)))
-      case ('cps')
-         raw%hypothesis = 'plane stress'
-      case ('cax')
-         raw%hypothesis = 'axisymmetric'
-      case default
-         raw%hypothesis = 'plane strain'
-      end select
-      if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse( &
-         'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
-         trim(raw%hypothesis), input%position - 1)
-   end subroutine find_hypothesis
-
-   !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
-   pure subroutine take_nodes(raw, input, kind, tag, place)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the number of the element
-      integer, intent(in) :: kind !! kind of the element
-      integer, intent(in) :: tag !! its number
-      integer, intent(in) :: place !! where the file gives it
-      integer :: nodes(n_cell_nodes(kind)), i
-      logical :: is_there
-
-      do i = 1, size(nodes)
-         call take_comma(input, is_there)
-         if (.not. is_there) call input%refuse('expected a comma and a node of an element, found '//input%word())
-         if (is_at_line_end(input)) call next_data_line(input, is_there)
-         call input%take_integer(nodes(i), 'a node of an element')
-      end do
-      call take_comma(input, is_there)
-      call input%end_line()
-      if (allocated(input%error)) return
-      ! A line over three nodes is given from end to end here.
-      if (kind == line3) nodes = nodes([1, 3, 2])
-      call raw%add_cell(kind, tag, place, nodes)
-   end subroutine take_nodes
 
    !> Finds the kind of elements of a type.
    pure subroutine find_kind(input, type, kind)
@@ -311,7 +285,7 @@ contains
       last = index(line//',', ',') - 1
       ! What kind of step it is may matter, and of what the initial conditions are.
       if (keyword == 'step' .or. keyword == 'initialconditions') last = len(line)
-      name = ', *'//capitals(printable(trim(line(:min(longest_name, last)))))
+      name = ', *'//capitals(printable(trim(line(:min(longest_shown, last)))))
       self%names = self%names//name
       self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
       self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)
@@ -349,5 +323,509 @@ contains
          if (text(i:i) >= 'a' .and. text(i:i) <= 'z') upper(i:i) = achar(iachar(text(i:i)) - 32)
       end do
    end function capitals
+
+   !> Reads a keyword of a material, or the section that says which region it fills, and its thickness.
+   pure subroutine read_material_keyword(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      type(file_material_t) :: section
+      character(:), allocatable :: name, region
+      character(longest_name) :: fields(most_fields)
+      integer :: group, n
+      logical :: is_there
+
+      if (.not. allocated(raw%model%definitions)) allocate (raw%model%definitions(0), raw%model%materials(0))
+      select case (keyword)
+      case ('material')
+         call find_parameter(line, 'name', name, is_there)
+         if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
+            input%position - 1)
+         raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
+      case ('solidsection')
+         call find_parameter(line, 'elset', region, is_there)
+         call find_parameter(line, 'material', name, is_there)
+         group = named_group(raw, region)
+         if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
+         if (name == '' .or. len(name) > longest_name) call input%refuse( &
+            '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
+         if (allocated(input%error)) return
+         section%name = name
+         section%region = raw%groups(group)%name
+         call raw%model%line_at(input%text, input%position - 1, section%line)
+         call next_data_line(input, is_there)
+         if (is_there) then
+            call take_fields(input, fields, n)
+            if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
+            if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
+         end if
+         raw%model%materials = [raw%model%materials, section]
+      case default
+         call read_constants(raw, input, keyword, line)
+      end select
+   end subroutine read_material_keyword
+
+   !> Reads constants of the last material, which must not depend on the temperature.
+   pure subroutine read_constants(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'elastic', 'density' or 'expansion'
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      real(dp) :: values(2)
+      integer :: i, n, n_values, last
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      last = size(raw%model%definitions)
+      if (last == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
+      n_values = merge(2, 1, keyword == 'elastic')
+      call next_data_line(input, is_there)
+      n = 0
+      if (is_there) call take_fields(input, fields, n)
+      if (n < n_values) call input%refuse('*'//keyword//': expected '//counted(n_values, 'number'), input%position - 1)
+      do i = 1, min(n, n_values)
+         call take_number(input, fields(i), values(i))
+      end do
+      call next_data_line(input, is_there)
+      if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
+      if (allocated(input%error)) return
+      associate (material => raw%model%definitions(last))
+         select case (keyword)
+         case ('elastic')
+            material%young = values(1)
+            material%poisson = values(2)
+         case ('density')
+            material%density = values(1)
+         case default
+            material%expansion = values(1)
+         end select
+      end associate
+   end subroutine read_constants
+
+   !> Gives each section its material, once the file is read.
+   pure subroutine finish_materials(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, at its end
+      integer :: i, k
+
+      associate (model => raw%model)
+         model%hypothesis = raw%hypothesis
+         if (.not. model%is_used(use_materials)) return
+         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
+         do i = 1, size(model%materials)
+            associate (section => model%materials(i))
+               do k = 1, size(model%definitions)
+                  if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
+               end do
+               if (k > size(model%definitions)) then
+                  call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
+               else if (.not. model%definitions(k)%young > 0.0_dp) then
+                  call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
+               end if
+               if (allocated(input%error)) return
+               section%young = model%definitions(k)%young
+               section%poisson = model%definitions(k)%poisson
+               section%density = model%definitions(k)%density
+               section%expansion = model%definitions(k)%expansion
+            end associate
+         end do
+      end associate
+   end subroutine finish_materials
+
+   !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. Of
+   !> two lines for one node the later one counts.
+   pure subroutine read_temperatures(raw, input, keyword, line, is_read)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the temperatures of its nodes
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'initialconditions' or 'temperature'
+      character(*), intent(in) :: line !! the keyword line
+      logical, intent(out) :: is_read !! whether it is read: initial conditions of another type are not
+      character(longest_name) :: fields(most_fields)
+      character(:), allocatable :: name, type
+      integer, allocatable :: nodes(:)
+      integer :: n
+      real(dp) :: value
+      logical :: is_there
+
+      call find_parameter(line, 'type', type, is_read)
+      is_read = keyword == 'temperature' .or. lower_case(type) == 'temperature'
+      if (.not. is_read) return
+      call refuse_parameters(input, line)
+      call expect_nodes(raw%model%temperatures, raw%node_tag%items())
+      name = '*'//line(:index(line//',', ',') - 1)//': '
+      associate (temperatures => raw%model%temperatures)
+         if (keyword == 'temperature') call raw%model%line_at(input%text, input%position - 1, temperatures%line)
+         if (keyword /= 'temperature') temperatures%has_initial = .true.
+         do
+            call next_data_line(input, is_there)
+            if (.not. is_there) exit
+            call take_fields(input, fields, n)
+            if (any(fields(3:) /= '')) call input%refuse(name//'expected nodes and one temperature', input%position - 1)
+            call take_number(input, fields(2), value)
+            call find_nodes(raw, input, name, trim(fields(1)), nodes)
+            if (allocated(input%error)) return
+            if (keyword == 'temperature') then
+               temperatures%step(nodes) = value
+               temperatures%is_given(nodes) = .true.
+            else
+               temperatures%initial(nodes) = value
+            end if
+         end do
+      end associate
+   end subroutine read_temperatures
+
+   !> Makes room for the temperatures of the nodes so far. They are 0 before anything is read.
+   pure subroutine expect_nodes(temperatures, tags)
+      type(file_temperatures_t), intent(inout) :: temperatures !! the temperatures
+      integer, intent(in) :: tags(:) !! numbers of the nodes in the file
+      integer :: n
+
+      if (.not. allocated(temperatures%step)) allocate (temperatures%initial(0), temperatures%step(0), &
+         temperatures%is_given(0))
+      n = size(tags) - size(temperatures%step)
+      if (n == 0 .and. allocated(temperatures%map%tag)) return
+      temperatures%initial = [temperatures%initial, spread(0.0_dp, 1, n)]
+      temperatures%step = [temperatures%step, spread(0.0_dp, 1, n)]
+      temperatures%is_given = [temperatures%is_given, spread(.false., 1, n)]
+      call new_tag_map(temperatures%map, tags)
+   end subroutine expect_nodes
+
+   !> Finds the nodes of a line: one by its number, or those of a set.
+   pure subroutine find_nodes(raw, input, name, field, nodes)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: name !! the keyword, as a message begins
+      character(*), intent(in) :: field !! the field of the nodes
+      integer, allocatable, intent(out) :: nodes(:) !! the nodes, by their places in the list of all
+      integer, allocatable :: tags(:)
+      integer :: group, i, tag
+      logical :: is_number
+
+      call read_integer(field, tag, is_number)
+      if (is_number) then
+         tags = [tag]
+      else
+         allocate (tags(0))
+         group = named_group(raw, field)
+         if (group > 0) tags = raw%groups(group)%node%items()
+         if (size(tags) == 0) call input%refuse(name//"there is no node set '"//field//"' above", input%position - 1)
+         call raw%expect_members(input, size(tags))
+      end if
+      allocate (nodes(size(tags)))
+      do i = 1, size(tags)
+         nodes(i) = raw%model%temperatures%map%find(tags(i))
+         if (nodes(i) == 0) call input%refuse(name//'there is no node '//to_text(tags(i))//' above', input%position - 1)
+      end do
+   end subroutine find_nodes
+
+   !> Makes a load of the temperatures of the step, once the file and its materials are read: their difference from
+   !> the initial ones, which nodes without a temperature keep.
+   pure subroutine finish_temperatures(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, at its end
+
+      if (raw%model%temperatures%line == 0) return
+      call expect_nodes(raw%model%temperatures, raw%node_tag%items())
+      associate (model => raw%model, temperatures => raw%model%temperatures)
+         allocate (temperatures%table(2, raw%node_tag%n))
+         temperatures%table(1, :) = raw%node_tag%items()
+         temperatures%table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
+         if (.not. temperatures%has_initial) call raw%add_note( &
+            '*TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is strained at the temperature 0')
+         if (.not. model%is_used(use_materials)) return
+         if (.not. any(abs(model%materials%expansion) > 0.0_dp)) call input%refuse( &
+            '*TEMPERATURE has no effect: no *SOLID SECTION has a material with *EXPANSION')
+      end associate
+   end subroutine finish_temperatures
+
+   !> Reads a keyword with its data lines if it is one of those that are to be used.
+   pure subroutine read_model_keyword(raw, input, keyword, line, is_read)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains materials, supports, loads and their sets
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      logical, intent(out) :: is_read !! whether it was one; of a step: whether displacements are small
+      character(:), allocatable :: value
+      logical :: is_there
+
+      associate (is_used => raw%model%is_used)
+         select case (keyword)
+         case ('material', 'elastic', 'density', 'expansion', 'solidsection')
+            is_read = is_used(use_materials)
+            if (is_read) call read_material_keyword(raw, input, keyword, line)
+         case ('boundary')
+            is_read = is_used(use_supports)
+            if (is_read) call read_boundary(raw, input, line)
+         case ('cload')
+            is_read = is_used(use_loads)
+            if (is_read) call read_cload(raw, input, line)
+         case ('dload', 'dsload')
+            is_read = is_used(use_loads)
+            if (is_read) call read_dload(raw, input, keyword, line)
+         case ('temperature', 'initialconditions')
+            is_read = is_used(use_loads)
+            if (is_read) call read_temperatures(raw, input, keyword, line, is_read)
+         case ('step')
+            is_read = is_used(use_supports) .or. is_used(use_loads)
+            if (is_read) then
+               raw%model%n_steps = raw%model%n_steps + 1
+               if (raw%model%n_steps > 1) call input%refuse( &
+                  'a second *STEP: the supports and loads of one step can be used', input%position - 1)
+               call find_parameter(line, 'nlgeom', value, is_there)
+               is_read = .not. is_there .or. lower_case(value) == 'no'
+            end if
+         case ('transform')
+            is_read = is_used(use_supports) .or. is_used(use_loads)
+            if (is_read) call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', &
+               input%position - 1)
+         case default
+            is_read = .false.
+         end select
+      end associate
+   end subroutine read_model_keyword
+
+   !> Reads prescribed displacements: nodes, first and last component, value.
+   pure subroutine read_boundary(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_support_t) :: support, before
+      integer :: n
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         call raw%model%line_at(input%text, input%position, support%line)
+         call take_fields(input, fields, n)
+         if (allocated(input%error)) return
+         support%value = 0.0_dp
+         call find_components(input, fields(2:3), support%is_held)
+         if (n > 3) call take_number(input, fields(4), support%value)
+         if (.not. any(support%is_held)) cycle
+         ! Numbers of nodes that follow each other are one set, if the same holds for them.
+         call take_nodes(raw, input, '*BOUNDARY', fields(1), support%line, &
+            all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
+            before%set, support%set)
+         if (allocated(input%error)) return
+         if (support%set /= before%set) call raw%model%add_support(support)
+         before = support
+         if (support%set(1:1) /= '*') before%set = ''
+      end do
+   end subroutine read_boundary
+
+   !> Finds which components a support holds: numbers of the first and the last, or a word.
+   pure subroutine find_components(input, fields, is_held)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: fields(2) !! the fields of the components
+      logical, intent(out) :: is_held(2) !! whether x and y are among them
+      integer :: ends(2), i
+      logical :: ok
+
+      select case (lower_case(fields(1)))
+      case ('encastre', 'pinned')
+         is_held = .true.
+      case ('xsymm')
+         is_held = [.true., .false.]
+      case ('ysymm')
+         is_held = [.false., .true.]
+      case default
+         do i = 1, 2
+            ends(i) = ends(1)
+            if (i == 2 .and. fields(i) == '') exit
+            call read_integer(trim(fields(i)), ends(i), ok)
+            if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
+               trim(fields(i))//"'", input%position - 1)
+         end do
+         is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
+      end select
+   end subroutine find_components
+
+   !> Reads forces on nodes: nodes, component, value.
+   pure subroutine read_cload(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_load_t) :: load, before
+      integer :: n, component
+      real(dp) :: value
+      logical :: is_there, ok
+
+      call refuse_parameters(input, line)
+      load%kind = file_force
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         call raw%model%line_at(input%text, input%position, load%line)
+         call take_fields(input, fields, n)
+         call read_integer(trim(fields(2)), component, ok)
+         if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
+            "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'", input%position - 1)
+         call take_number(input, fields(3), value)
+         if (allocated(input%error)) return
+         load%value = 0.0_dp
+         load%value(component) = value
+         call take_nodes(raw, input, '*CLOAD', fields(1), load%line, all(abs(load%value - before%value) <= 0.0_dp), &
+            before%set, load%set)
+         if (allocated(input%error)) return
+         if (load%set /= before%set) call raw%model%add_load(load)
+         before = load
+         if (load%set(1:1) /= '*') before%set = ''
+      end do
+   end subroutine read_cload
+
+   !> Takes the nodes of a line: those of a set, or one by its number, which goes into a set of the line or into that of
+   !> the line before.
+   pure subroutine take_nodes(raw, input, keyword, field, line, is_same, set_before, set)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
+      character(*), intent(in) :: field !! the field of the nodes
+      integer, intent(in) :: line !! number of the line
+      logical, intent(in) :: is_same !! whether the line says the same as that before
+      character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
+      character(longest_name), intent(out) :: set !! name of the set
+      integer :: group, node
+      logical :: is_number
+
+      call read_integer(trim(field), node, is_number)
+      if (is_number) then
+         set = keyword//':'//to_text(line)
+         if (is_same .and. set_before /= '') set = set_before
+         call raw%get_group(input, trim(set), group)
+         if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
+      else
+         group = named_group(raw, trim(field))
+         if (group == 0) call input%refuse(keyword//": there is no set '"//trim(field)//"' above", input%position - 1)
+         if (group > 0) set = raw%groups(group)%name
+      end if
+   end subroutine take_nodes
+
+   !> Reads distributed loads: elements or a surface, kind, value.
+   pure subroutine read_dload(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_load_t) :: load
+      real(dp) :: values(most_fields - 2)
+      integer :: i, n
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         load = file_load_t()
+         call raw%model%line_at(input%text, input%position, load%line)
+         call take_fields(input, fields, n)
+         values = 0.0_dp
+         do i = 3, n
+            if (fields(i) /= '') call take_number(input, fields(i), values(i - 2))
+         end do
+         if (allocated(input%error)) return
+         call interpret_dload(raw, input, keyword, fields, values, load)
+         if (allocated(input%error)) return
+         call raw%model%add_load(load)
+      end do
+   end subroutine read_dload
+
+   !> Finds what a line of distributed loads means.
+   pure subroutine interpret_dload(raw, input, keyword, fields, values, load)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: fields(:) !! the fields of the line
+      real(dp), intent(in) :: values(:) !! its numbers, from the third field on
+      type(file_load_t), intent(inout) :: load !! the load, its line known
+      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
+      character(longest_name) :: kind
+      integer :: group, side, element
+      logical :: is_number
+
+      kind = lower_case(fields(2))
+      load%value(1) = values(1)
+      group = named_group(raw, trim(fields(1)))
+      if (group > 0) load%set = raw%groups(group)%name
+      side = findloc(side_labels, kind, dim=1)
+      if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) return
+      if (keyword == 'dload' .and. side > 0) then
+         call gather_sides(raw, input, trim(fields(1)), group, side, load)
+         return
+      end if
+      call read_integer(trim(fields(1)), element, is_number)
+      if (group == 0 .and. is_number) then
+         call input%refuse('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
+            ' cannot be used; name an element set', input%position - 1)
+      else if (group == 0 .and. fields(1) /= '') then
+         call input%refuse('*'//keyword//": there is no set '"//trim(fields(1))//"' above", input%position - 1)
+      end if
+      if (allocated(input%error)) return
+      select case (kind)
+      case ('bx')
+         load%kind = file_body_force
+      case ('by')
+         load%kind = file_body_force
+         load%value = [0.0_dp, values(1)]
+      case ('grav')
+         load%kind = file_gravity
+         if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse( &
+            'GRAV: expected a direction in the plane', input%position - 1)
+         if (.not. allocated(input%error)) load%value = values(1)*values(2:3)/norm2(values(2:3))
+      case ('centrif')
+         ! The square of the angular speed, a point of the axis and its direction. A body of revolution has its own.
+         load%kind = file_rotation
+         if (values(1) < 0.0_dp) call input%refuse('CENTRIF: the square of the angular speed is negative', &
+            input%position - 1)
+         load%value = [sqrt(max(0.0_dp, values(1))), 0.0_dp]
+         if (raw%hypothesis == 'axisymmetric') then
+            if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse( &
+               'CENTRIF: a body of revolution spins about its own axis', input%position - 1)
+            return
+         end if
+         load%center = values(2:3)
+         load%axis = values(5:6)
+         if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse( &
+            'CENTRIF: expected an axis in the plane or normal to it', input%position - 1)
+      case default
+         call input%refuse('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
+            input%position - 1)
+      end select
+   end subroutine interpret_dload
+
+   !> Gathers the sides that a pressure acts on in a set of its own.
+   pure subroutine gather_sides(raw, input, field, from, side, load)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: field !! the field of the elements
+      integer, intent(in) :: from !! the set that it names, 0 for none
+      integer, intent(in) :: side !! number of the side in each element
+      type(file_load_t), intent(inout) :: load !! the load; gains the set
+      integer, allocatable :: elements(:)
+      integer :: element, group
+      logical :: is_number
+
+      call read_integer(field, element, is_number)
+      if (is_number) then
+         elements = [element]
+      else if (from > 0) then
+         elements = pack(raw%groups(from)%cell%items(), raw%groups(from)%side%items() == 0)
+      else
+         call input%refuse("*DLOAD: there is no set '"//field//"' above", input%position - 1)
+      end if
+      if (.not. allocated(input%error)) call raw%expect_members(input, size(elements))
+      if (allocated(input%error)) return
+      load%set = '*DLOAD:'//to_text(load%line)
+      call raw%get_group(input, trim(load%set), group)
+      if (allocated(input%error)) return
+      call raw%groups(group)%cell%append_all(elements)
+      call raw%groups(group)%side%append_all(spread(side, 1, size(elements)))
+   end subroutine gather_sides
 
 end module amontons_abaqus

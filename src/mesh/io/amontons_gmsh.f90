@@ -233,7 +233,8 @@ contains
    pure subroutine read_entities_4(groups, input)
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
-      integer :: n(0:3), dimension, entity
+      integer :: n(0:3), dimension, entity, group, i, k, n_more
+      real(dp) :: x
 
       call input%start_record()
       do dimension = 0, 3
@@ -244,58 +245,74 @@ contains
       end do
       call input%end_record()
       do dimension = 0, 3
-         do entity = 1, n(dimension)
-            call read_entity(groups, input, dimension)
+         do k = 1, n(dimension)
+            ! Its number, its place or box, its physical groups, and what it is bounded by.
+            call input%start_record()
+            call input%take_integer(entity, 'the number of an entity')
+            if (entity < 0) call input%refuse('the number of an entity is negative')
+            do i = 1, merge(3, 6, dimension == 0)
+               call input%take_real(x, 'a coordinate of an entity')
+            end do
+            call input%take_size(n_more, 'the number of physical groups of an entity')
+            call input%check_count(n_more, least_bytes, 'physical groups')
+            do i = 1, n_more
+               call input%take_integer(group, 'a physical group')
+               if (allocated(input%error)) return
+               if (dimension == 3 .or. group == 0) cycle
+               call groups%of_dimension(min(dimension, 2))%entity%append(entity)
+               call groups%of_dimension(min(dimension, 2))%entity_tag%append(abs(group))
+            end do
+            if (dimension > 0) then
+               call input%take_size(n_more, 'the number of entities that bound an entity')
+               call input%check_count(n_more, least_bytes, 'bounding entities')
+               do i = 1, n_more
+                  call input%take_integer(entity, 'a bounding entity')
+                  if (allocated(input%error)) return
+               end do
+            end if
+            call input%end_record()
             if (allocated(input%error)) return
          end do
       end do
    end subroutine read_entities_4
 
-   !> Reads an entity: its number, its place or box, its physical groups, and what it is bounded by.
-   pure subroutine read_entity(groups, input, dimension)
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: dimension !! dimension of the entity
-      integer :: entity, group, i, n
-      real(dp) :: x
-
-      call input%start_record()
-      call input%take_integer(entity, 'the number of an entity')
-      if (entity < 0) call input%refuse('the number of an entity is negative')
-      do i = 1, merge(3, 6, dimension == 0)
-         call input%take_real(x, 'a coordinate of an entity')
-      end do
-      call input%take_size(n, 'the number of physical groups of an entity')
-      call input%check_count(n, least_bytes, 'physical groups')
-      do i = 1, n
-         call input%take_integer(group, 'a physical group')
-         if (allocated(input%error)) return
-         if (dimension == 3 .or. group == 0) cycle
-         call groups%of_dimension(dimension)%entity%append(entity)
-         call groups%of_dimension(dimension)%entity_tag%append(abs(group))
-      end do
-      if (dimension > 0) then
-         call input%take_size(n, 'the number of entities that bound an entity')
-         call input%check_count(n, least_bytes, 'bounding entities')
-         do i = 1, n
-            call input%take_integer(entity, 'a bounding entity')
-            if (allocated(input%error)) return
-         end do
-      end if
-      call input%end_record()
-   end subroutine read_entity
-
-   !> Reads the section of the nodes.
+   !> Reads the section of the nodes: blocks of their numbers, then of their coordinates and the parameters on their
+   !> entity.
    pure subroutine read_nodes_4(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
-      integer :: block, n_blocks, n_left
+      integer, allocatable :: tags(:), places(:)
+      integer :: block, dimension, entity, i, has_parameters, n, n_blocks, n_left, n_numbers, node
+      real(dp) :: x(most_numbers)
 
       call take_section_header(input, n_blocks, n_left, 'nodes')
       if (allocated(input%error)) return
       do block = 1, n_blocks
-         call read_node_block(raw, input, n_left)
+         call input%start_record()
+         call input%take_integer(dimension, 'the dimension of an entity')
+         call input%take_integer(entity, 'the number of an entity')
+         call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
+         if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
+            'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
+         call take_block_size(input, n, n_left, 'nodes')
          if (allocated(input%error)) return
+         n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
+         tags = spread(0, 1, n)
+         places = tags
+         do node = 1, n
+            call input%start_record()
+            places(node) = input%position
+            call input%take_size(tags(node), 'the number of a node')
+         end do
+         do node = 1, n
+            call input%start_record()
+            do i = 1, n_numbers
+               call input%take_real(x(i), 'a coordinate or parameter of a node')
+            end do
+            call input%end_record()
+            if (allocated(input%error)) return
+            call raw%add_node(tags(node), places(node), x(:3))
+         end do
       end do
       call check_none_left(input, n_left, 'nodes')
    end subroutine read_nodes_4
@@ -341,40 +358,6 @@ contains
       if (allocated(input%error)) n = 0
       n_left = n_left - n
    end subroutine take_block_size
-
-   !> Reads a block of nodes: their numbers, then their coordinates and the parameters on their entity.
-   pure subroutine read_node_block(raw, input, n_left)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(input_file_t), intent(inout) :: input !! the file, at the block's header
-      integer, intent(inout) :: n_left !! number of nodes that the section still has to hold
-      integer, allocatable :: tags(:), places(:)
-      integer :: dimension, entity, i, has_parameters, n, n_numbers, node
-      real(dp) :: x(most_numbers)
-
-      call input%start_record()
-      call input%take_integer(dimension, 'the dimension of an entity')
-      call input%take_integer(entity, 'the number of an entity')
-      call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
-      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
-         'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
-      call take_block_size(input, n, n_left, 'nodes')
-      n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
-      allocate (tags(n), places(n))
-      do node = 1, n
-         call input%start_record()
-         places(node) = input%position
-         call input%take_size(tags(node), 'the number of a node')
-      end do
-      do node = 1, n
-         call input%start_record()
-         do i = 1, n_numbers
-            call input%take_real(x(i), 'a coordinate or parameter of a node')
-         end do
-         call input%end_record()
-         if (allocated(input%error)) return
-         call raw%add_node(tags(node), places(node), x(:3))
-      end do
-   end subroutine read_node_block
 
    !> Reads the section of the elements: blocks of elements of one type on one entity.
    pure subroutine read_elements_4(raw, groups, input)
@@ -450,7 +433,7 @@ contains
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of elements
       type(element_header_t) :: header
-      integer :: element, group, i, n, place, tag, tag_of_element
+      integer :: cell, element, group, i, n, nodes(max_nodes), place, tag, tag_of_element
 
       call input%take_count(n, 'elements')
       call input%check_count(n, least_element, 'elements')
@@ -472,7 +455,21 @@ contains
             ! The first is its physical group; reversed ones have a minus.
             if (i == 1) group = abs(tag_of_element)
          end do
-         call take_element(raw, groups, input, header%kind, tag, group, place)
+         associate (kind => header%kind, own => nodes(:n_cell_nodes(header%kind)))
+            do i = 1, size(own)
+               call input%take_integer(own(i), 'a node of an element')
+            end do
+            if (allocated(input%error)) return
+            cell = raw%cell_tag%n
+            if (.not. is_twin(raw, cell, kind, own)) then
+               cell = cell + 1
+               call raw%add_cell(kind, tag, place, own)
+            else if (group == groups%last_group) then
+               groups%n_doubled = groups%n_doubled + 1
+            end if
+            groups%last_group = group
+            if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
+         end associate
          call input%end_record()
          if (allocated(input%error)) return
       end do
@@ -498,32 +495,6 @@ contains
          'the number of tags of an element is out of range', place)
       if (allocated(input%error)) header%n_tags = 0
    end subroutine take_header
-
-   !> Takes the nodes of an element.
-   pure subroutine take_element(raw, groups, input, kind, tag, group, place)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: kind !! kind of the element
-      integer, intent(in) :: tag !! its number
-      integer, intent(in) :: group !! its physical group, 0 for none
-      integer, intent(in) :: place !! where the file gives it
-      integer :: nodes(n_cell_nodes(kind)), cell, i
-
-      do i = 1, size(nodes)
-         call input%take_integer(nodes(i), 'a node of an element')
-      end do
-      if (allocated(input%error)) return
-      cell = raw%cell_tag%n
-      if (.not. is_twin(raw, cell, kind, nodes)) then
-         cell = cell + 1
-         call raw%add_cell(kind, tag, place, nodes)
-      else if (group == groups%last_group) then
-         groups%n_doubled = groups%n_doubled + 1
-      end if
-      groups%last_group = group
-      if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
-   end subroutine take_element
 
    !> Whether an element is the one before once more: the format repeats it for every physical group it belongs to.
    pure logical function is_twin(raw, cell, kind, nodes)

@@ -197,31 +197,19 @@ contains
       end if
    end function tags_of
 
-   !> Reads a mesh file; what can be put right is, with a note, and the rest is refused.
-   subroutine read_mesh_file(mesh, file, notes, error)
+   !> Reads a mesh file; what can be put right is, with a note, and the rest is refused. Where more than the mesh is
+   !> used of the file, the mesh has the sets that `read_file_model` names.
+   subroutine read_mesh_file(mesh, file, notes, error, is_used)
       type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
       character(*), intent(in) :: file !! name of the file
       character(:), allocatable, intent(out) :: notes
          !! what was put right or left out, a line of text for each
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
-      logical :: nothing(size(use_names))
-
-      nothing = .false.
-      call read_used_mesh(mesh, file, nothing, notes, error)
-   end subroutine read_mesh_file
-
-   !> Reads a mesh file of which more than the mesh is used. The mesh has the sets that `read_file_model` names.
-   subroutine read_used_mesh(mesh, file, is_used, notes, error)
-      type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
-      character(*), intent(in) :: file !! name of the file
-      logical, intent(in) :: is_used(:) !! which of `use_names` are used
-      character(:), allocatable, intent(out) :: notes
-         !! what was put right or left out, a line of text for each
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      logical, intent(in), optional :: is_used(:) !! which of `use_names` are used; none without it
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
 
-      call read_raw_mesh(raw, input, file, is_used, error)
+      call read_raw_mesh(raw, input, file, error, is_used)
       if (allocated(error)) return
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, raw, input)
       call move_alloc(input%error, error)
@@ -229,7 +217,7 @@ contains
       call mesh%files%add(file)
       notes = ''
       if (allocated(raw%notes)) notes = raw%notes
-   end subroutine read_used_mesh
+   end subroutine read_mesh_file
 
    !> Reads what a mesh file says beside the mesh.
    subroutine read_file_model(model, file, is_used, error)
@@ -240,27 +228,27 @@ contains
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
 
-      call read_raw_mesh(raw, input, file, is_used, error)
+      call read_raw_mesh(raw, input, file, error, is_used)
       if (allocated(error)) return
       call move_alloc(input%error, error)
       model = raw%model
    end subroutine read_file_model
 
    !> Reads a mesh file as it is.
-   subroutine read_raw_mesh(raw, input, file, is_used, error)
+   subroutine read_raw_mesh(raw, input, file, error, is_used)
       type(raw_mesh_t), intent(out) :: raw !! what it says
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
       character(*), intent(in) :: file !! its name
-      logical, intent(in) :: is_used(:) !! which of `use_names` are used
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read
+      logical, intent(in), optional :: is_used(:) !! which of `use_names` are used; none without it
 
       call new_input_file(input, file, error)
       if (allocated(error)) return
-      raw%model%is_used = is_used
+      if (present(is_used)) raw%model%is_used = is_used
       call input%skip_white()
       select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
-         if (any(is_used)) call input%refuse( &
+         if (any(raw%model%is_used)) call input%refuse( &
             'materials, supports and loads can be used of Abaqus and CalculiX files only')
          call read_gmsh(raw, input)
       case ('*')
@@ -308,7 +296,7 @@ contains
 
       notes = ''
       if (len(part%file) > 0) then
-         call read_used_mesh(mesh, part%file, part%is_used, notes, error)
+         call read_mesh_file(mesh, part%file, notes, error, part%is_used)
       else
          call new_rectangle_mesh(mesh, part%rectangle, error)
       end if

@@ -7,7 +7,7 @@
 module amontons_sweep_ranks
    use amontons_config, only: config_t, effective_deck, read_config_text
    use amontons_distributed, only: all_ranks, broadcast, check_room, first_free_order, follow_order, give_order, &
-      line_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
+      channel_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
@@ -98,11 +98,11 @@ contains
    subroutine pass_deck(file, deck)
       character(:), allocatable, intent(inout) :: file !! its name
       character(:), allocatable, intent(inout) :: deck !! the effective deck
-      type(line_t) :: line
+      type(channel_t) :: channel
 
-      line = line_t(all_ranks, rank == 0)
-      call line%pass(file)
-      call line%pass(deck)
+      channel = channel_t(all_ranks, rank == 0)
+      call channel%pass(file)
+      call channel%pass(deck)
    end subroutine pass_deck
 
    !> Whether a body is spread over the ranks.
@@ -148,13 +148,13 @@ contains
       type(cache_t), intent(in) :: cache !! its body
       logical, intent(in) :: is_ready !! whether its loads are condensed
       character(:), allocatable :: fingerprint, expected
-      type(line_t) :: line
+      type(channel_t) :: channel
 
       fingerprint = ''
       if (is_ready) fingerprint = task%solver%loads%fingerprint(cache%body, cache%problem)
       expected = fingerprint
-      line = line_t(all_ranks, rank == 0)
-      call line%pass(expected)
+      channel = channel_t(all_ranks, rank == 0)
+      call channel%pass(expected)
       is_same = on_all_ranks(is_ready .and. fingerprint == expected)
    end function is_same
 
@@ -166,35 +166,35 @@ contains
       type(cache_t), intent(in) :: cache !! the body
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! consecutive chunks
-      type(line_t) :: line
+      type(channel_t) :: channel
       integer, allocatable :: batch(:)
       integer :: i, k
 
       if (n_sharing > 1) then
          call give_order(order_solve)
          batch = [chunks%first, chunks(size(chunks))%last]
-         line = line_t(all_ranks, .true.)
-         call line%pass(batch)
+         channel = channel_t(all_ranks, .true.)
+         call channel%pass(batch)
       end if
       call solve_chunks(task, cache%body, cache%problem, monitor, chunks(1::n_sharing))
       if (n_sharing > 1) call give_order(order_gather)
       do i = 1, n_sharing - 1
          do k = i + 1, size(chunks), n_sharing
-            call pass_chunk(line_t(i, .false.), chunks(k))
+            call pass_chunk(channel_t(i, .false.), chunks(k))
          end do
       end do
    end subroutine solve_on_ranks
 
    !> Passes the rows of a chunk, and what is known of its cases together.
-   subroutine pass_chunk(line, chunk)
-      type(line_t), intent(in) :: line !! the line
+   subroutine pass_chunk(channel, chunk)
+      type(channel_t), intent(in) :: channel !! the channel
       type(chunk_t), intent(inout) :: chunk !! the chunk, solved; of the receiver, not yet
       character(:), allocatable :: text
 
-      if (line%is_sender) text = chunk%statistics%text()
-      call line%pass(chunk%rows)
-      call line%pass(text)
-      if (.not. line%is_sender) call chunk%statistics%read(text, chunk%is_done)
+      if (channel%is_sender) text = chunk%statistics%text()
+      call channel%pass(chunk%rows)
+      call channel%pass(text)
+      if (.not. channel%is_sender) call chunk%statistics%read(text, chunk%is_done)
    end subroutine pass_chunk
 
    !> Has the other ranks forget the sweep.
@@ -220,7 +220,7 @@ contains
             call solve_share(share)
          case (order_gather)
             do i = 1, size(share%chunks)
-               call pass_chunk(line_t(0, .true.), share%chunks(i))
+               call pass_chunk(channel_t(0, .true.), share%chunks(i))
             end do
          case (order_drop)
             deallocate (share)
@@ -235,12 +235,12 @@ contains
    subroutine solve_share(share)
       type(share_t), intent(inout) :: share !! what this rank has of the sweep; gains the chunks
       type(study_monitor_t) :: monitor
-      type(line_t) :: line
+      type(channel_t) :: channel
       integer, allocatable :: batch(:)
       integer :: i
 
-      line = line_t(all_ranks, .false.)
-      call line%pass(batch)
+      channel = channel_t(all_ranks, .false.)
+      call channel%pass(batch)
       associate (first => batch(:size(batch) - 1), last => batch(size(batch)))
          if (allocated(share%chunks)) deallocate (share%chunks)
          allocate (share%chunks((size(first) - rank - 1 + n_ranks)/n_ranks))
