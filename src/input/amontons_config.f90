@@ -85,7 +85,7 @@ contains
       call read_file_model(model, part%file, part%is_used, error)
       if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
       if (allocated(error)) return
-      ! Supports of the file.
+      deallocate (supports, loads)
       allocate (supports(model%n_supports))
       do i = 1, size(supports)
          supports(i)%set = trim(model%supports(i)%set)
