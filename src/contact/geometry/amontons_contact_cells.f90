@@ -178,7 +178,9 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(segment_t) :: segment
-      integer :: n_segments(cells%n_cells), i, cell
+      integer :: n_segments(cells%n_cells), side(4), i, cell, k, point, before, place
+      type(side_geometry_t) :: geometry
+      real(dp) :: normal(2), outward(2), area
 
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
@@ -187,7 +189,34 @@ contains
       call cells%quadrature%begin(n_segment_points*n_segments)
       do i = 1, size(cells%segments)
          segment = cells%segments(i)
-         call add_segment(cells, i, segment, sides(:, segment%side), body, direction)
+         side = sides(:, segment%side)
+         call new_side_geometry(geometry, side(:3), body%mesh%coordinates, segment%range)
+         before = n_segment_nodes*(i - 1)
+         ! A straight side has no middle node; its part there is 0.
+         cells%rows%node(before + 1:before + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
+         do point = 1, n_segment_points
+            associate (along => geometry%along(:, point), position => geometry%position(:, point), own => segment%cell)
+               area = norm2(along)*body%materials%list(body%materials%of_element(side(4)))%depth(position(1))
+               outward = [along(2), -along(1)]/norm2(along)
+               normal = outward
+               if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
+               place = n_segment_points*(i - 1) + point
+               cells%quadrature%outward(place) = dot_product(normal, outward)
+               cells%quadrature%position(:, place) = position
+               cells%quadrature%normal(:, place) = normal
+               cells%quadrature%share(place) = area
+               cells%quadrature%arc_length(place) = segment%arc_length &
+                  + norm2(position - body%mesh%coordinates(:, side(1)))
+               cells%length(own) = cells%length(own) + norm2(along)
+               cells%area(own) = cells%area(own) + area
+               cells%center(:, own) = cells%center(:, own) + area*position
+               cells%normal(:, own) = cells%normal(:, own) + area*normal
+               do k = 1, n_segment_nodes
+                  cells%rows%part(:, before + k) = cells%rows%part(:, before + k) &
+                     + geometry%values(k, point)*area*normal
+               end do
+            end associate
+         end do
       end do
       do cell = 1, cells%n_cells
          cells%center(:, cell) = cells%center(:, cell)/cells%area(cell)
@@ -201,46 +230,6 @@ contains
       end do
       call cells%rows%set_tangents()
    end subroutine integrate
-
-   !> Adds the integrals over a part of a side to those of its cell.
-   pure subroutine add_segment(cells, i, segment, side, body, direction)
-      type(contact_cells_t), intent(inout) :: cells !! the cells
-      integer, intent(in) :: i !! number of the part
-      type(segment_t), intent(in) :: segment !! the part
-      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element of its side
-      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
-      type(side_geometry_t) :: geometry
-      real(dp) :: normal(2), outward(2), area
-      integer :: k, point, first, place
-
-      call new_side_geometry(geometry, side(:3), body%mesh%coordinates, segment%range)
-      first = n_segment_nodes*(i - 1)
-      ! A straight side has no middle node; its part there is 0.
-      cells%rows%node(first + 1:first + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
-      do point = 1, n_segment_points
-         associate (along => geometry%along(:, point), position => geometry%position(:, point), cell => segment%cell)
-            area = norm2(along)*body%materials%list(body%materials%of_element(side(4)))%depth(position(1))
-            outward = [along(2), -along(1)]/norm2(along)
-            normal = outward
-            if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
-            place = n_segment_points*(i - 1) + point
-            cells%quadrature%outward(place) = dot_product(normal, outward)
-            cells%quadrature%position(:, place) = position
-            cells%quadrature%normal(:, place) = normal
-            cells%quadrature%share(place) = area
-            cells%quadrature%arc_length(place) = segment%arc_length &
-               + norm2(position - body%mesh%coordinates(:, side(1)))
-            cells%length(cell) = cells%length(cell) + norm2(along)
-            cells%area(cell) = cells%area(cell) + area
-            cells%center(:, cell) = cells%center(:, cell) + area*position
-            cells%normal(:, cell) = cells%normal(:, cell) + area*normal
-            do k = 1, n_segment_nodes
-               cells%rows%part(:, first + k) = cells%rows%part(:, first + k) + geometry%values(k, point)*area*normal
-            end do
-         end associate
-      end do
-   end subroutine add_segment
 
    !> Makes the mean normals unit vectors, and refuses a cell whose sides face all ways.
    pure subroutine check_normals(cells, error)

@@ -86,6 +86,8 @@ contains
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
       type(boundary_line_t) :: master_line
+      real(dp), parameter :: least_share = 1.0e-6_dp
+      real(dp), allocatable :: share(:)
 
       pair%label = pairing%label(set)
       pair%set = set
@@ -112,7 +114,11 @@ contains
       pair%search = pairing%search
       if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
       call find_segments(pair%segments, pair%slave, pair%master, pair%search)
-      call drop_slivers(pair)
+      ! Sides that face next to nothing are left out.
+      share = covered_shares(pair)
+      pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
+      pair%sliver_side = findloc(share > 0.0_dp .and. share < least_share, .true., dim=1)
+      if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
       if (size(pair%segments) == 0) then
          call explain_distance(pair, error)
          return
@@ -141,18 +147,6 @@ contains
          end do
       end associate
    end subroutine check_joints
-
-   !> Leaves out sides of the slave that face next to nothing.
-   pure subroutine drop_slivers(pair)
-      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
-      real(dp), parameter :: least_share = 1.0e-6_dp
-      real(dp) :: share(pair%slave%n_sides)
-
-      share = covered_shares(pair)
-      pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
-      pair%sliver_side = findloc(share > 0.0_dp .and. share < least_share, .true., dim=1)
-      if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
-   end subroutine drop_slivers
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
    !> curvature: several places would then be opposite one and the same. Feet on the master go along with the slave
@@ -228,7 +222,8 @@ contains
       real(dp) :: normal(2, n_nodes)
       logical :: is_corner(n_nodes), faces(n_nodes)
       integer, allocatable :: facing(:)
-      integer :: i
+      integer :: i, point(n_nodes)
+      real(dp) :: share(pair%slave%n_sides)
 
       is_corner = .false.
       faces = .false.
@@ -258,7 +253,20 @@ contains
          end associate
       end do
       pair%normal = normal(:, pair%node)
-      call link_points(pair, n_nodes, is_tied)
+      point = 0
+      point(pair%node) = [(i, i=1, size(pair%node))]
+      allocate (pair%point_of(2, pair%slave%n_sides), pair%next(size(pair%node)))
+      pair%next = 0
+      do i = 1, pair%slave%n_sides
+         pair%point_of(:, i) = point(pair%slave%side(:2, i))
+         if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
+      end do
+      allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
+      share = covered_shares(pair)
+      do i = 1, pair%slave%n_sides
+         if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
+      end do
+      pair%gives_shear = pair%is_tangent_fixed .and. is_tied
    end subroutine number_points
 
    !> The share of each side of the slave that faces the master (sides) [-].
@@ -294,31 +302,6 @@ contains
       end do
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine find_idle_sides
-
-   !> Notes which corners of the sides are points, which point follows each, and how much of the side between them faces
-   !> the master.
-   pure subroutine link_points(pair, n_nodes, is_tied)
-      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
-      integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      logical, intent(in) :: is_tied !! whether the surfaces are bonded: guided points then give their shear
-      real(dp) :: share(pair%slave%n_sides)
-      integer :: point(n_nodes), i
-
-      point = 0
-      point(pair%node) = [(i, i=1, size(pair%node))]
-      allocate (pair%point_of(2, pair%slave%n_sides), pair%next(size(pair%node)))
-      pair%next = 0
-      do i = 1, pair%slave%n_sides
-         pair%point_of(:, i) = point(pair%slave%side(:2, i))
-         if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
-      end do
-      allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
-      share = covered_shares(pair)
-      do i = 1, pair%slave%n_sides
-         if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
-      end do
-      pair%gives_shear = pair%is_tangent_fixed .and. is_tied
-   end subroutine link_points
 
    !> Integrates over the points of a pair.
    pure subroutine integrate_pair(points, pair, segments, n_points)

@@ -216,7 +216,9 @@ contains
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(gauss_rule_t) :: rule
       real(dp) :: hat_area(n)
-      integer :: n_pieces(n), filled(n), i, k, p
+      integer :: n_pieces(n), filled(n), i, k, p, first_node, l, j, q
+      type(surface_place_t) :: place, foot
+      real(dp) :: at, area, psi(2), hat, normal(2)
 
       n_pieces = 0
       do i = 1, size(pieces)
@@ -236,7 +238,42 @@ contains
          do k = 1, 2
             p = pieces(i)%point(k)
             if (p == 0) cycle
-            call add_piece(points, hat_area(p), pieces(i), k, filled(p), slave, master, rule)
+            first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
+            associate (segment => pieces(i)%segment, node => points%rows%node, part => points%rows%part, &
+               quadrature => points%quadrature)
+               ! A straight side has no middle node; its part there is 0.
+               node(first_node + 1:first_node + 3) = used_nodes(slave%side(:3, segment%slave))
+               node(first_node + 4:first_node + 6) = used_nodes(master%side(:3, segment%master))
+               do l = 1, size(rule%xi)
+                  at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(l))
+                  place = slave%place(segment%slave, at)
+                  normal = place%normal/norm2(place%normal)
+                  foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
+                     place%position, normal)))
+                  area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
+                  psi = [dot_product(pieces(i)%psi(k, :), hats(at)), dot_product(pieces(i)%shear(k, :), hats(at))]*area
+                  hat = dot_product(pieces(i)%hat(k, :), hats(at))*area
+                  do j = 1, 3
+                     part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
+                     part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
+                  end do
+                  points%area(p) = points%area(p) + psi(1)
+                  points%shear_area(p) = points%shear_area(p) + psi(2)
+                  points%length(p) = points%length(p) + hat/place%depth
+                  points%center(:, p) = points%center(:, p) + hat*place%position
+                  points%foot(:, p) = points%foot(:, p) + hat*foot%position
+                  points%outward(:, p) = points%outward(:, p) + hat*normal
+                  hat_area(p) = hat_area(p) + hat
+                  q = quadrature%start(p) + size(rule%xi)*filled(p) + l - 1
+                  quadrature%position(:, q) = place%position
+                  quadrature%normal(:, q) = normal
+                  quadrature%outward(q) = 1.0_dp
+                  quadrature%arc_length(q) = slave%arc_length(segment%slave) &
+                     + norm2(place%position - slave%corner(:, 1, segment%slave))
+                  quadrature%share(q) = hat
+                  quadrature%gap(q) = dot_product(foot%position - place%position, normal)
+               end do
+            end associate
             filled(p) = filled(p) + 1
          end do
       end do
@@ -254,59 +291,6 @@ contains
       end do
       call points%rows%merge_nodes()
    end subroutine integrate_pieces
-
-   !> Adds the integrals over a piece to those of one of its points.
-   pure subroutine add_piece(points, hat_area, piece, k, n_before, slave, master, rule)
-      type(mortar_points_t), intent(inout) :: points !! the points
-      real(dp), intent(inout) :: hat_area !! integral of the point's averaging function [L^2]
-      type(mortar_piece_t), intent(in) :: piece !! the piece
-      integer, intent(in) :: k !! which of its points
-      integer, intent(in) :: n_before !! how many pieces of the point have been added
-      type(surface_t), intent(in) :: slave !! the slave
-      type(surface_t), intent(in) :: master !! the master
-      type(gauss_rule_t), intent(in) :: rule !! the quadrature
-      type(surface_place_t) :: place, foot
-      real(dp) :: at, area, psi(2), hat, normal(2)
-      integer :: first_node, i, j, p, q
-
-      p = piece%point(k)
-      first_node = points%rows%start(p) + n_piece_nodes*n_before - 1
-      associate (segment => piece%segment, node => points%rows%node, part => points%rows%part, &
-         quadrature => points%quadrature)
-         ! A straight side has no middle node; its part there is 0.
-         node(first_node + 1:first_node + 3) = used_nodes(slave%side(:3, segment%slave))
-         node(first_node + 4:first_node + 6) = used_nodes(master%side(:3, segment%master))
-         do i = 1, size(rule%xi)
-            at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(i))
-            place = slave%place(segment%slave, at)
-            normal = place%normal/norm2(place%normal)
-            foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
-               place%position, normal)))
-            area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(i)*norm2(place%along)*place%depth
-            psi = [dot_product(piece%psi(k, :), hats(at)), dot_product(piece%shear(k, :), hats(at))]*area
-            hat = dot_product(piece%hat(k, :), hats(at))*area
-            do j = 1, 3
-               part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
-               part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
-            end do
-            points%area(p) = points%area(p) + psi(1)
-            points%shear_area(p) = points%shear_area(p) + psi(2)
-            points%length(p) = points%length(p) + hat/place%depth
-            points%center(:, p) = points%center(:, p) + hat*place%position
-            points%foot(:, p) = points%foot(:, p) + hat*foot%position
-            points%outward(:, p) = points%outward(:, p) + hat*normal
-            hat_area = hat_area + hat
-            q = quadrature%start(p) + size(rule%xi)*n_before + i - 1
-            quadrature%position(:, q) = place%position
-            quadrature%normal(:, q) = normal
-            quadrature%outward(q) = 1.0_dp
-            quadrature%arc_length(q) = slave%arc_length(segment%slave) &
-               + norm2(place%position - slave%corner(:, 1, segment%slave))
-            quadrature%share(q) = hat
-            quadrature%gap(q) = dot_product(foot%position - place%position, normal)
-         end do
-      end associate
-   end subroutine add_piece
 
    !> The nodes of a side; in the place of a middle node that it has not its first corner.
    pure function used_nodes(side) result(nodes)

@@ -97,7 +97,9 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
       real(dp) :: half(2, 2)
-      integer :: side, k
+      integer :: side, k, i
+      type(mortar_points_t) :: points
+      integer, allocatable :: ends(:, :)
 
       if (fault > 0) return
       do side = 1, pair%slave%n_sides
@@ -118,20 +120,7 @@ contains
             end associate
          end associate
       end do
-      if (fault == 0) call add_corners(sums, sum_of, pair, is_tied, constraints)
-   end subroutine add_pair
-
-   !> Adds the displacements of the corners that are points.
-   subroutine add_corners(sums, sum_of, pair, is_tied, constraints)
-      type(sum_t), intent(inout) :: sums(:) !! the sums so far
-      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      logical, intent(in) :: is_tied !! whether it is bonded, so that w = 0
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(mortar_points_t) :: points
-      integer, allocatable :: ends(:, :)
-      integer :: i
-
+      if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
       allocate (ends(2, size(sum_of)), source=0)
       do i = 1, pair%slave%n_sides
@@ -142,7 +131,7 @@ contains
          sum_of(pair%node(i)) = maxval(sum_of) + 1
          call solve_row(sums(sum_of(pair%node(i))), points, i, pair, ends, is_tied, constraints)
       end do
-   end subroutine add_corners
+   end subroutine add_pair
 
    !> Solves the row of a corner for its displacement.
    pure subroutine solve_row(corner, points, p, pair, ends, is_tied, constraints)

@@ -7,7 +7,7 @@
 !> step is a problem of nearly independent points; the body creeps. Springs become softer where steps are solved, and
 !> stiffer where one is not. Where steps vanish, springs have no effect.
 module amontons_auto
-   use amontons_contact_operator, only: contact_operator_t
+   use amontons_contact_operator, only: band_stiffness, contact_operator_t, sparse_compliance
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t
@@ -80,7 +80,7 @@ contains
       end if
       call new_contact_solution(solution, problem%n_points)
       call stages%run(newton_t(max_iterations=n_first_steps), problem, solution)
-      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
+      if (problem%matrix%kind() == band_stiffness) call follow_fronts(stages, problem)
       if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
          tolerance=coarse)
       call take_rounds(stages, problem)
@@ -207,7 +207,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, parameter :: most_dense_points = 1500
 
-      is_long = allocated(problem%matrix%band) .and. problem%n_points > most_dense_points
+      is_long = problem%matrix%kind() == band_stiffness .and. problem%n_points > most_dense_points
    end function is_long
 
    !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
@@ -215,8 +215,7 @@ contains
    pure logical function suits_splitting(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      suits_splitting = .not. is_long(problem)
-      if (.not. problem%matrix%has_stiffness()) suits_splitting = .not. problem%matrix%compliance%is_sparse()
+      suits_splitting = .not. is_long(problem) .and. problem%matrix%kind() /= sparse_compliance
    end function suits_splitting
 
    !> Takes proximal steps from where a solution is, and keeps the best pair.
@@ -236,6 +235,9 @@ contains
       real(dp) :: share, factor
       integer :: i
       logical :: may_continue
+      ! Chosen on twenty-five bodies that Newton's steps alone do not solve.
+      real(dp), parameter :: softest = 1.0e-14_dp, back = 10.0_dp, most = 100.0_dp, change = 1.5_dp
+      integer, parameter :: few = 3
 
       call solution%reset()
       call problem%matrix%copy_stiffness(matrix, error)
@@ -262,7 +264,13 @@ contains
          do i = 1, found%n_iterations - merge(1, 0, found%is_converged)
             call solution%record_residual(found%history(i))
          end do
-         call change_springs(share, factor, found%is_converged, found%n_iterations)
+         if (found%is_converged) then
+            share = max(softest, share/factor)
+            if (found%n_iterations <= few) factor = min(most, change*factor)
+         else
+            share = back*share
+            factor = change
+         end if
          if (found%is_converged) then
             center = center + found%displacement
             call solution%record(problem, center, found%force, self%tolerance, may_continue)
@@ -275,24 +283,5 @@ contains
       end do
       call solution%take_better(best)
    end subroutine proximal_path_solve
-
-   !> Makes the springs of the next step softer, or stiffer after one that is not solved.
-   pure subroutine change_springs(share, factor, is_solved, n_iterations)
-      real(dp), intent(inout) :: share !! their stiffness over the diagonal of S [-]
-      real(dp), intent(inout) :: factor !! quotient of springs that follow each other [-]
-      logical, intent(in) :: is_solved !! whether the step is solved
-      integer, intent(in) :: n_iterations !! iterations that it took
-      ! Chosen on twenty-five bodies that Newton's steps alone do not solve.
-      real(dp), parameter :: softest = 1.0e-14_dp, back = 10.0_dp, most = 100.0_dp, change = 1.5_dp
-      integer, parameter :: few = 3
-
-      if (is_solved) then
-         share = max(softest, share/factor)
-         if (n_iterations <= few) factor = min(most, change*factor)
-      else
-         share = back*share
-         factor = change
-      end if
-   end subroutine change_springs
 
 end module amontons_auto

@@ -90,8 +90,13 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the way
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
-      logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
-      integer :: i, n_trials
+      logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact, is_soft
+      integer :: i, k, n_trials
+      real(dp), allocatable :: block(:, :), right(:)
+      integer, allocatable :: free(:)
+      real(dp), parameter :: sufficient = 1.0e-4_dp
+      integer, parameter :: most_trials = 30
+      real(dp) :: move(size(x)), image(size(x)), length, slope
 
       share = (real(size(b), dp)/a%n)**2
       is_exact = .false.
@@ -106,8 +111,18 @@ contains
          else
             if (box_violation(x, rho*gradient, lower, upper, spread(1.0_dp, 1, size(b))) <= accuracy) return
          end if
-         call newton_step(a, rows, rho, gradient, is_free, step, is_newton, error)
+         ! A_ff step_f = -gradient_f of the free components; the others stay. A singular A_ff is held softly.
+         step = 0.0_dp
+         free = pack([(k, k=1, size(b))], is_free)
+         is_newton = .false.
+         call allocate_matrix(block, size(free), size(free), 'the forces of a half step', error)
          if (allocated(error)) return
+         call a%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
+         right = -gradient(free)
+         call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
+         call cholesky_solve(block, right)
+         step(free) = right
+         is_newton = .not. is_soft
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
@@ -116,7 +131,16 @@ contains
          if (is_exact) then
             x = full
          else
-            call search_line(a, rows, lower, upper, gradient, step, x, n_trials)
+            length = 1.0_dp
+            do n_trials = 1, most_trials
+               move = min(max(x + length*step, lower), upper) - x
+               call a%part_multiply(rows, rows, move, image)
+               slope = dot_product(gradient, move)
+               if (slope + 0.5_dp*dot_product(move, image) <= sufficient*slope) exit
+               length = 0.5_dp*length
+            end do
+            n_trials = min(n_trials, most_trials)
+            x = min(max(x + move, lower), upper)
             call effort%multiply(n_trials*share)
          end if
       end do
@@ -131,62 +155,6 @@ contains
 
       may_move = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
    end function may_move
-
-   !> The Newton step of the free components: A_ff step_f = -gradient_f; the others stay. A singular A_ff is held
-   !> softly.
-   pure subroutine newton_step(a, rows, rho, gradient, is_free, step, is_newton, error)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of the matrix (n)
-      real(dp), intent(in) :: gradient(:) !! gradient of the objective (n)
-      logical, intent(in) :: is_free(:) !! which components may move (n)
-      real(dp), intent(out) :: step(:) !! the step (n)
-      logical, intent(out) :: is_newton !! false for a step that merely leads down
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), allocatable :: block(:, :), right(:)
-      integer, allocatable :: free(:)
-      logical :: is_soft
-      integer :: i
-
-      step = 0.0_dp
-      free = pack([(i, i=1, size(is_free))], is_free)
-      is_newton = .false.
-      call allocate_matrix(block, size(free), size(free), 'the forces of a half step', error)
-      if (allocated(error)) return
-      call a%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
-      right = -gradient(free)
-      call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
-      call cholesky_solve(block, right)
-      step(free) = right
-      is_newton = .not. is_soft
-   end subroutine newton_step
-
-   !> Moves along the step, cut to the box, by the first of 1, 1/2, 1/4, ... that lowers the objective enough; stays
-   !> where none does.
-   pure subroutine search_line(a, rows, lower, upper, gradient, step, x, n_trials)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      real(dp), intent(in) :: lower(:) !! lower bounds (n)
-      real(dp), intent(in) :: upper(:) !! upper bounds (n)
-      real(dp), intent(in) :: gradient(:) !! gradient at x (n)
-      real(dp), intent(in) :: step(:) !! the full step (n)
-      real(dp), intent(inout) :: x(:) !! the point (n)
-      integer, intent(out) :: n_trials !! number of lengths tried, a product each
-      real(dp), parameter :: sufficient = 1.0e-4_dp
-      integer, parameter :: most_trials = 30
-      real(dp) :: move(size(x)), image(size(x)), length, slope
-
-      length = 1.0_dp
-      do n_trials = 1, most_trials
-         move = min(max(x + length*step, lower), upper) - x
-         call a%part_multiply(rows, rows, move, image)
-         slope = dot_product(gradient, move)
-         if (slope + 0.5_dp*dot_product(move, image) <= sufficient*slope) exit
-         length = 0.5_dp*length
-      end do
-      n_trials = min(n_trials, most_trials)
-      x = min(max(x + move, lower), upper)
-   end subroutine search_line
 
    !> Minimizes 1/2 x^T A x - b^T x on lower <= x <= upper from a starting point, for a part of the rows of A. If the
    !> program has no minimum (A singular and the box open there), the way ends where that is found.
@@ -245,6 +213,8 @@ contains
       type(way_t), intent(inout) :: way !! program and point
       logical, intent(out) :: is_bounded !! false if the objective falls without end; the point then stays
       real(dp) :: image(size(way%y)), length, room
+      real(dp), dimension(size(way%y)) :: free, old, old_gradient, move
+      real(dp) :: used
 
       call multiply(a, rows, way, way%direction, image)
       way%image = image
@@ -265,33 +235,23 @@ contains
             way%direction = face - dot_product(face, way%image)/way%curvature*way%direction
          end associate
       else
-         call expand(a, rows, way)
+         ! A projected gradient step on the face, as long as the largest curvature seen allows; taken anew where a move
+         ! meets one of more than twice that.
+         free = free_part(way)
+         old = way%y
+         old_gradient = way%gradient
+         do
+            used = way%norm
+            way%y = min(max(old - free/used, way%low), way%high)
+            call refresh_gradient(a, rows, way)
+            move = way%y - old
+            way%norm = max(way%norm, dot_product(move, way%gradient - old_gradient)/ &
+               max(dot_product(move, move), tiny(1.0_dp)))
+            if (.not. way%norm > 2.0_dp*used) exit
+         end do
+         way%direction = free_part(way)
       end if
    end subroutine take_step
-
-   !> A projected gradient step on the face at hand, as long as the largest curvature seen allows; a move that meets a
-   !> larger one than twice that is taken anew.
-   pure subroutine expand(a, rows, way)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      type(way_t), intent(inout) :: way !! program and point
-      real(dp), dimension(size(way%y)) :: face, old, old_gradient, move
-      real(dp) :: used
-
-      face = free_part(way)
-      old = way%y
-      old_gradient = way%gradient
-      do
-         used = way%norm
-         way%y = min(max(old - face/used, way%low), way%high)
-         call refresh_gradient(a, rows, way)
-         move = way%y - old
-         way%norm = max(way%norm, dot_product(move, way%gradient - old_gradient)/ &
-            max(dot_product(move, move), tiny(1.0_dp)))
-         if (.not. way%norm > 2.0_dp*used) exit
-      end do
-      way%direction = free_part(way)
-   end subroutine expand
 
    !> The product of the matrix, scaled to a unit diagonal, with a vector.
    pure subroutine multiply(a, rows, way, vector, product)

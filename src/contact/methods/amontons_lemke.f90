@@ -11,6 +11,7 @@ module amontons_lemke
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_relation, only: contact_relation_t, lemke_pivoting, new_contact_relation
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
+   use amontons_dense, only: allocate_matrix
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -45,8 +46,10 @@ contains
       type(effort_t) :: effort
       type(active_set_t) :: states
       real(dp), dimension(2*problem%n_points) :: force, distance, displacement
-      integer :: trial
-      logical :: is_singular, may_continue
+      integer :: trial, outcome, info
+      logical :: is_singular, may_continue, is_z_basic(3*problem%n_points)
+      real(dp) :: right(3*problem%n_points), z(3*problem%n_points)
+      real(dp), allocatable :: matrix(:, :)
 
       if (problem%n_points > max_points) then
          call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
@@ -64,11 +67,24 @@ contains
          return
       end if
       call new_contact_relation(relation, problem, error)
+      if (.not. allocated(error)) call allocate_matrix(matrix, 3*problem%n_points, 3*problem%n_points, &
+         "the pairs of Lemke's method", error)
       if (allocated(error)) return
       call solution%effort%multiply(1.0_dp)
       do trial = 1, min(n_covers, self%max_iterations)
          effort = effort_t()
-         call solve_relation(relation, trial, states, force, distance, is_singular, effort)
+         if (relation%is_dual) then
+            call dual_pairs(relation, matrix, right)
+         else
+            call primal_pairs(relation, matrix, right)
+         end if
+         call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, error, effort)
+         if (allocated(error)) return
+         states = states_of(relation%is_dual, is_z_basic)
+         ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
+         call relation%solve_states(states, force, distance, info)
+         call effort%factorize(.true.)
+         is_singular = info /= 0
          effort%n_products = size_of_pairs*effort%n_products
          force = force*relation%force_unit
          displacement = distance*relation%distance_unit + problem%reference()
@@ -81,32 +97,6 @@ contains
       end do
       call solution%take_better(best)
    end subroutine lemke_solve
-
-   !> Finds a solution of a relation between forces and distances.
-   pure subroutine solve_relation(relation, trial, states, force, distance, is_singular, effort)
-      type(contact_relation_t), intent(in) :: relation !! the relation
-      integer, intent(in) :: trial !! which covering vector to start from, 1 or more
-      type(active_set_t), intent(out) :: states !! the states of the solution
-      real(dp), intent(out) :: force(:) !! lambda, without units (2m) [-]
-      real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
-      logical, intent(out) :: is_singular !! whether they leave forces and distances undetermined
-      type(effort_t), intent(inout) :: effort !! gains that of the pivots and of the last system
-      real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points), z(3*relation%n_points)
-      logical :: is_z_basic(3*relation%n_points)
-      integer :: outcome, info
-
-      if (relation%is_dual) then
-         call dual_pairs(relation, matrix, right)
-      else
-         call primal_pairs(relation, matrix, right)
-      end if
-      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, effort)
-      states = states_of(relation%is_dual, is_z_basic)
-      ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
-      call relation%solve_states(states, force, distance, info)
-      call effort%factorize(.true.)
-      is_singular = info /= 0
-   end subroutine solve_relation
 
    !> Takes the rounding errors of distances out of displacements and forces, as far as the states say nothing of them:
    !> those of open points may be as large as gaps, while the displacements, and the forces with them, are small.

@@ -75,7 +75,8 @@ contains
       real(dp), parameter :: rounding = 10.0_dp*epsilon(1.0_dp)
       logical :: is_at_rest, are_converged
       real(dp) :: residual, scale
-      integer :: i, k, n_components
+      integer :: i, k, n_components, n
+      type(effort_t) :: effort
 
       call problem%matrix%find_parts(problem%n_points, component, n_components)
       if (n_components < 2) then
@@ -94,7 +95,17 @@ contains
          rows = [points, problem%n_points + points]
          call problem%matrix%cut(rows, matrix, error)
          if (allocated(error)) return
-         call new_part(part, matrix, problem, points, rows)
+         if (allocated(problem%load)) then
+            call new_contact_problem(part, matrix)
+            part%load = problem%load(rows)
+            part%friction = problem%friction(points)
+            part%prescribed = problem%prescribed
+         else
+            call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
+         end if
+         part%gap = problem%gap(points)
+         part%anchor = problem%anchor(points)
+         part%slip_bound = problem%slip_bound(points)
          call new_contact_solution(found, size(points))
          found%displacement = displacement(rows)
          found%force = force(rows)
@@ -107,7 +118,14 @@ contains
             are_converged = .false.
             residual = max(residual, found%residual)
          end if
-         call add_record(solution, found, (real(size(points), dp)/problem%n_points)**2)
+         effort = found%effort
+         effort%n_products = (real(size(points), dp)/problem%n_points)**2*effort%n_products
+         call solution%effort%add(effort)
+         do n = solution%n_iterations + 1, found%n_iterations
+            call solution%record_residual(0.0_dp)
+         end do
+         n = found%n_iterations
+         solution%history(:n) = max(solution%history(:n), found%history(:n))
       end do
       solution%displacement = displacement
       solution%force = force
@@ -118,44 +136,5 @@ contains
       if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
       solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
    end subroutine solve_components
-
-   !> Makes the contact problem of a part.
-   subroutine new_part(part, matrix, problem, points, rows)
-      type(contact_problem_t), intent(out) :: part !! the part
-      type(contact_operator_t), target, intent(inout) :: matrix !! its operator
-      type(contact_problem_t), intent(in) :: problem !! the whole
-      integer, intent(in) :: points(:) !! points of the part
-      integer, intent(in) :: rows(:) !! their rows
-
-      if (allocated(problem%load)) then
-         call new_contact_problem(part, matrix)
-         part%load = problem%load(rows)
-         part%friction = problem%friction(points)
-         part%prescribed = problem%prescribed
-      else
-         call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
-      end if
-      part%gap = problem%gap(points)
-      part%anchor = problem%anchor(points)
-      part%slip_bound = problem%slip_bound(points)
-   end subroutine new_part
-
-   !> Adds the record of a part, as if all parts were solved side by side: of each iteration the largest residual.
-   pure subroutine add_record(solution, found, part)
-      type(contact_solution_t), intent(inout) :: solution !! gains the record
-      type(contact_solution_t), intent(in) :: found !! solution of the part
-      real(dp), intent(in) :: part !! size of its matrix over that of the whole [-]
-      type(effort_t) :: effort
-      integer :: n
-
-      effort = found%effort
-      effort%n_products = part*effort%n_products
-      call solution%effort%add(effort)
-      do n = solution%n_iterations + 1, found%n_iterations
-         call solution%record_residual(0.0_dp)
-      end do
-      n = found%n_iterations
-      solution%history(:n) = max(solution%history(:n), found%history(:n))
-   end subroutine add_record
 
 end module amontons_methods

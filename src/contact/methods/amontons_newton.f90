@@ -8,6 +8,7 @@
 !> cycle, single points change (after Murty's principal pivoting, which changes the last index that is infeasible and
 !> ends for every P-matrix).
 module amontons_newton
+   use amontons_contact_operator, only: band_stiffness, dense_compliance, dense_stiffness, sparse_compliance
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
@@ -63,9 +64,29 @@ contains
       real(dp) :: scale, regularization, min_regularization, residual, previous, imbalance
       integer :: info
       logical :: is_repeated, may_continue
+      real(dp), parameter :: travels = 2.0_dp
 
       call solution%reset()
-      call new_system(system, problem)
+      ! In the displacements a regularization slows the motions that move all points together, so there is none as long
+      ! as all goes well; in the forces it costs nothing, and makes the active sets of semidefinite problems settle.
+      associate (matrix => problem%matrix)
+         select case (matrix%kind())
+         case (band_stiffness)
+            allocate (band_stiffness_system_t :: system)
+         case (dense_stiffness)
+            allocate (stiffness_system_t :: system)
+         case (dense_compliance)
+            allocate (compliance_system_t :: system)
+         case (sparse_compliance)
+            allocate (sparse_compliance_system_t :: system)
+         end select
+         if (.not. matrix%has_stiffness()) then
+            system%min_regularization = 1.0e-5_dp
+         else
+            if (.not. matrix%is_held) system%min_regularization = 1.0e-9_dp
+            system%first_regularization = system%min_regularization
+         end if
+      end associate
       rho = problem%augmentation()
       scale = problem%force_scale()
       displacement = solution%displacement
@@ -113,40 +134,24 @@ contains
          call visited%avoid(active_set, last, is_repeated)
          ! Singular active sets have led the body far away.
          if (is_repeated) displacement = problem%reference()
-         call adapt(regularization, min_regularization, system%min_regularization, self%max_regularization, &
-            residual/previous, active_set%equals(last))
+         ! A singular active set stays, with the same residual, while the body travels to where another begins.
+         if (residual/previous > merge(travels, 1.0_dp, active_set%equals(last))) then
+            call grow(regularization, self%max_regularization)
+         else if (.not. active_set%equals(last)) then
+            min_regularization = system%min_regularization
+            regularization = max(min_regularization, regularization/reduction)
+         else
+            ! The statuses are found, and only the regularization stands between them and their forces.
+            if (residual/previous > slow_convergence) min_regularization = min(min_regularization, &
+               max(lowest_regularization, min_regularization/fast_reduction))
+            regularization = max(min_regularization, regularization/fast_reduction)
+         end if
          previous = residual
          if (solution%is_stagnant(self%patience, self%decrease)) exit
       end do
       ! A residual still at its first value, the largest number, means that there was no step.
       if (solution%residual < huge(solution%residual)) call solution%measure(problem)
    end subroutine newton_solve
-
-   !> The linear system that suits a problem. In the displacements a regularization slows the motions that move all
-   !> points together, so there is none as long as all goes well; in the forces it costs nothing, and makes the active
-   !> sets of semidefinite problems settle.
-   subroutine new_system(system, problem)
-      class(newton_system_t), allocatable, intent(out) :: system !! the system
-      type(contact_problem_t), intent(in) :: problem !! the problem
-
-      associate (matrix => problem%matrix)
-         if (allocated(matrix%band)) then
-            allocate (band_stiffness_system_t :: system)
-         else if (matrix%has_stiffness()) then
-            allocate (stiffness_system_t :: system)
-         else if (matrix%compliance%is_sparse()) then
-            allocate (sparse_compliance_system_t :: system)
-         else
-            allocate (compliance_system_t :: system)
-         end if
-         if (.not. matrix%has_stiffness()) then
-            system%min_regularization = 1.0e-5_dp
-            return
-         end if
-         if (.not. matrix%is_held) system%min_regularization = 1.0e-9_dp
-         system%first_regularization = system%min_regularization
-      end associate
-   end subroutine new_system
 
    !> Ends a step of a loose body that its active set lets slide or fly, held by the regularization alone, much longer
    !> than forces of this size deform a body, where the contact law would end it: where the forces of springs between
@@ -192,29 +197,6 @@ contains
       displacement = before + high*step
       imbalance = scale
    end subroutine halt
-
-   !> Makes the regularization of the next step.
-   pure subroutine adapt(regularization, least, first_min, most, ratio, stays)
-      real(dp), intent(inout) :: regularization !! the regularization [-]
-      real(dp), intent(inout) :: least !! the least that it may be [-]
-      real(dp), intent(in) :: first_min !! the least that it may be as long as active sets change [-]
-      real(dp), intent(in) :: most !! the largest that it may be [-]
-      real(dp), intent(in) :: ratio !! residual after the step over the one before [-]
-      logical, intent(in) :: stays !! whether the step left the active set as it was
-      real(dp), parameter :: travels = 2.0_dp
-
-      ! A singular active set stays, with the same residual, while the body travels to where another one begins.
-      if (ratio > merge(travels, 1.0_dp, stays)) then
-         call grow(regularization, most)
-      else if (.not. stays) then
-         least = first_min
-         regularization = max(least, regularization/reduction)
-      else
-         ! The statuses are found, and only the regularization stands between them and their forces.
-         if (ratio > slow_convergence) least = min(least, max(lowest_regularization, least/fast_reduction))
-         regularization = max(least, regularization/fast_reduction)
-      end if
-   end subroutine adapt
 
    !> Makes a regularization larger.
    pure subroutine grow(regularization, most)

@@ -182,13 +182,21 @@ contains
       integer, allocatable :: unknown(:)
       real(dp) :: load(size(force)), slope(problem%n_points)
       integer :: m, n, i, point
+      real(dp) :: known(2*problem%n_points)
 
       m = problem%n_points
       if (.not. allocated(self%diagonal)) self%diagonal = problem%augmentation()
       unknown = pack([(i, i=1, 2*m)], .not. active_set%gives_force())
       n = size(unknown)
       slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
-      call take_known_load(problem, active_set, load, self%effort)
+      known = merge(problem%reference(), 0.0_dp, active_set%gives_force())
+      load = 0.0_dp
+      if (any(abs(known) > 0.0_dp)) then
+         call problem%matrix%multiply_stiffness(known, load)
+         call self%effort%multiply(1.0_dp)
+      end if
+      load = problem%load - load
+      load(m + 1:) = load(m + 1:) - active_set%slip_direction*problem%slip_bound
       info = 1
       call allocate_matrix(matrix, n, n, "Newton's unknowns", self%error)
       if (allocated(self%error)) return
@@ -216,26 +224,6 @@ contains
       call active_set%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
-
-   !> The load less what the known displacements and the given slip bounds take of it.
-   pure subroutine take_known_load(problem, active_set, load, effort)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: active_set !! state of each point
-      real(dp), intent(out) :: load(:) !! what is left (2m) [F]
-      type(effort_t), intent(inout) :: effort !! gains that of the product, if there is one
-      real(dp) :: known(2*problem%n_points)
-      integer :: m
-
-      m = problem%n_points
-      known = merge(problem%reference(), 0.0_dp, active_set%gives_force())
-      load = 0.0_dp
-      if (any(abs(known) > 0.0_dp)) then
-         call problem%matrix%multiply_stiffness(known, load)
-         call effort%multiply(1.0_dp)
-      end if
-      load = problem%load - load
-      load(m + 1:) = load(m + 1:) - active_set%slip_direction*problem%slip_bound
-   end subroutine take_known_load
 
    !> Finds the pair of the hardest springs.
    subroutine spring_start_solve(self, problem, solution, error)
@@ -385,7 +373,7 @@ contains
       type(band_lu_t), intent(inout) :: matrix !! the matrix
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(equations_t), intent(in) :: equations !! the equations
-      integer :: i, j
+      integer :: i, j, p
 
       associate (whole => problem%matrix%band%whole, is_known => equations%is_known)
          ! A tangential row reaches as far as its normal one.
@@ -403,16 +391,6 @@ contains
             end do
          end do
       end associate
-      call add_slip_rows(matrix, problem, equations)
-   end subroutine fill_matrix
-
-   !> Adds to the tangential rows of sliding points what goes with the normal force.
-   pure subroutine add_slip_rows(matrix, problem, equations)
-      type(band_lu_t), intent(inout) :: matrix !! the matrix
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(equations_t), intent(in) :: equations !! the equations
-      integer :: j, p
-
       associate (whole => problem%matrix%band%whole, is_known => equations%is_known, slope => equations%slope, &
          normal => problem%matrix%band%place(:problem%n_points), &
          tangential => problem%matrix%band%place(problem%n_points + 1:))
@@ -424,7 +402,7 @@ contains
             end do
          end do
       end associate
-   end subroutine add_slip_rows
+   end subroutine fill_matrix
 
    !> What given displacements leave of the load; 0 where they are known (n) [F].
    pure function load_residual(problem, equations, x)
@@ -437,7 +415,8 @@ contains
       m = problem%n_points
       associate (normal => problem%matrix%band%place(:m), tangential => problem%matrix%band%place(m + 1:))
          call problem%matrix%band%whole%multiply(x, load_residual)
-         load_residual(tangential) = load_residual(tangential) - equations%slope*(load_residual(normal) - problem%load(:m))
+         load_residual(tangential) = load_residual(tangential) &
+            - equations%slope*(load_residual(normal) - problem%load(:m))
          load_residual = equations%load - load_residual - equations%stiffening*x
          load_residual(tangential) = load_residual(tangential) - equations%coupling*x(normal)
       end associate
@@ -461,6 +440,7 @@ contains
       imbalance = 0.0_dp
       info = 0
       call self%update(problem, active_set, regularization, is_updated)
+      if (allocated(self%error)) return
       if (.not. is_updated) call self%begin(problem, active_set, regularization, info)
       if (info /= 0) return
       load = problem%dual_load(displacement)
@@ -533,6 +513,7 @@ contains
       logical, intent(out) :: is_updated !! whether the factorization serves the active set
       integer, allocatable :: differing(:), new(:)
       integer :: i, n
+      real(dp), allocatable :: columns(:, :), rows(:, :)
 
       is_updated = self%regularization >= regularization .and. self%regularization <= self%spread*regularization
       if (.not. is_updated) return
@@ -543,7 +524,19 @@ contains
       if (size(new) == 0) return
       is_updated = size(self%unknown) >= self%least_order .and. part*(n + size(new)) <= size(self%unknown)
       if (.not. is_updated) return
-      call reserve(self, 2*problem%n_points, n + size(new))
+      if (n + size(new) > size(self%response, 2)) then
+         associate (n_forces => 2*problem%n_points, room => 2*(n + size(new)))
+            call allocate_matrix(columns, n_forces, room, 'changed contact forces', self%error)
+            if (.not. allocated(self%error)) call allocate_matrix(rows, n_forces, room, 'changed contact forces', &
+               self%error)
+         end associate
+         is_updated = .not. allocated(self%error)
+         if (.not. is_updated) return
+         columns(:, :n) = self%response(:, :n)
+         call move_alloc(columns, self%response)
+         rows(:, :n) = self%row(:, :n)
+         call move_alloc(rows, self%row)
+      end if
       self%changed(n + 1:n + size(new)) = new
       do i = 1, size(new)
          self%row(:, n + i) = problem%matrix%compliance%values(:, new(i))
@@ -551,24 +544,6 @@ contains
       self%n_changed = n + size(new)
       call unit_responses(self, problem, n + 1)
    end subroutine force_system_update
-
-   !> Makes room for changed rows.
-   pure subroutine reserve(self, n_forces, n_rows)
-      class(force_system_t), intent(inout) :: self !! the system
-      integer, intent(in) :: n_forces !! number of forces 2m
-      integer, intent(in) :: n_rows !! number of rows there must be room for
-      real(dp), allocatable :: columns(:, :)
-      integer :: n
-
-      n = self%n_changed
-      if (n_rows <= size(self%response, 2)) return
-      allocate (columns(n_forces, 2*n_rows))
-      columns(:, :n) = self%response(:, :n)
-      call move_alloc(columns, self%response)
-      allocate (columns(n_forces, 2*n_rows))
-      columns(:, :n) = self%row(:, :n)
-      call move_alloc(columns, self%row)
-   end subroutine reserve
 
    !> Solves the factorized system for a unit in each changed row from one on.
    subroutine unit_responses(self, problem, first)

@@ -90,7 +90,8 @@ contains
       type(acceleration_t) :: acceleration
       type(relaxation_t) :: sweep, before
       integer :: i
-      logical :: is_dual, may_continue
+      logical :: is_dual, may_continue, is_last
+      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
 
       call solution%reset()
       is_dual = is_dual_for(self, problem)
@@ -102,7 +103,17 @@ contains
       do i = 1, self%max_iterations
          before = sweep
          call sweep%advance(problem)
-         call judge(self, problem, sweep, solution, may_continue)
+         ! A sweep knows its residual without a product; it is computed independently where it is small, and at the end.
+         residual = sweep%scaled_residual(problem)
+         is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
+         may_continue = .true.
+         if (residual > self%tolerance .and. .not. is_last) then
+            call solution%record_residual(residual)
+         else
+            call sweep%pair(problem, displacement, force)
+            call solution%record(problem, displacement, force, self%tolerance, may_continue)
+            call sweep%refresh(problem)
+         end if
          if (.not. may_continue) exit
          if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
          if (is_dual .and. .not. problem%matrix%is_held) call sweep%move_center(problem)
@@ -110,29 +121,6 @@ contains
       end do
       call solution%effort%add(sweep%effort)
    end subroutine psor_solve
-
-   !> Takes down the residual after a sweep. The sweep knows it without a product; it is computed independently where it
-   !> is small enough, and at the end.
-   pure subroutine judge(self, problem, sweep, solution, may_continue)
-      type(psor_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(relaxation_t), intent(inout) :: sweep !! the sweep; free of rounding if its residual was computed
-      type(contact_solution_t), intent(inout) :: solution !! gains the residual, and the pair at the end
-      logical, intent(out) :: may_continue !! whether to sweep on
-      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
-      logical :: is_last
-
-      residual = sweep%scaled_residual(problem)
-      is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
-      may_continue = .true.
-      if (residual > self%tolerance .and. .not. is_last) then
-         call solution%record_residual(residual)
-         return
-      end if
-      call sweep%pair(problem, displacement, force)
-      call solution%record(problem, displacement, force, self%tolerance, may_continue)
-      call sweep%refresh(problem)
-   end subroutine judge
 
    !> Goes on from what the acceleration proposes if its residual is smaller.
    pure subroutine accelerate(acceleration, problem, before, sweep)
@@ -278,7 +266,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: n !! the point
       real(dp), parameter :: singular = 1.0e-12_dp
-      real(dp) :: bound, det
+      real(dp) :: bound, det, slip
       integer :: t
 
       t = n + problem%n_points
@@ -291,8 +279,9 @@ contains
          call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
          bound = problem%slip_bound(n)
          if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
+         slip = v(t) - problem%anchor(n) + omega*f(t)/s(t)
          call set_unknown(sweep, problem, t, problem%anchor(n) &
-            + shrunk(v(t) - problem%anchor(n) + omega*f(t)/s(t), omega*bound/s(t)))
+            + sign(max(0.0_dp, abs(slip) - omega*bound/s(t)), slip))
       end associate
    end subroutine relax_displacement
 
@@ -325,14 +314,6 @@ contains
          call set_unknown(sweep, problem, t, slip)
       end associate
    end subroutine solve_displacement
-
-   !> A value moved towards zero by a distance, at most to zero itself.
-   pure real(dp) function shrunk(value, distance)
-      real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: distance !! how far, at least 0
-
-      shrunk = sign(max(0.0_dp, abs(value) - distance), value)
-   end function shrunk
 
    !> Displacements and forces that a sweep ended with; in the primal space the forces are what the displacements
    !> leave, cut to the contact law.

@@ -215,13 +215,20 @@ contains
       type(effort_t), intent(inout) :: effort !! gains theirs
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp), dimension(problem%n_points) :: bound, change
-      integer :: m
+      integer :: m, i
 
       m = problem%n_points
       bound = problem%bound(force(:m))
       ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
       if (self%variant == 'printed') then
-         call printed_tangential_step(printed%schur, b(m + 1:), bound, force(m + 1:))
+         ! One sweep of Gauss-Seidel on S lambda_T = B2, cut at the slip bound. Where nothing slides or separates,
+         ! -S lambda_T = B2 - A21 A11^-1 B1 is right: the matrix has the wrong sign, and a term lacks (erratum 7).
+         associate (tangential => force(m + 1:), schur => printed%schur)
+            do i = 1, m
+               tangential(i) = tangential(i) + (b(m + i) - dot_product(schur(:, i), tangential))/schur(i, i)
+            end do
+            tangential = bounded(tangential, bound)
+         end associate
          call effort%multiply(quarter)
       else
          call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, &
@@ -229,42 +236,13 @@ contains
          if (allocated(error)) return
       end if
       ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
-      call clipped_normal_step(problem, printed%a11_factor, b(:m), force(m + 1:), force(:m))
+      ! solved without the bound, then cut at zero, which is right where nothing is cut
+      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], force(m + 1:), force(:m))
+      force(:m) = b(:m) - force(:m)
+      call cholesky_solve(printed%a11_factor, force(:m))
+      force(:m) = max(0.0_dp, force(:m))
       call effort%multiply(1.0_dp + quarter)
    end subroutine printed_half_steps
-
-   !> Tangential half step as printed: (D - L)^-1 (U lambda_T + B2), then cut at the slip bound. That is one sweep of
-   !> Gauss-Seidel on S lambda_T = B2. Where nothing slides and nothing separates, -S lambda_T = B2 - A21 A11^-1 B1 is
-   !> right: the matrix has the wrong sign, and the right-hand side lacks a term (erratum 7).
-   pure subroutine printed_tangential_step(schur, b2, bound, tangential)
-      real(dp), intent(in) :: schur(:, :) !! the paper's S = D - L - U (m, m) [L/F]
-      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
-      real(dp), intent(in) :: bound(:) !! slip bound phi lambda_N (m) [F]
-      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
-      integer :: i
-
-      do i = 1, size(b2)
-         tangential(i) = tangential(i) + (b2(i) - dot_product(schur(:, i), tangential))/schur(i, i)
-      end do
-      tangential = bounded(tangential, bound)
-   end subroutine printed_tangential_step
-
-   !> Normal half step as printed: A11^-1 (B1 - A12 lambda_T), solved without the bound, then cut at zero. Right where
-   !> nothing is cut.
-   pure subroutine clipped_normal_step(problem, a11_factor, b1, tangential, normal)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
-      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
-      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
-      real(dp), intent(out) :: normal(:) !! lambda_N (m) [F]
-      integer :: m
-
-      m = problem%n_points
-      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
-      normal = b1 - normal
-      call cholesky_solve(a11_factor, normal)
-      normal = max(0.0_dp, normal)
-   end subroutine clipped_normal_step
 
    !> Whether the paper's stop ends the iteration, which is no sign of a solution.
    pure logical function is_stopped(self, change, residual)

@@ -93,6 +93,10 @@ contains
       type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
       integer, allocatable :: bonded(:)
+      type(mortar_points_t) :: points
+      integer :: nothing(0), i
+      ! Rounding leaves about the root of the precision, with a few digits to spare.
+      real(dp), parameter :: dependent = 1.0e-6_dp
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -116,22 +120,6 @@ contains
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
-      call integrate_ties(body)
-      call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
-      if (allocated(error)) return
-      call let_guided_slaves_slip(body%zone, body%constraints, substitution)
-      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
-      body%common_motions = common_motions(body%rigid_modes)
-      call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
-      call measure_cells(body, contacts, error)
-   end subroutine new_body
-
-   !> Integrates over the points of the ties, on both ways.
-   pure subroutine integrate_ties(body)
-      type(body_t), intent(inout) :: body !! the body, with its ties
-      type(mortar_points_t) :: points
-      integer :: nothing(0), i
-
       call body%tie_rows%begin(nothing)
       call body%checked_tie_rows%begin(nothing)
       do i = 1, size(body%ties)
@@ -140,7 +128,23 @@ contains
          call integrate_again(points, body%ties(i))
          call body%checked_tie_rows%add(points%rows)
       end do
-   end subroutine integrate_ties
+      call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
+      if (allocated(error)) return
+      call let_guided_slaves_slip(body%zone, body%constraints, substitution)
+      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
+      body%common_motions = common_motions(body%rigid_modes)
+      call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
+      ! Cells that the mesh cannot tell apart are refused.
+      allocate (body%inf_sup(size(contacts)), source=1.0_dp)
+      do i = 1, size(contacts)
+         if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
+         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%meshed_body_t)
+         if (body%inf_sup(i) > dependent) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
+            'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
+         return
+      end do
+   end subroutine new_body
 
    !> Nodes of surfaces that face each other: one of either body for each segment (2, segments).
    pure function bonds_of(pairs) result(bonds)
@@ -159,27 +163,6 @@ contains
          end do
       end do
    end function bonds_of
-
-   !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
-   !> cannot tell apart.
-   pure subroutine measure_cells(body, contacts, error)
-      type(body_t), intent(inout) :: body !! the body
-      type(contact_t), intent(in) :: contacts(:) !! its contact sets
-      type(error_t), allocatable, intent(out) :: error !! the multipliers of a set are not independent
-      ! Rounding leaves about the root of the precision, with a few digits to spare.
-      real(dp), parameter :: dependent = 1.0e-6_dp
-      integer :: i
-
-      allocate (body%inf_sup(size(contacts)), source=1.0_dp)
-      do i = 1, size(contacts)
-         if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
-         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%meshed_body_t)
-         if (body%inf_sup(i) > dependent) cycle
-         call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
-            'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
-         return
-      end do
-   end subroutine measure_cells
 
    !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, problem, options, timings, error)

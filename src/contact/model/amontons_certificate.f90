@@ -378,7 +378,11 @@ contains
       n = size(set)
       magnitude = hypot(force(:n), force(n + 1:))
       associate (x => body%mesh%coordinates)
-         lever = lever_rows(rows)
+         lever = rows
+         do i = 1, size(rows%node)
+            lever%part(:, i) = -turned(rows%tangent(:, i))
+            lever%tangent(:, i) = turned(rows%part(:, i))
+         end do
          jump = lever%displacement(x)
          jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
          violation = relative(abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n))), &
@@ -392,20 +396,6 @@ contains
          scale(i) = scale(i) + sum(magnitude*hypot(place(1, :) - middle(1), place(2, :) - middle(2)), mask=set == i)
       end do
    end subroutine check_moment
-
-   !> Rows of the mean distances that tangential and normal forces of pairs have a moment about: along the normal with
-   !> the shares of the tangential row, along the tangent with those of the normal one.
-   pure function lever_rows(rows) result(lever)
-      type(contact_rows_t), intent(in) :: rows !! the rows
-      type(contact_rows_t) :: lever
-      integer :: i
-
-      lever = rows
-      do i = 1, size(rows%node)
-         lever%part(:, i) = -turned(rows%tangent(:, i))
-         lever%tangent(:, i) = turned(rows%part(:, i))
-      end do
-   end function lever_rows
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
    pure subroutine check_resultants(certificate, body, least_scale, sums, loads, contact, reaction, springs)

@@ -185,9 +185,10 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: transform(:, :)
-      real(dp) :: parts(2, 2)
+      real(dp) :: parts(2, 2), of_own(2, 2)
       integer, allocatable :: own(:)
-      integer :: p, i, k, n
+      integer :: p, i, k, n, axis, l, column
+      real(dp) :: frame(2, 2)
 
       allocate (condensation%unknown(2, zone%n_points), source=0)
       n = 0
@@ -205,37 +206,23 @@ contains
             transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
             parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
             do k = 1, size(own)
-               call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
-                  constraints, dof_map)
+               of_own = matmul(transpose(transform(:, 2*k - 1:2*k)), parts)
+               frame = constraints%frame(own(k))
+               do axis = 1, 2
+                  if (dof_map%dof(axis, own(k)) == 0) cycle
+                  column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
+                  ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
+                  if (column < 1) cycle
+                  do l = 1, count(condensation%unknown(:, p) > 0)
+                     associate (c => condensation%rows(condensation%unknown(l, p), column))
+                        c = c + dot_product(of_own(:, l), frame(:, axis))
+                     end associate
+                  end do
+               end do
             end do
          end do
       end do
    end subroutine map_rows
-
-   !> Adds a node's part in the displacements of a point to the rows of C.
-   subroutine add_part(condensation, p, node, parts, constraints, dof_map)
-      type(condensation_t), intent(inout) :: condensation !! the condensation
-      integer, intent(in) :: p !! number of the point
-      integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: parts(2, 2) !! its parts in u_N and u_T of the point (2, 2) [-]
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: frame(2, 2)
-      integer :: axis, k, column
-
-      frame = constraints%frame(node)
-      do axis = 1, 2
-         if (dof_map%dof(axis, node) == 0) cycle
-         column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_schur
-         ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
-         if (column < 1) cycle
-         do k = 1, count(condensation%unknown(:, p) > 0)
-            associate (c => condensation%rows(condensation%unknown(k, p), column))
-               c = c + dot_product(parts(:, k), frame(:, axis))
-            end associate
-         end do
-      end do
-   end subroutine add_part
 
    !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
    !>
@@ -438,16 +425,24 @@ contains
       real(dp) :: rho, trace
       integer :: i, info
 
+      call allocate_matrix(condensation%factor, size(rows, 2), size(rows, 2), 'the contact unknowns', error)
+      if (.not. allocated(error)) call allocate_matrix(flexibility, size(rows, 2), size(rows, 1), 'the cells', error)
+      if (.not. allocated(error)) call allocate_matrix(condensation%lifting, size(rows, 1), size(rows, 2), &
+         'the cells', error)
+      if (.not. allocated(error)) call allocate_matrix(gram, size(rows, 1), size(rows, 1), 'the cells', error)
+      if (allocated(error)) return
       rho = 0.0_dp
-      condensation%factor = stiffness
+      condensation%factor(:, :) = stiffness
       condensation%rows = rows
       if (.not. is_definite) then
          ! Both parts of M then have diagonals of one size, which keeps its condition near that of S.
          trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
          rho = trace/sum(rows**2)
-         condensation%factor = stiffness + rho*matmul(transpose(rows), rows)
-         if (size(unnoticed, 2) > 0) condensation%factor = condensation%factor &
-            + trace/sum(unnoticed**2)*matmul(unnoticed, transpose(unnoticed))
+         do i = 1, size(rows, 2)
+            condensation%factor(:, i) = condensation%factor(:, i) + rho*matmul(rows(:, i), rows)
+            if (size(unnoticed, 2) > 0) condensation%factor(:, i) = condensation%factor(:, i) &
+               + trace/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
+         end do
       end if
       call cholesky_factor(condensation%factor, info)
       if (info /= 0) then
@@ -455,17 +450,17 @@ contains
             'definite: neither supports nor the cells of constant multipliers hold the body')
          return
       end if
-      flexibility = transpose(rows)
+      flexibility(:, :) = transpose(rows)
       call cholesky_solve(condensation%factor, flexibility)
-      gram = matmul(rows, flexibility)
-      gram = 0.5_dp*(gram + transpose(gram))
+      gram(:, :) = matmul(rows, flexibility)
+      gram(:, :) = 0.5_dp*(gram + transpose(gram))
       call cholesky_factor(gram, info)
       if (info /= 0) then
          call new_error(error, numerical_failure, 'the constant multipliers are not independent on this mesh: make '// &
             'their cells larger')
          return
       end if
-      condensation%lifting = transpose(flexibility)
+      condensation%lifting(:, :) = transpose(flexibility)
       call cholesky_solve(gram, condensation%lifting)
       call cholesky_inverse(gram)
       do i = 1, size(gram, 1)

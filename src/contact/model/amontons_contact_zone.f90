@@ -426,8 +426,7 @@ contains
          call integrate_again(points, zone%pairs(set))
          call rows%add(points%rows)
          do i = 1, size(of_set)
-            gap_change(of_set(i)) = mean_of_point(points%quadrature%start, i, points%quadrature%share*points%quadrature%gap) &
-               - mean_of_point(zone%quadrature%start, of_set(i), zone%quadrature%share*zone%quadrature%gap)
+            gap_change(of_set(i)) = mean_gap(points%quadrature, i) - mean_gap(zone%quadrature, of_set(i))
          end do
       end do
    end subroutine recompute_pairs
@@ -441,20 +440,21 @@ contains
       call integrate_pair(points, pair, segments_of(pair), n_quadrature_points + 3)
    end subroutine integrate_again
 
-   !> The sum of a point's values.
-   pure real(dp) function mean_of_point(start, point, values)
-      integer, intent(in) :: start(:) !! first value of each point, and one beyond the last
+   !> The mean gap of a point [L].
+   pure real(dp) function mean_gap(quadrature, point)
+      type(contact_quadrature_t), intent(in) :: quadrature !! the quadrature points of all points
       integer, intent(in) :: point !! the point
-      real(dp), intent(in) :: values(:) !! the values
 
-      mean_of_point = sum(values(start(point):start(point + 1) - 1))
-   end function mean_of_point
+      associate (first => quadrature%start(point), last => quadrature%start(point + 1) - 1)
+         mean_gap = sum(quadrature%share(first:last)*quadrature%gap(first:last))
+      end associate
+   end function mean_gap
 
    !> Cuts the slave's sides by what rays meet.
    pure function segments_of(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
-      ! Parts of a side to begin with, for each side of the master that is near; a part is cut_by_rays further where its ends
+      ! Parts of a side to begin with, for each side of the master that is near; a part is cut further where its ends
       ! meet different sides. What a side meets last at either end may be short.
       integer, parameter :: n_parts = 8
       real(dp), parameter :: edge = 1.0e-9_dp

@@ -51,8 +51,8 @@ contains
       type(side_geometry_t) :: geometry
       type(error_t), allocatable :: error
       integer, allocatable :: sides(:, :)
-      real(dp) :: area
-      integer :: i, j, k, a, side, point
+      real(dp) :: area, block(2, 2)
+      integer :: i, j, k, a, side, point, c, b
 
       place = 0
       n = 0
@@ -76,29 +76,20 @@ contains
                *body%materials%list(body%materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
             do j = 1, count(sides(:3, side) > 0)
                do i = 1, count(sides(:3, side) > 0)
-                  call add_pair(mass, place(:, sides(i, side)), place(:, sides(j, side)), &
-                     area*geometry%values(i, point)*geometry%values(j, point) &
-                     *matmul(transpose(body%constraints%frame(sides(i, side))), body%constraints%frame(sides(j, side))))
+                  block = area*geometry%values(i, point)*geometry%values(j, point) &
+                     *matmul(transpose(body%constraints%frame(sides(i, side))), body%constraints%frame(sides(j, side)))
+                  do b = 1, 2
+                     do c = 1, 2
+                        associate (row => place(c, sides(i, side)), column => place(b, sides(j, side)))
+                           if (min(row, column) > 0) mass(row, column) = mass(row, column) + block(c, b)
+                        end associate
+                     end do
+                  end do
                end do
             end do
          end do
       end do
    end subroutine trace_mass
-
-   !> Adds the block of two nodes to a matrix, where their displacements are free.
-   pure subroutine add_pair(matrix, rows, columns, block)
-      real(dp), intent(inout) :: matrix(:, :) !! the matrix
-      integer, intent(in) :: rows(2) !! rows of the one node, 0 for none
-      integer, intent(in) :: columns(2) !! columns of the other node, 0 for none
-      real(dp), intent(in) :: block(2, 2) !! the block
-      integer :: a, b
-
-      do b = 1, 2
-         do a = 1, 2
-            if (min(rows(a), columns(b)) > 0) matrix(rows(a), columns(b)) = matrix(rows(a), columns(b)) + block(a, b)
-         end do
-      end do
-   end subroutine add_pair
 
    !> The rows of C of a contact set, each for a multiplier of norm 1; those of constrained tangents are left out.
    pure function scaled_rows(zone, number, constraints, place, n) result(rows)

@@ -134,7 +134,8 @@ contains
       ! that nothing presses.
       real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: corners(2, 2), size_of_body
-      integer :: p
+      integer :: p, i
+      character(:), allocatable :: hint
 
       load_case%contacts = contacts
       corners(:, 1) = minval(mesh%coordinates, dim=2)
@@ -163,27 +164,15 @@ contains
          end if
          if (allocated(error)) return
       end do
-      call check_reach(load_case%is_in_reach, zone%set, contacts, error)
-   end subroutine set_obstacles
-
-   !> Refuses contact sets of which no point is in reach of its obstacle.
-   pure subroutine check_reach(is_in_reach, set, contacts, error)
-      logical, intent(in) :: is_in_reach(:) !! whether the normal of each point meets the obstacle (m)
-      integer, intent(in) :: set(:) !! the contact set of each point (m)
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      type(error_t), allocatable, intent(out) :: error !! there is such a set
-      character(:), allocatable :: hint
-      integer :: i
-
       do i = 1, size(contacts)
-         if (any(is_in_reach .and. set == i) .or. all(set /= i)) cycle
+         if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
          hint = ''
          if (contacts(i)%obstacle%kind == 'polyline') hint = ', its free side on the left of the way along its points'
          call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
             'check the place of the obstacle, and that its normal points to the body'//hint)
          return
       end do
-   end subroutine check_reach
+   end subroutine set_obstacles
 
    !> Sets gap, friction and slip bound of a point, and whether its normal meets the obstacle.
    pure subroutine measure_point(load_case, zone, p, contact)

@@ -41,50 +41,12 @@ contains
          !! places of each point's displacements among the contact unknowns; 0 for a slip that a support prevents (2, m)
       real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
-      integer :: at(2, matrix%n)
+      integer :: at(2, matrix%n), position(matrix%n)
       real(dp) :: weight(2, matrix%n)
-      integer :: p, m
+      integer :: p, m, k, n_interior, n_constrained, i, info
 
       m = size(unknown, 2)
-      call place_unknowns(stiffness, positions(order), unknown, map, at, weight)
-      call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), largest_distance(matrix, at))
-      call add_matrix(stiffness%whole, matrix, at, weight)
-      do p = 1, m
-         if (unknown(2, p) == 0) call stiffness%whole%decouple(stiffness%place(p + m))
-      end do
-      call factorize_interior(stiffness, error)
-      if (allocated(error)) return
-      call find_diagonal(stiffness)
-      ! Nothing loads a slip that a support prevents; its spring is as stiff as the point.
-      do p = 1, m
-         if (unknown(2, p) > 0) cycle
-         stiffness%diagonal(p + m) = stiffness%diagonal(p)
-         stiffness%whole%entry(1, stiffness%place(p + m)) = stiffness%diagonal(p)
-      end do
-   end subroutine new_band_stiffness
-
-   !> Makes the diagonal of this copy that of the original and of springs that hold the points.
-   pure subroutine band_stiffness_set_diagonal(self, original, springs)
-      class(band_stiffness_t), intent(inout) :: self !! a copy, with any springs before
-      type(band_stiffness_t), intent(in) :: original !! the original
-      real(dp), intent(in) :: springs(:) !! stiffness of the springs in (u_N; u_T) (2m) [F/L]
-
-      self%whole%entry(1, self%place) = original%whole%entry(1, self%place) + springs
-      self%diagonal = original%diagonal + springs
-   end subroutine band_stiffness_set_diagonal
-
-   !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; slips that
-   !> supports prevent are behind all others.
-   pure subroutine place_unknowns(stiffness, position, unknown, map, at, weight)
-      type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the positions
-      integer, intent(in) :: position(:) !! position of each unknown (n)
-      integer, intent(in) :: unknown(:, :) !! places of each point's displacements among the contact unknowns (2, m)
-      real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
-      integer, intent(out) :: at(:, :) !! the positions whose displacements make up each unknown, 0 for none (2, n)
-      real(dp), intent(out) :: weight(:, :) !! their shares in it (2, n) [-]
-      integer :: p, k, m, n_interior, n_constrained
-
-      m = size(unknown, 2)
+      position = positions(order)
       n_interior = size(position) - count(unknown > 0)
       stiffness%interior = position(:n_interior)
       at = 0
@@ -109,7 +71,37 @@ contains
             end do
          end associate
       end do
-   end subroutine place_unknowns
+      call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), largest_distance(matrix, at))
+      call add_matrix(stiffness%whole, matrix, at, weight)
+      do p = 1, m
+         if (unknown(2, p) == 0) call stiffness%whole%decouple(stiffness%place(p + m))
+      end do
+      stiffness%factor = stiffness%whole
+      do i = 1, size(stiffness%place)
+         call stiffness%factor%decouple(stiffness%place(i))
+      end do
+      call stiffness%factor%factorize(info)
+      if (info /= 0) call new_error(error, numerical_failure, 'the stiffness is singular even with all contact '// &
+         'points held: neither supports nor contact points hold some part of the body')
+      if (allocated(error)) return
+      call find_diagonal(stiffness)
+      ! Nothing loads a slip that a support prevents; its spring is as stiff as the point.
+      do p = 1, m
+         if (unknown(2, p) > 0) cycle
+         stiffness%diagonal(p + m) = stiffness%diagonal(p)
+         stiffness%whole%entry(1, stiffness%place(p + m)) = stiffness%diagonal(p)
+      end do
+   end subroutine new_band_stiffness
+
+   !> Makes the diagonal of this copy that of the original and of springs that hold the points.
+   pure subroutine band_stiffness_set_diagonal(self, original, springs)
+      class(band_stiffness_t), intent(inout) :: self !! a copy, with any springs before
+      type(band_stiffness_t), intent(in) :: original !! the original
+      real(dp), intent(in) :: springs(:) !! stiffness of the springs in (u_N; u_T) (2m) [F/L]
+
+      self%whole%entry(1, self%place) = original%whole%entry(1, self%place) + springs
+      self%diagonal = original%diagonal + springs
+   end subroutine band_stiffness_set_diagonal
 
    !> The largest distance between two positions that an entry of a matrix acts on.
    pure integer function largest_distance(matrix, at) result(width)
@@ -155,21 +147,6 @@ contains
          end do
       end do
    end subroutine add_matrix
-
-   !> Factorizes the stiffness with all contact points held.
-   subroutine factorize_interior(stiffness, error)
-      type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the factor
-      type(error_t), allocatable, intent(out) :: error !! the interior can move by itself
-      integer :: i, info
-
-      stiffness%factor = stiffness%whole
-      do i = 1, size(stiffness%place)
-         call stiffness%factor%decouple(stiffness%place(i))
-      end do
-      call stiffness%factor%factorize(info)
-      if (info /= 0) call new_error(error, numerical_failure, 'the stiffness is singular even with all contact '// &
-         'points held: neither supports nor contact points hold some part of the body')
-   end subroutine factorize_interior
 
    !> Finds the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
    !> other, so that a band of K_ii^-1 has all that is needed of it.

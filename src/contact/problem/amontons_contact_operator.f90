@@ -12,7 +12,8 @@ module amontons_contact_operator
    implicit none (type, external)
    private
 
-   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_stiffness_operator
+   public :: band_stiffness, contact_operator_t, dense_compliance, dense_stiffness, new_band_operator, &
+      new_compliance_operator, new_stiffness_operator, sparse_compliance
 
    !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
    type :: contact_operator_t
@@ -39,11 +40,15 @@ module amontons_contact_operator
       procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
+      procedure :: kind => contact_operator_kind
       procedure :: multiply_stiffness => contact_operator_multiply_stiffness
       procedure :: prepare_compliance => contact_operator_prepare_compliance
       procedure :: prepare_stiffness => contact_operator_prepare_stiffness
       procedure :: set_springs => contact_operator_set_springs
    end type contact_operator_t
+
+   !> Kinds of operators: the stiffness as the band matrix of a whole body or dense, the compliance dense or sparse.
+   integer, parameter :: band_stiffness = 1, dense_stiffness = 2, dense_compliance = 3, sparse_compliance = 4
 
    !> A part with fewer rows has a dense compliance, which all methods take.
    integer, parameter :: least_sparse_rows = 200
@@ -91,6 +96,20 @@ contains
 
       has_stiffness = allocated(self%stiffness) .or. allocated(self%band)
    end function contact_operator_has_stiffness
+
+   !> The form in which the matrix is known: `band_stiffness`, `dense_stiffness`, `dense_compliance` or
+   !> `sparse_compliance`.
+   pure integer function contact_operator_kind(self) result(kind)
+      class(contact_operator_t), intent(in) :: self !! the operator
+
+      if (allocated(self%band)) then
+         kind = band_stiffness
+      else if (allocated(self%stiffness)) then
+         kind = dense_stiffness
+      else
+         kind = merge(sparse_compliance, dense_compliance, self%compliance%is_sparse())
+      end if
+   end function contact_operator_kind
 
    !> The memory that a dense matrix of all rows takes [MB].
    pure real(dp) function contact_operator_dense_megabytes(self) result(megabytes)

@@ -51,7 +51,7 @@ module amontons_contact_relation
    !> 2n, z_0 is 2n + 1.
    type :: tableau_t
       integer :: n = 0 !! order of the problem
-      real(dp), allocatable :: entry(:, :) !! factor of each nonbasic variable; in column 0 the constant (n, 0:n + 1)
+      real(dp), allocatable :: entry(:, :) !! factor of each nonbasic variable; in the last column the constant (n, n + 2)
       integer, allocatable :: basic(:) !! the variable of each row (n)
       integer, allocatable :: nonbasic(:) !! the variable of each column (n + 1)
       integer, allocatable :: place(:) !! row of each basic variable, minus the column of each other one (2n + 1)
@@ -66,7 +66,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(contact_operator_t) :: copy
       real(dp) :: force(2*problem%n_points)
-      integer :: i
+      integer :: i, j, m
+      real(dp) :: unit(2*problem%n_points), amount
 
       relation%is_dual = .not. problem%matrix%has_stiffness()
       if (relation%is_dual) then
@@ -83,31 +84,20 @@ contains
          call problem%matrix%multiply_stiffness(problem%reference(), force)
          relation%vector = problem%load - force
       end if
-      call scale_relation(relation, problem%friction, problem%slip_bound)
-   end subroutine new_contact_relation
-
-   !> Scales a relation `y = h - H x` to the diagonal 1.
-   pure subroutine scale_relation(relation, friction, slip_bound)
-      type(contact_relation_t), intent(inout) :: relation !! the relation, with units; without on return
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
-      real(dp) :: unit(size(relation%vector)), amount
-      integer :: j, m
-
       unit = sqrt(diagonal_units(relation%matrix))
       amount = maxval(abs(relation%vector/unit))
       if (.not. amount > 0.0_dp) amount = 1.0_dp
       allocate (relation%distance_unit, source=merge(amount*unit, amount/unit, relation%is_dual))
       allocate (relation%force_unit, source=merge(amount/unit, amount*unit, relation%is_dual))
       relation%vector = relation%vector/(amount*unit)
-      m = size(friction)
+      m = size(problem%friction)
       relation%n_points = m
       do j = 1, 2*m
          relation%matrix(:, j) = relation%matrix(:, j)/(unit*unit(j))
       end do
-      relation%friction = friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
-      relation%slip_bound = slip_bound/relation%force_unit(m + 1:)
-   end subroutine scale_relation
+      relation%friction = problem%friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
+      relation%slip_bound = problem%slip_bound/relation%force_unit(m + 1:)
+   end subroutine new_contact_relation
 
    !> The diagonal as it scales; where it is not positive, its largest entry, or 1 if there is none.
    pure function diagonal_units(matrix) result(unit)
@@ -227,13 +217,14 @@ contains
    !> Finds a solution; a basis tells which of each pair of variables may differ from zero.
    !>
    !> Numbers of the matrix and of the right-hand side should be about 1: what is far below counts as zero.
-   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome, effort)
+   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome, error, effort)
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
       real(dp), intent(in) :: right(:) !! q (n)
       real(dp), intent(in) :: cover(:) !! c, positive (n)
       logical, intent(out) :: is_z_basic(:) !! whether z_i is basic at the end, w_i nonbasic then (n)
       real(dp), intent(out) :: z(:) !! z at the end, with the rounding errors of all pivots (n)
       integer, intent(out) :: outcome !! `pivoting_solved`, `pivoting_ray` or `pivoting_stopped`
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(effort_t), intent(inout), optional :: effort
          !! gains a product with M for each pivot, and a factorization for each tableau made anew
       integer, parameter :: pivots_per_row = 50
@@ -244,7 +235,8 @@ contains
       is_z_basic = .false.
       outcome = pivoting_solved
       if (all(right >= 0.0_dp)) return
-      call new_tableau(tableau, matrix, right, cover)
+      call new_tableau(tableau, matrix, right, cover, error)
+      if (allocated(error)) return
       ! Of rows that tie the last one is least in the lexicographic order.
       row = minloc(right/cover, dim=1, back=.true.)
       column = tableau%n + 1
@@ -259,7 +251,8 @@ contains
          end if
          ! Rounding errors of one basis pass to the next, and a fresh tableau costs up to n pivots.
          if (modulo(n_pivots, 100 + tableau%n) == 0) then
-            call refresh(tableau, matrix, right, cover)
+            call refresh(tableau, matrix, right, cover, error)
+            if (allocated(error)) return
             if (present(effort)) call effort%factorize(.true.)
          end if
          entering = merge(leaving - tableau%n, leaving + tableau%n, leaving > tableau%n)
@@ -273,24 +266,26 @@ contains
       do i = 1, tableau%n
          row = tableau%place(tableau%n + i)
          is_z_basic(i) = row > 0
-         if (row > 0) z(i) = tableau%entry(row, 0)
+         if (row > 0) z(i) = tableau%entry(row, tableau%n + 2)
       end do
    end subroutine lemke_pivoting
 
    !> The tableau with w basic.
-   pure subroutine new_tableau(tableau, matrix, right, cover)
+   pure subroutine new_tableau(tableau, matrix, right, cover, error)
       type(tableau_t), intent(out) :: tableau !! the tableau
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
       real(dp), intent(in) :: right(:) !! q (n)
       real(dp), intent(in) :: cover(:) !! c (n)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer :: i, n
 
       n = size(right)
       tableau%n = n
-      allocate (tableau%entry(n, 0:n + 1))
-      tableau%entry(:, 0) = right
-      tableau%entry(:, 1:n) = matrix
+      call allocate_matrix(tableau%entry, n, n + 2, "the tableau of Lemke's method", error)
+      if (allocated(error)) return
+      tableau%entry(:, :n) = matrix
       tableau%entry(:, n + 1) = cover
+      tableau%entry(:, n + 2) = right
       tableau%basic = [(i, i=1, n)]
       tableau%nonbasic = [(n + i, i=1, n + 1)]
       tableau%place = [(i, i=1, n), (-i, i=1, n + 1)]
@@ -301,7 +296,7 @@ contains
       type(tableau_t), intent(inout) :: tableau !! the tableau
       integer, intent(in) :: row !! the row
       integer, intent(in) :: column !! the column
-      real(dp) :: pivot_row(0:tableau%n + 1), pivot_column(tableau%n), pivot
+      real(dp) :: pivot_row(tableau%n + 2), pivot_column(tableau%n), pivot
       integer :: j, leaving
 
       associate (entry => tableau%entry)
@@ -310,7 +305,7 @@ contains
          pivot_row = -entry(row, :)/pivot
          pivot_row(column) = 1.0_dp/pivot
          pivot_column(row) = 0.0_dp
-         do j = 0, tableau%n + 1
+         do j = 1, tableau%n + 2
             if (j == column) then
                entry(:, j) = pivot_column*pivot_row(j)
             else if (abs(pivot_row(j)) > 0.0_dp) then
@@ -327,16 +322,18 @@ contains
    end subroutine exchange
 
    !> Makes the tableau anew from the data, with the largest pivot of each column.
-   pure subroutine refresh(tableau, matrix, right, cover)
+   pure subroutine refresh(tableau, matrix, right, cover, error)
       type(tableau_t), intent(inout) :: tableau !! the tableau; its basis stays
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
       real(dp), intent(in) :: right(:) !! q (n)
       real(dp), intent(in) :: cover(:) !! c (n)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(tableau_t) :: fresh
       logical :: may_leave(size(right))
       integer :: i, row
 
-      call new_tableau(fresh, matrix, right, cover)
+      call new_tableau(fresh, matrix, right, cover, error)
+      if (allocated(error)) return
       may_leave = tableau%place(:fresh%n) < 0
       do i = fresh%n + 1, 2*fresh%n + 1
          if (tableau%place(i) < 0) cycle
@@ -363,7 +360,7 @@ contains
       is_candidate = factor > negligible*max(1.0_dp, maxval(abs(factor)))
       if (.not. any(is_candidate)) return
       factor = merge(factor, 1.0_dp, is_candidate)
-      value = max(0.0_dp, tableau%entry(:, 0))/factor
+      value = max(0.0_dp, tableau%entry(:, tableau%n + 2))/factor
       least = minval(value, mask=is_candidate)
       is_candidate = is_candidate .and. value <= least + tie*max(1.0_dp, least)
       row = tableau%place(2*tableau%n + 1)

@@ -64,7 +64,8 @@ contains
       real(dp), intent(in), optional :: skew_part(:, :)
          !! what the compliance of a reduced problem has besides its symmetric part (2m, 2m) [L/F]
       type(search_t) :: search
-      integer :: j, most
+      integer :: j, most, i, m
+      real(dp), allocatable :: rows(:, :)
 
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (problem%n_points > most) then
@@ -83,17 +84,6 @@ contains
             end do
          end associate
       end if
-      call find(solutions, search, problem)
-   end subroutine find_all_solutions
-
-   !> Searches for the solutions and gives them their units back.
-   subroutine find(solutions, search, problem)
-      type(all_solutions_t), intent(out) :: solutions !! the solutions
-      type(search_t), intent(inout) :: search !! the search, its relation set
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), allocatable :: rows(:, :)
-      integer :: i, m
-
       m = problem%n_points
       call bound_unknowns(search)
       allocate (search%states%is_closed(m), source=.false.)
@@ -116,7 +106,7 @@ contains
          solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit + problem%reference()
          solutions%status(:, i) = problem%status(solutions%displacement(:, i), solutions%force(:, i))
       end do
-   end subroutine find
+   end subroutine find_all_solutions
 
    !> Bounds on x in any solution. Distances and forces do no negative work on each other, x^T y >= 0, hence
    !> x^T H x <= x^T h: an ellipsoid if H is definite.
@@ -393,6 +383,7 @@ contains
       real(dp), parameter :: far = 1.0e3_dp, slack = 1.0e-9_dp, golden = 0.61803398874989485_dp
       real(dp), dimension(size(inequalities, 1) + 2*ubound(inequalities, 2)) :: right, cover, z
       real(dp) :: matrix(size(right), size(right)), slope(ubound(inequalities, 2)), extreme(2)
+      type(error_t), allocatable :: error
       logical :: is_basic(size(right))
       integer :: i, n, direction, outcome
 
@@ -414,8 +405,8 @@ contains
       matrix(:n, n + 1:) = -transpose(matrix(n + 1:, :n))
       do direction = 1, 2
          right(:n) = merge(slope, -slope, direction == 1)
-         call lemke_pivoting(matrix, right, cover, is_basic, z, outcome)
-         if (outcome /= pivoting_solved) return
+         call lemke_pivoting(matrix, right, cover, is_basic, z, outcome, error)
+         if (allocated(error) .or. outcome /= pivoting_solved) return
          extreme(direction) = dot_product(slope, z(:n))
       end do
       has_extent = extreme(2) - extreme(1) > sqrt(slack)
