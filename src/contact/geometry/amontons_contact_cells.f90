@@ -57,6 +57,9 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
+      ! Half of it is left of the mean normal of a cell that turns by 217 degrees.
+      real(dp), parameter :: smallest = 0.5_dp
+      integer :: cell
 
       call body%mesh%set_sides(set, sides, error)
       if (allocated(error)) return
@@ -64,7 +67,16 @@ contains
       call cut_line(cells, sides, body%mesh%coordinates, partition, error)
       if (allocated(error)) return
       call integrate(cells, sides, body, direction)
-      call check_normals(cells, error)
+      do cell = 1, cells%n_cells
+         associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
+            if (norm2(normal) < smallest) then
+               call new_error(error, input_refused, 'the cell of constant multipliers around '//to_text(center(1))// &
+                  ', '//to_text(center(2))//' bends so far that it has no normal; make the cells smaller')
+               return
+            end if
+            normal = normal/norm2(normal)
+         end associate
+      end do
    end subroutine new_contact_cells
 
    !> Cuts each piece of the line into cells.
@@ -77,7 +89,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       real(dp), allocatable :: ends(:)
       real(dp) :: lengths(size(sides, 2)), arc_length
-      integer :: first, last, i, n
+      integer :: first, last, i, n, cell, k
+      ! A cell that ends so near to a node ends there, as a share of the side.
+      real(dp), parameter :: near = 1.0e-9_dp
+      type(segment_t) :: segment
+      real(dp) :: begin
 
       lengths = [(length_up_to(sides(:3, i), coordinates, 1.0_dp), i=1, size(sides, 2))]
       allocate (cells%segments(0), cells%next(0))
@@ -97,7 +113,24 @@ contains
             + norm2(coordinates(:, sides(1, first)) - coordinates(:, sides(2, first - 1)))
          call partition%cell_ends(lengths(first:last), ends, error)
          if (allocated(error)) return
-         call cut_piece(cells%segments, sides, coordinates, first, lengths(first:last), ends, cells%n_cells, arc_length)
+         cell = 1
+         begin = 0.0_dp
+         do k = 1, last - first + 1
+            segment%side = first + k - 1
+            segment%arc_length = arc_length + begin
+            segment%range = -1.0_dp
+            do
+               segment%cell = cells%n_cells + cell
+               segment%range(1) = segment%range(2)
+               segment%range(2) = 1.0_dp
+               if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(first + k - 1)) segment%range(2) = &
+                  place_at(sides(:3, segment%side), coordinates, ends(cell + 1) - begin)
+               cells%segments = [cells%segments, segment]
+               if (ends(cell + 1) < begin + (1.0_dp + near)*lengths(first + k - 1)) cell = min(cell + 1, size(ends) - 1)
+               if (.not. segment%range(2) < 1.0_dp) exit
+            end do
+            begin = begin + lengths(first + k - 1)
+         end do
          n = size(ends) - 1
          cells%next = [cells%next, [(cells%n_cells + i, i=2, n)], 0]
          if (sides(2, last) == sides(1, first) .and. n > 1) cells%next(cells%n_cells + n) = cells%n_cells + 1
@@ -106,42 +139,6 @@ contains
          first = last + 1
       end do
    end subroutine cut_line
-
-   !> Cuts one piece of the line.
-   pure subroutine cut_piece(segments, sides, coordinates, first, lengths, ends, n_cells, arc_length)
-      type(segment_t), allocatable, intent(inout) :: segments(:) !! gains the parts of the sides
-      integer, intent(in) :: sides(:, :) !! all sides in order (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      integer, intent(in) :: first !! first side of the piece
-      real(dp), intent(in) :: lengths(:) !! lengths of its sides [L]
-      real(dp), intent(in) :: ends(:) !! ends of its cells, the beginning first (cells + 1) [L]
-      integer, intent(in) :: n_cells !! how many cells come before
-      real(dp), intent(in) :: arc_length !! length along the line where the piece begins [L]
-      ! A cell that ends so near to a node ends there, as a share of the side.
-      real(dp), parameter :: near = 1.0e-9_dp
-      type(segment_t) :: segment
-      real(dp) :: begin
-      integer :: cell, k
-
-      cell = 1
-      begin = 0.0_dp
-      do k = 1, size(lengths)
-         segment%side = first + k - 1
-         segment%arc_length = arc_length + begin
-         segment%range = -1.0_dp
-         do
-            segment%cell = n_cells + cell
-            segment%range(1) = segment%range(2)
-            segment%range(2) = 1.0_dp
-            if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(k)) segment%range(2) = &
-               place_at(sides(:3, segment%side), coordinates, ends(cell + 1) - begin)
-            segments = [segments, segment]
-            if (ends(cell + 1) < begin + (1.0_dp + near)*lengths(k)) cell = min(cell + 1, size(ends) - 1)
-            if (.not. segment%range(2) < 1.0_dp) exit
-         end do
-         begin = begin + lengths(k)
-      end do
-   end subroutine cut_piece
 
    !> Length of a side from its first corner to a place on it [L].
    pure real(dp) function length_up_to(side, coordinates, place) result(length)
@@ -230,26 +227,6 @@ contains
       end do
       call cells%rows%set_tangents()
    end subroutine integrate
-
-   !> Makes the mean normals unit vectors, and refuses a cell whose sides face all ways.
-   pure subroutine check_normals(cells, error)
-      type(contact_cells_t), intent(inout) :: cells !! the cells
-      type(error_t), allocatable, intent(out) :: error !! the normals of a cell cancel
-      ! Half of it is left of the mean normal of a cell that turns by 217 degrees.
-      real(dp), parameter :: smallest = 0.5_dp
-      integer :: cell
-
-      do cell = 1, cells%n_cells
-         associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
-            if (norm2(normal) < smallest) then
-               call new_error(error, input_refused, 'the cell of constant multipliers around '//to_text(center(1))// &
-                  ', '//to_text(center(2))//' bends so far that it has no normal; make the cells smaller')
-               return
-            end if
-            normal = normal/norm2(normal)
-         end associate
-      end do
-   end subroutine check_normals
 
    !> Makes cells the points of a pair, in the place of corners: not those that face nothing.
    pure subroutine choose_cells(pair, partition, body, error)

@@ -88,6 +88,7 @@ contains
       type(boundary_line_t) :: master_line
       real(dp), parameter :: least_share = 1.0e-6_dp
       real(dp), allocatable :: share(:)
+      integer :: i
 
       pair%label = pairing%label(set)
       pair%set = set
@@ -100,8 +101,16 @@ contains
       if (allocated(error)) return
       call new_boundary_line(master_line, body%mesh, pair%against, error)
       if (allocated(error)) return
-      call check_joints(pair, master_line, body%mesh, error)
-      if (allocated(error)) return
+      ! At an end of the slave bodies may be joined, as at a crack's tip.
+      associate (line => pair%line)
+         do i = 1, line%n_nodes
+            if (all(master_line%node /= line%node(i))) cycle
+            if (line%next(i) == 0 .or. all(line%next /= i)) cycle
+            call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
+               place_text(body%mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
+            return
+         end do
+      end associate
       call new_surface(pair%slave, body, set, pair%line, error)
       if (allocated(error)) return
       call new_surface(pair%master, body, pair%against, master_line, error)
@@ -128,25 +137,6 @@ contains
       call number_points(pair, body%constraints, follower > 0, master_line, body%mesh%n_nodes, pairing%is_tied)
       call find_idle_sides(pair, follower)
    end subroutine new_mortar_pair
-
-   !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
-   pure subroutine check_joints(pair, master_line, mesh, error)
-      type(mortar_pair_t), intent(in) :: pair !! the pair, with the slave's line
-      type(boundary_line_t), intent(in) :: master_line !! the master's line
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(error_t), allocatable, intent(out) :: error !! they share a node that is no end
-      integer :: i
-
-      associate (line => pair%line)
-         do i = 1, line%n_nodes
-            if (all(master_line%node /= line%node(i))) cycle
-            if (line%next(i) == 0 .or. all(line%next /= i)) cycle
-            call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
-               place_text(mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
-            return
-         end do
-      end associate
-   end subroutine check_joints
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
    !> curvature: several places would then be opposite one and the same. Feet on the master go along with the slave

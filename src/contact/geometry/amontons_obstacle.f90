@@ -72,7 +72,8 @@ contains
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
       case ('plane')
-         crossings = plane_crossings(x, e)
+         allocate (crossings(0))
+         if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
       case default
          allocate (crossings(0))
       end select
@@ -160,16 +161,6 @@ contains
 
       local = [axis(2)*vector(1) - axis(1)*vector(2), dot_product(axis, vector)]
    end function in_frame
-
-   !> Where a line crosses a plane, h = 0.
-   pure function plane_crossings(x, e) result(crossings)
-      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
-      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
-      type(crossing_t), allocatable :: crossings(:)
-
-      allocate (crossings(0))
-      if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
-   end function plane_crossings
 
    !> Where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is positive on the
    !> free side.

@@ -48,10 +48,14 @@ contains
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
       integer, allocatable :: sum_of(:)
-      integer :: i, fault
+      integer :: i, fault, node, n
 
       ! Each corner that is a point has a sum, and each middle node.
-      allocate (sums(sum([(n_sums(ties(i)), i=1, size(ties))]) + sum([(n_sums(pairs(i)), i=1, size(pairs))])))
+      n = sum([(size(ties(i)%node) + ties(i)%slave%n_sides, i=1, size(ties))])
+      do i = 1, size(pairs)
+         if (pairs(i)%is_set()) n = n + size(pairs(i)%node) + pairs(i)%slave%n_sides
+      end do
+      allocate (sums(n))
       allocate (sum_of(size(coordinates, 2)), source=0)
       allocate (substitution%is_bonded(size(sum_of)), source=.false.)
       fault = 0
@@ -76,16 +80,24 @@ contains
             ' is slave and master in a ring of pairs: exchange set and against of one')
          return
       end if
-      if (any(sum_of > 0)) call pack_sums(substitution, sums, sum_of)
+      if (all(sum_of == 0)) return
+      allocate (substitution%start(size(sum_of) + 1))
+      substitution%start(1) = 1
+      do node = 1, size(sum_of)
+         n = 0
+         if (sum_of(node) > 0) n = size(sums(sum_of(node))%node)
+         substitution%start(node + 1) = substitution%start(node) + n
+      end do
+      n = substitution%start(size(sum_of) + 1) - 1
+      allocate (substitution%node(n), substitution%block(2, 2, n))
+      do node = 1, size(sum_of)
+         if (sum_of(node) == 0) cycle
+         associate (first => substitution%start(node), last => substitution%start(node + 1) - 1)
+            substitution%node(first:last) = sums(sum_of(node))%node
+            substitution%block(:, :, first:last) = sums(sum_of(node))%block
+         end associate
+      end do
    end subroutine new_pair_substitution
-
-   !> How many sums a pair may have.
-   pure integer function n_sums(pair)
-      type(mortar_pair_t), intent(in) :: pair !! the pair, or none
-
-      n_sums = 0
-      if (pair%is_set()) n_sums = size(pair%node) + pair%slave%n_sides
-   end function n_sums
 
    !> Adds the displacements of the middle nodes beside points, their own unknowns and the mean of the corners, and then
    !> those of the corners.
@@ -256,31 +268,6 @@ contains
          total = resolved
       end associate
    end subroutine resolve
-
-   !> Puts resolved sums one behind the other.
-   pure subroutine pack_sums(substitution, sums, sum_of)
-      type(substitution_t), intent(inout) :: substitution !! the substitution
-      type(sum_t), intent(in) :: sums(:) !! the sums
-      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
-      integer :: node, n
-
-      allocate (substitution%start(size(sum_of) + 1))
-      substitution%start(1) = 1
-      do node = 1, size(sum_of)
-         n = 0
-         if (sum_of(node) > 0) n = size(sums(sum_of(node))%node)
-         substitution%start(node + 1) = substitution%start(node) + n
-      end do
-      n = substitution%start(size(sum_of) + 1) - 1
-      allocate (substitution%node(n), substitution%block(2, 2, n))
-      do node = 1, size(sum_of)
-         if (sum_of(node) == 0) cycle
-         associate (first => substitution%start(node), last => substitution%start(node + 1) - 1)
-            substitution%node(first:last) = sums(sum_of(node))%node
-            substitution%block(:, :, first:last) = sums(sum_of(node))%block
-         end associate
-      end do
-   end subroutine pack_sums
 
    !> Finds where the bonded boundary sets face each other.
    subroutine new_tied_pairs(pairs, follower, ties, body, error)

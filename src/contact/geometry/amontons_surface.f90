@@ -85,82 +85,15 @@ contains
       type(boundary_line_t), intent(in) :: line !! its line
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       integer, allocatable :: sides(:, :)
-
-      call body%mesh%set_sides(set, sides, error)
-      if (allocated(error)) return
-      call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
-      call mirror_ends(surface, body)
-   end subroutine new_surface
-
-   !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry, too.
-   pure subroutine join_sides(surface, body, sides)
-      type(surface_t), intent(out) :: surface !! the surface
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(in) :: sides(:, :)
-         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
-      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
-      type(surface_place_t) :: place
-      real(dp) :: begin
-      integer :: i, k
-
-      surface%side = sides
-      surface%n_sides = size(sides, 2)
-      surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
-      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
-         surface%arc_length(surface%n_sides))
-      begin = 0.0_dp
-      do i = 1, surface%n_sides
-         associate (corner => surface%corner(:, :, i), nodes => surface%side(:3, i))
-            corner(:, :2) = body%mesh%coordinates(:, nodes(:2))
-            corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
-            if (nodes(3) > 0) corner(:, 3) = body%mesh%coordinates(:, nodes(3))
-            surface%arc_length(i) = begin
-            begin = begin + norm2(corner(:, 2) - corner(:, 1))
-            surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
-         end associate
-         surface%normal(:, :, i) = 0.0_dp
-         do k = 1, 3
-            place = surface%place(i, xi(k))
-            surface%normal(:, k, i) = place%outward()
-         end do
-      end do
-      call average_normals(surface, body%mesh%n_nodes)
-   end subroutine join_sides
-
-   !> Gives nodes between two sides the mean of their normals, unless these differ too much.
-   pure subroutine average_normals(surface, n_nodes)
-      type(surface_t), intent(inout) :: surface !! the surface, each side with its own normals
-      integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      ! Cosine of the angle from which on two sides make a corner: 40 degrees.
-      real(dp), parameter :: sharp = 0.766_dp
-      integer :: side_from(n_nodes), i, next
-      real(dp) :: mean(2)
-
-      side_from = 0
-      side_from(surface%side(1, :)) = [(i, i=1, surface%n_sides)]
-      do i = 1, surface%n_sides
-         next = side_from(surface%side(2, i))
-         if (next == 0) cycle
-         if (dot_product(surface%normal(:, 2, i), surface%normal(:, 1, next)) < sharp) then
-            surface%corner_node = surface%side(2, i)
-         else
-            mean = surface%normal(:, 2, i) + surface%normal(:, 1, next)
-            surface%normal(:, 2, i) = mean/norm2(mean)
-            surface%normal(:, 1, next) = surface%normal(:, 2, i)
-         end if
-      end do
-   end subroutine average_normals
-
-   !> Takes from the normals at both ends what a plane of symmetry cancels.
-   pure subroutine mirror_ends(surface, body)
-      type(surface_t), intent(inout) :: surface !! the surface
-      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       ! A direction at less than 60 degrees to the normal is held against the contact, not by symmetry.
       real(dp), parameter :: most = 0.5_dp
       logical :: is_free(2)
       real(dp) :: held(2)
       integer :: i, k
 
+      call body%mesh%set_sides(set, sides, error)
+      if (allocated(error)) return
+      call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
       allocate (surface%mirrored_node(0))
       do i = 1, surface%n_sides
          do k = 1, 2
@@ -183,7 +116,58 @@ contains
             end associate
          end do
       end do
-   end subroutine mirror_ends
+   end subroutine new_surface
+
+   !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry, too.
+   pure subroutine join_sides(surface, body, sides)
+      type(surface_t), intent(out) :: surface !! the surface
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer, intent(in) :: sides(:, :)
+         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
+      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
+      type(surface_place_t) :: place
+      real(dp) :: begin
+      integer :: i, k, side_from(body%mesh%n_nodes), next
+      ! Cosine of the angle from which on two sides make a corner: 40 degrees.
+      real(dp), parameter :: sharp = 0.766_dp
+      real(dp) :: mean(2)
+
+      surface%side = sides
+      surface%n_sides = size(sides, 2)
+      surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
+      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
+         surface%arc_length(surface%n_sides))
+      begin = 0.0_dp
+      do i = 1, surface%n_sides
+         associate (corner => surface%corner(:, :, i), nodes => surface%side(:3, i))
+            corner(:, :2) = body%mesh%coordinates(:, nodes(:2))
+            corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
+            if (nodes(3) > 0) corner(:, 3) = body%mesh%coordinates(:, nodes(3))
+            surface%arc_length(i) = begin
+            begin = begin + norm2(corner(:, 2) - corner(:, 1))
+            surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
+         end associate
+         surface%normal(:, :, i) = 0.0_dp
+         do k = 1, 3
+            place = surface%place(i, xi(k))
+            surface%normal(:, k, i) = place%outward()
+         end do
+      end do
+      ! Nodes between two sides have the mean of their normals, unless these differ too much.
+      side_from = 0
+      side_from(surface%side(1, :)) = [(i, i=1, surface%n_sides)]
+      do i = 1, surface%n_sides
+         next = side_from(surface%side(2, i))
+         if (next == 0) cycle
+         if (dot_product(surface%normal(:, 2, i), surface%normal(:, 1, next)) < sharp) then
+            surface%corner_node = surface%side(2, i)
+         else
+            mean = surface%normal(:, 2, i) + surface%normal(:, 1, next)
+            surface%normal(:, 2, i) = mean/norm2(mean)
+            surface%normal(:, 1, next) = surface%normal(:, 2, i)
+         end if
+      end do
+   end subroutine join_sides
 
    !> Whether a node that is held along a direction lies on a plane of symmetry: a node beside it lies there, too, and
    !> is held likewise.

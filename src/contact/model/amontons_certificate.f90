@@ -84,6 +84,8 @@ module amontons_certificate
       procedure :: violations => certificate_violations
    end type certificate_t
 
+   !> A larger violation is measured by what rounding leaves, too.
+   real(dp), parameter :: suspicious = 1.0e-10_dp
    !> The share of |K| |u| that the largest rounding errors are a negligible part of.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
 
@@ -132,7 +134,11 @@ contains
          call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
             springs)
          certificate%imbalance = relative(certificate%equilibrium, force_size)
-         certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
+         ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
+         ! not show in resultants and energy: a share of |K| |u| is a scale, too.
+         if (certificate%imbalance > suspicious) force_size = max(force_size, &
+            rounding_share*uncanceled_forces(body%mesh, body%materials, displacement))
+         certificate%equilibrium = relative(certificate%equilibrium, force_size)
          certificate%strain_energy = 0.5_dp*sums%internal_work
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
             - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
@@ -156,7 +162,6 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: missing !! work of the former less that of the latter and of the supports [F L]
       real(dp), intent(in) :: work !! the size of the works [F L]
-      real(dp), parameter :: suspicious = 1.0e-10_dp
       real(dp), allocatable :: travel(:, :)
       real(dp) :: of_travel, size_of_travel
 
@@ -204,21 +209,6 @@ contains
       end if
       scale = rounding_share*uncanceled
    end function resting_scale
-
-   !> An imbalance over the size of the forces; where that is too much, over a share of |K| |u| if this is larger: what
-   !> rounding leaves of displacements far larger than their differences is no imbalance, as long as it does not show in
-   !> resultants and energy.
-   real(dp) function relative_imbalance(imbalance, body, displacement, force_size) result(violation)
-      real(dp), intent(in) :: imbalance !! norm of the unbalanced forces [F]
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force_size !! size of the forces [F]
-      real(dp), parameter :: suspicious = 1.0e-10_dp
-
-      violation = relative(imbalance, force_size)
-      if (violation > suspicious) violation = relative(imbalance, max(force_size, &
-         rounding_share*uncanceled_forces(body%mesh, body%materials, displacement)))
-   end function relative_imbalance
 
    !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
    pure subroutine split_imbalance(constraints, reaction, imbalance)

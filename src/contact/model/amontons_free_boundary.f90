@@ -217,8 +217,9 @@ contains
    end function next_side
 
    !> Lists the places of an extended set that no contact force acts on: nodes beyond the set that supports leave free
-   !> along the normal, a corner for each of its normals.
-   pure subroutine find_free_places(extended, first, outline, constraints, side, corner)
+   !> along the normal, a corner for each of its normals. Makes room for them among the nodes of the free boundary.
+   pure subroutine find_free_places(boundary, extended, first, outline, constraints, side, corner)
+      class(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
       integer, intent(in) :: first !! the first side to look at; nodes of the set itself count, too
       type(outline_t), intent(in) :: outline !! the sides of the boundary
@@ -251,6 +252,7 @@ contains
       end associate
       side = side(:n)
       corner = corner(:n)
+      boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, n)]]
    end subroutine find_free_places
 
    !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
@@ -267,9 +269,8 @@ contains
       integer :: i, n
 
       call extend_set(extended, contact%set, outline, body)
-      call find_free_places(extended, extended%n_own + 1, outline, body%constraints, side, corner)
       n = size(self%nodes)
-      self%nodes = [self%nodes, [(free_node_t(), i=1, size(side))]]
+      call find_free_places(self, extended, extended%n_own + 1, outline, body%constraints, side, corner)
       do i = 1, size(side)
          associate (outward => extended%surface%normal(:, corner(i), side(i)))
             normal = outward
@@ -341,9 +342,8 @@ contains
       integer :: i, k, n, near_of
 
       near_of = 0
-      call find_free_places(extended, first, outline, constraints, side, corner)
       n = size(boundary%nodes)
-      boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, size(side))]]
+      call find_free_places(boundary, extended, first, outline, constraints, side, corner)
       do i = 1, size(side)
          if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, search)
          near_of = side(i)

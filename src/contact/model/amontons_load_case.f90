@@ -133,9 +133,11 @@ contains
       ! What rounding leaves of gaps of surfaces that touch, over the coordinates: as an overlap it would press bodies
       ! that nothing presses.
       real(dp), parameter :: noise = 1.0e-14_dp
-      real(dp) :: corners(2, 2), size_of_body
-      integer :: p, i
+      real(dp) :: corners(2, 2), size_of_body, extent
+      integer :: p, i, q
       character(:), allocatable :: hint
+      real(dp) :: gap, cosine
+      logical :: is_met
 
       load_case%contacts = contacts
       corners(:, 1) = minval(mesh%coordinates, dim=2)
@@ -150,11 +152,37 @@ contains
       load_case%cosine = spread(1.0_dp, 1, zone%n_points)
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
-         call measure_point(load_case, zone, p, contacts(zone%set(p)))
+         associate (quadrature => zone%quadrature, contact => contacts(zone%set(p)))
+            do q = quadrature%start(p), quadrature%start(p + 1) - 1
+               associate (position => quadrature%position(:, q), share => quadrature%share(q))
+                  if (contact%pairing%is_pair()) then
+                     gap = merge(quadrature%gap(q), 0.0_dp, contact%pairing%has_mesh_gap())
+                     is_met = .true.
+                     cosine = 1.0_dp
+                  else
+                     call contact%obstacle%measure(position, quadrature%normal(:, q), gap, is_met, cosine)
+                     ! A given direction must lead out of the body.
+                     is_met = is_met .and. quadrature%outward(q) >= steepest_cosine
+                  end if
+                  if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
+                  load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
+                  load_case%cosine(p) = min(load_case%cosine(p), cosine)
+                  load_case%gap(p) = load_case%gap(p) + share*gap
+                  load_case%friction(p) = load_case%friction(p) &
+                     + share*contact%friction%at(position, quadrature%arc_length(q))
+                  load_case%slip_bound(p) = load_case%slip_bound(p) &
+                     + share*contact%slip_bound%at(position, quadrature%arc_length(q))*zone%area(p)
+               end associate
+            end do
+         end associate
+         load_case%gap(p) = load_case%gap(p) + contacts(zone%set(p))%extra_gap
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (contacts(zone%set(p))%pairing%is_pair()) load_case%gap(p) = merge(load_case%gap(p), 0.0_dp, &
             abs(load_case%gap(p)) > noise*maxval(abs(corners)))
-         if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
+         ! That of the box around the body, behind the point.
+         extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(:, p), &
+            (zone%position(:, p) - corners(:, 2))*zone%normal(:, p)))
+         if (-load_case%gap(p) > (1.0_dp + rounding)*extent) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
                to_text(-load_case%gap(p))//' at '//place_text(zone%position(:, p))// &
                ', more than its own depth there; check point, normal and extra_gap of the obstacle')
@@ -173,51 +201,6 @@ contains
          return
       end do
    end subroutine set_obstacles
-
-   !> Sets gap, friction and slip bound of a point, and whether its normal meets the obstacle.
-   pure subroutine measure_point(load_case, zone, p, contact)
-      type(load_case_t), intent(inout) :: load_case !! the load case
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, intent(in) :: p !! number of the point
-      type(contact_t), intent(in) :: contact !! its contact set
-      real(dp) :: gap, cosine
-      logical :: is_met
-      integer :: i
-
-      associate (quadrature => zone%quadrature)
-         do i = quadrature%start(p), quadrature%start(p + 1) - 1
-            associate (position => quadrature%position(:, i), share => quadrature%share(i))
-               if (contact%pairing%is_pair()) then
-                  gap = merge(quadrature%gap(i), 0.0_dp, contact%pairing%has_mesh_gap())
-                  is_met = .true.
-                  cosine = 1.0_dp
-               else
-                  call contact%obstacle%measure(position, quadrature%normal(:, i), gap, is_met, cosine)
-                  ! A given direction must lead out of the body.
-                  is_met = is_met .and. quadrature%outward(i) >= steepest_cosine
-               end if
-               if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
-               load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
-               load_case%cosine(p) = min(load_case%cosine(p), cosine)
-               load_case%gap(p) = load_case%gap(p) + share*gap
-               load_case%friction(p) = load_case%friction(p) &
-                  + share*contact%friction%at(position, quadrature%arc_length(i))
-               load_case%slip_bound(p) = load_case%slip_bound(p) &
-                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%area(p)
-            end associate
-         end do
-      end associate
-      load_case%gap(p) = load_case%gap(p) + contact%extra_gap
-   end subroutine measure_point
-
-   !> How far a body reaches behind a point against a direction, at most: that of the box around it [L].
-   pure real(dp) function extent(corners, position, direction)
-      real(dp), intent(in) :: corners(2, 2) !! lower and upper corner of the box (2, 2) [L]
-      real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
-
-      extent = sum(max((position - corners(:, 1))*direction, (position - corners(:, 2))*direction))
-   end function extent
 
    !> Condenses the loads of a case, prescribed displacements and thermal strains included.
    subroutine condense_load_case(load_case, body)

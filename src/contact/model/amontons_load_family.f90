@@ -108,6 +108,7 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
       type(parting_t), intent(in) :: parting !! what belongs to which part
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
+      real(dp) :: prescribed(2*body%zone%n_points)
       integer :: k, p
 
       family%parting = parting
@@ -123,7 +124,8 @@ contains
          if (allocated(error)) return
          family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
          family%has_displacement(k) = any(abs(family%parts(k)%prescribed) > 0.0_dp)
-         family%prescribed(:, k) = first_half(body%zone%rows%displacement(family%parts(k)%prescribed))
+         prescribed = body%zone%rows%displacement(family%parts(k)%prescribed)
+         family%prescribed(:, k) = prescribed(:body%zone%n_points)
       end do
       allocate (family%friction(body%zone%n_points, parting%n_parts), source=0.0_dp)
       do p = 1, body%zone%n_points
@@ -137,14 +139,6 @@ contains
          end if
       end do
    end subroutine new_load_family
-
-   !> The normal displacements of (u_N; u_T).
-   pure function first_half(v) result(normal)
-      real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
-      real(dp) :: normal(size(v)/2)
-
-      normal = v(:size(normal))
-   end function first_half
 
    !> Sums the loads and the prescribed displacements of a part. Where one part has a thermal strain, all have one.
    subroutine fill_part(part, number, body, load_case, parting, error)
@@ -199,7 +193,11 @@ contains
          associate (part => self%parts(k))
             call condense_load_case(part, body)
             self%load(:, k) = part%condensed%load
-            self%largest(k) = max(maxval(abs(part%prescribed)), free_expansion(part, body%mesh))
+            self%largest(k) = maxval(abs(part%prescribed))
+            ! How far the body would expand at most, if it were all as hot as at its hottest place.
+            if (allocated(part%thermal_strain)) self%largest(k) = max(self%largest(k), &
+               maxval(abs(part%thermal_strain))*maxval(maxval(body%mesh%coordinates, dim=2) &
+               - minval(body%mesh%coordinates, dim=2)))
             ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a
             ! cell, becomes a load.
             slip = prescribed_slip(body, part)
@@ -209,16 +207,6 @@ contains
          self%load(:, k) = self%load(:, k) + from_slip
       end do
    end subroutine load_family_condense
-
-   !> How far the body would expand at most, if it were all as hot as at its hottest place [L].
-   pure real(dp) function free_expansion(part, mesh) result(expansion)
-      type(load_case_t), intent(in) :: part !! the part
-      type(mesh_t), intent(in) :: mesh !! the mesh
-
-      expansion = 0.0_dp
-      if (allocated(part%thermal_strain)) expansion = maxval(abs(part%thermal_strain)) &
-         *maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
-   end function free_expansion
 
    !> The member whose factors are all 1, its obstacles at their places.
    pure subroutine load_family_at_rest(self, acting)

@@ -51,12 +51,18 @@ contains
       ! Cholesky factors of so many rows take about a second together.
       integer, parameter :: most_points = 500
       real(dp) :: ratio(problem%n_points)
+      logical :: is_known
 
       ratio = problem%friction
       if (.not. any(ratio > 0.0_dp)) ratio = 1.0_dp
       uniqueness%ratio = ratio/maxval(ratio)
       uniqueness%has_slip_bound = problem%slip_bound > 0.0_dp
-      if (serves(known, uniqueness)) then
+      is_known = present(known)
+      if (is_known) is_known = allocated(known%ratio)
+      if (is_known) is_known = size(known%ratio) == problem%n_points
+      if (is_known) is_known = all(abs(known%ratio - uniqueness%ratio) <= 0.0_dp) &
+         .and. all(known%has_slip_bound .eqv. uniqueness%has_slip_bound)
+      if (is_known) then
          uniqueness = known
       else if (problem%n_points > 0 .and. problem%n_points <= most_points) then
          call bound_friction(uniqueness, problem)
@@ -66,18 +72,6 @@ contains
       if (uniqueness%has_bound) uniqueness%is_unique = uniqueness%is_unique .or. uniqueness%is_for_any &
          .or. maxval(problem%friction) < uniqueness%friction
    end subroutine new_uniqueness
-
-   !> Whether a bound of the same body is that of the ratios of another one.
-   pure logical function serves(known, wanted)
-      type(uniqueness_t), intent(in), optional :: known !! the bound, or none
-      type(uniqueness_t), intent(in) :: wanted !! the ratios of the other
-
-      serves = present(known)
-      if (serves) serves = allocated(known%ratio)
-      if (serves) serves = size(known%ratio) == size(wanted%ratio)
-      if (serves) serves = all(abs(known%ratio - wanted%ratio) <= 0.0_dp) &
-         .and. all(known%has_slip_bound .eqv. wanted%has_slip_bound)
-   end function serves
 
    !> Finds the exact bound where there are few points, else the estimate.
    subroutine bound_friction(uniqueness, problem)
@@ -194,26 +188,13 @@ contains
       real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
       type(coupling_t) :: coupling
       real(dp) :: gamma
-      logical :: is_definite
-
-      bound = 0.0_dp
-      call new_coupling(coupling, s, is_definite)
-      if (.not. is_definite) return
-      gamma = sqrt(largest_eigenvalue(transformed(coupling%factor, coupling%difference)))
-      gamma = max(gamma, rounding)
-      bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
-   end function estimated_bound
-
-   !> Takes the blocks of a stiffness and eliminates the normal displacements.
-   pure subroutine new_coupling(coupling, s, is_definite)
-      type(coupling_t), intent(out) :: coupling !! the blocks
-      real(dp), intent(in) :: s(:, :) !! S (2m, 2m) [-]
-      logical, intent(out) :: is_definite !! whether S_T is positive definite beyond rounding
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
       real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :)
       integer :: i, info, m
 
+      bound = 0.0_dp
+      ! The normal displacements are eliminated.
       m = size(s, 1)/2
       coupling%normal = s(:m, :m)
       factor = coupling%normal
@@ -221,8 +202,7 @@ contains
          factor(i, i) = (1.0_dp + hold)*factor(i, i)
       end do
       call cholesky_factor(factor, info)
-      is_definite = info == 0
-      if (.not. is_definite) return
+      if (info /= 0) return
       cross = s(:m, m + 1:)
       mixed = cross
       call cholesky_solve(factor, mixed)
@@ -230,10 +210,16 @@ contains
       call transposed_product(cross, mixed, coupling%difference)
       coupling%factor = s(m + 1:, m + 1:) - coupling%difference
       call cholesky_factor(coupling%factor, info)
-      is_definite = info == 0
-      if (.not. is_definite) return
-      is_definite = all([(coupling%factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])
-   end subroutine new_coupling
+      if (info /= 0) return
+      if (.not. all([(coupling%factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])) return
+      ! L^-1 X L^-T of the difference X
+      call triangular_solve(coupling%factor, coupling%difference)
+      coupling%difference = transpose(coupling%difference)
+      call triangular_solve(coupling%factor, coupling%difference)
+      gamma = sqrt(largest_eigenvalue(coupling%difference))
+      gamma = max(gamma, rounding)
+      bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
+   end function estimated_bound
 
    !> The number kappa: the square root of the product of the largest eigenvalues of D A_22 D and of
    !> D^-1 Phi S_11 Phi D^-1, A_22 = G^-1, on the points with friction. The diagonal D balances the two.
@@ -256,18 +242,6 @@ contains
       end associate
       gain = sqrt(largest_eigenvalue(compliance)*largest_eigenvalue(stiffness))
    end function friction_gain
-
-   !> The matrix L^-1 X L^-T of a symmetric X.
-   pure function transformed(l, x) result(y)
-      real(dp), intent(in) :: l(:, :) !! L in the lower triangle (n, n)
-      real(dp), intent(in) :: x(:, :) !! X (n, n)
-      real(dp), allocatable :: y(:, :)
-
-      y = x
-      call triangular_solve(l, y)
-      y = transpose(y)
-      call triangular_solve(l, y)
-   end function transformed
 
    !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue
    !> is larger. Power iterations tell where to look.
