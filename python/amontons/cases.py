@@ -113,8 +113,12 @@ class Case:
 
     def groups(self, name: str) -> list[dict[str, Any]]:
         """The groups of a name in its deck."""
-        text = Path(self.path + ".deck.nml").read_text(encoding="utf-8")
-        return [keys for group, keys in read_deck(text) if group == name]
+        return [keys for group, keys in self.deck if group == name]
+
+    @cached_property
+    def deck(self) -> list[tuple[str, dict[str, Any]]]:
+        """The groups of its effective deck."""
+        return read_deck(Path(self.path + ".deck.nml").read_text(encoding="utf-8"))
 
     def table(self, name: str) -> list[dict[str, str]]:
         """The rows of a table, NAME.contact.csv or NAME.sweep.csv."""

@@ -20,21 +20,23 @@ LARGE_GAP = 6    # times the median gap of the open points: the others would be 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A contact set along the contact line."""
+    """A contact set along the contact line, or a piece of it where it has holes."""
     points: Array  # its contact points, in order
     place: Array   # their places on the abscissa of the panels [L]
     length: Array  # their lengths along the line, one set behind the other [L]
 
 
 def stretches(line: Grid, abscissa: str = "s") -> list[Stretch]:
-    """The contact sets of a line, one behind the other."""
+    """The contact sets of a line in their pieces, one behind the other."""
     result, start = [], 0.0
+    joined = {tuple(sorted(ends)) for kind, cells in line.cells if kind == "line" for ends in cells.tolist()}
     for number in np.unique(line.point_data["set"]):
         points = np.flatnonzero(line.point_data["set"] == number)
         steps = np.linalg.norm(np.diff(line.points[points], axis=0), axis=1)
         length = start + np.concatenate([[0.0], np.cumsum(steps)])
         place = length if abscissa == "s" else line.points[points, ABSCISSAS.index(abscissa) - 1]
-        result.append(Stretch(points, place, length))
+        holes = [i for i, ends in enumerate(zip(points[:-1], points[1:]), 1) if tuple(sorted(ends)) not in joined]
+        result += [Stretch(*piece) for piece in zip(*(np.split(one, holes) for one in (points, place, length)))]
         start = length[-1] + 0.05 * max(length[-1], 1e-300)
     return result
 
@@ -53,6 +55,12 @@ def closed_part(line: Grid, sets: list[Stretch]) -> list[Stretch]:
     inside = [(one.length >= first) & (one.length <= last) for one in sets]
     return [Stretch(one.points[here], one.place[here], one.length[here])
             for one, here in zip(sets, inside) if here.any()]
+
+
+def closed_zone(line: Grid, sets: list[Stretch]) -> list[Stretch]:
+    """Of the set with the largest pressure, where it is closed and somewhat more, if that is a small part of it."""
+    number = line.point_data["set"][np.argmax(line.point_data["contact_pressure"])]
+    return closed_part(line, [one for one in sets if line.point_data["set"][one.points[0]] == number])
 
 
 def points_of(sets: list[Stretch]) -> Array:

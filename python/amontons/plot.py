@@ -21,8 +21,8 @@ from matplotlib.figure import Figure
 from amontons.cases import Case, CaseFault, find_cases
 from amontons.commands import Parser
 from amontons.draw_body import draw_body, draw_detail
-from amontons.draw_line import (ABSCISSAS, Stretch, abscissa_label, closed_part, draw_gap, draw_history, draw_slip,
-                                draw_stress, points_of, stretches)
+from amontons.draw_line import (ABSCISSAS, Stretch, abscissa_label, closed_part, closed_zone, draw_gap, draw_history,
+                                draw_slip, draw_stress, points_of, stretches)
 from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
 from amontons.grid import Array
@@ -46,12 +46,16 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def has_detail(case: Case, sets: list[Stretch], shown: list[Stretch]) -> bool:
-    """Whether the contact points that are shown are a small part of their line or of the body."""
+def has_detail(case: Case, sets: list[Stretch], zone: list[Stretch]) -> bool:
+    """Whether the closed zone is a small part of its contact set or of the body."""
     def extent(points: Array) -> float:
         return float(np.ptp(points[:, :2], axis=0).max())
-    width = extent(case.line.points[points_of(shown)]) if shown else 0.0
-    return width > 0.0 and (shown is not sets or width < DETAIL * extent(case.mesh.points))
+    if not sets:
+        return False
+    points, numbers = points_of(zone), case.line.point_data["set"]
+    width = extent(case.line.points[points])
+    is_part = len(points) < np.sum(numbers == numbers[points[0]])
+    return width > 0.0 and bool(is_part or width < DETAIL * extent(case.mesh.points))
 
 
 def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field: str = FIELD,
@@ -59,7 +63,8 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
     """A figure of a body with the panels named, those of the body on the left."""
     sets = stretches(case.line, abscissa)
     shown = closed_part(case.line, sets) if sets else sets
-    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, shown))]
+    zone = closed_zone(case.line, sets) if sets else sets
+    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, zone))]
     right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
     columns = [column for column in (left, right) if column]
     if not columns:
@@ -73,7 +78,7 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
             if name == "body":
                 draw_body(axes[name], case, field, scale)
             elif name == "detail":
-                draw_detail(axes[name], case, field, points_of(shown), scale)
+                draw_detail(axes[name], case, field, points_of(zone), scale)
             elif name == "history":
                 draw_history(axes[name], case)
         draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown,

@@ -1,4 +1,5 @@
-// Sorts the table of cases by any of their numbers; the one sorted by is shown in the last column.
+// Sorts the table of cases by any of their numbers; the one sorted by is shown in the last column. Shows the cases that
+// a search finds, and draws one number of theirs over another.
 "use strict";
 const results = JSON.parse(document.getElementById("results").textContent);
 const table = document.querySelector(".cases"), body = table.tBodies[0];
@@ -43,3 +44,87 @@ for (const head of table.querySelectorAll("th[data-key] button")) {
   });
 }
 sort();
+
+const searched = document.getElementById("find"), count = document.getElementById("count");
+const sections = new Map([...document.querySelectorAll("section[data-case]")].map(one => [one.dataset.case, one]));
+const texts = rows.map(item => [item.row.textContent, ...Object.entries(item.values).map(([key, value]) =>
+  `${results.labels[key]} ${text(value)}`)].join(" ").toLowerCase());
+
+function find() {
+  const words = searched.value.toLowerCase().split(/\s+/).filter(Boolean);
+  let found = 0;
+  for (const item of rows) {
+    const isFound = words.every(word => texts[item.place].includes(word));
+    item.row.hidden = !isFound;
+    const section = sections.get(item.values.case);
+    if (section) section.hidden = !isFound;
+    found += isFound;
+  }
+  count.textContent = words.length ? `${found} of ${rows.length}` : "";
+  draw();
+}
+
+const over = document.getElementById("over"), drawn = document.getElementById("drawn");
+const chart = document.getElementById("chart");
+
+// Round numbers that divide a range into about five parts, and the range that they span.
+function scale(values) {
+  const low = Math.min(...values), high = Math.max(...values), width = high - low || Math.abs(low) || 1;
+  const power = 10 ** Math.floor(Math.log10(width / 5));
+  const step = power * [1, 2, 5, 10].find(one => one * power >= width / 5);
+  const first = Math.floor((high > low ? low : low - width / 2) / step);
+  const last = Math.max(first + 1, Math.ceil((high > low ? high : high + width / 2) / step));
+  const ticks = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+  return { ticks, at: value => (value - ticks[0]) / (ticks[ticks.length - 1] - ticks[0]) };
+}
+
+function add(name, attributes, content, parent = chart) {
+  const element = document.createElementNS(chart.namespaceURI, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (content) element.textContent = content;
+  parent.append(element);
+  return element;
+}
+
+function draw() {
+  if (!chart) return;
+  chart.replaceChildren();
+  const known = value => typeof value === "number";
+  const shown = rows.filter(item => !item.row.hidden && known(item.values[over.value]) &&
+    known(item.values[drawn.value]));
+  if (!shown.length) return;
+  // One unit is one pixel, so that the texts have one size on a desk and on a phone.
+  const width = Math.max(280, chart.clientWidth), height = Math.min(360, 0.75 * width);
+  const left = 76, bottom = 46, right = 30, top = 14;
+  chart.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  const x = scale(shown.map(item => item.values[over.value])), y = scale(shown.map(item => item.values[drawn.value]));
+  const across = value => left + x.at(value) * (width - left - right);
+  const up = value => height - bottom - y.at(value) * (height - bottom - top);
+  for (const tick of x.ticks) {
+    add("line", { x1: across(tick), x2: across(tick), y1: top, y2: height - bottom, class: "grid" });
+    add("text", { x: across(tick), y: height - bottom + 16, "text-anchor": "middle" }, text(tick));
+  }
+  for (const tick of y.ticks) {
+    add("line", { x1: left, x2: width - right, y1: up(tick), y2: up(tick), class: "grid" });
+    add("text", { x: left - 6, y: up(tick) + 4, "text-anchor": "end" }, text(tick));
+  }
+  add("text", { x: (left + width - right) / 2, y: height - 8, "text-anchor": "middle" }, results.labels[over.value]);
+  add("text", { transform: `translate(14 ${(top + height - bottom) / 2}) rotate(-90)`, "text-anchor": "middle" },
+    results.labels[drawn.value]);
+  for (const item of shown) {
+    const link = add("a", { href: `#${item.values.case}` });
+    const place = { cx: across(item.values[over.value]), cy: up(item.values[drawn.value]), r: 4 };
+    const point = add("circle", { ...place, class: results.colors[item.values.verdict] }, "", link);
+    add("title", {}, `${item.values.case}: ${text(item.values[over.value])}, ${text(item.values[drawn.value])}`, point);
+  }
+}
+
+if (chart) {
+  over.value = results.chart[0];
+  drawn.value = results.chart[1];
+  over.addEventListener("change", draw);
+  drawn.addEventListener("change", draw);
+  addEventListener("resize", draw);
+}
+searched.addEventListener("input", find);
+find();

@@ -1,5 +1,6 @@
-"""Makes one page of a folder of solved cases: a table that sorts by any key result, and of each case its verdict,
-warnings, pictures, files and deck; decks that failed, with their messages. The page needs nothing beside it."""
+"""Makes one page of a folder of solved cases: a table that sorts by any key result or key of the decks and can be
+searched, a chart of any two of them, and of each case its verdict, warnings, pictures, files and deck; decks that
+failed, with their messages. The page needs nothing beside it."""
 from __future__ import annotations
 
 import csv
@@ -9,10 +10,11 @@ import json
 import os
 import sys
 import urllib.parse
+from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any, Optional
+from typing import Any, Union
 
 import matplotlib
 
@@ -27,8 +29,11 @@ PARTS = ("lengths", "resultants", "counts")
 FILES = (".lst", ".contact.csv", ".sweep.csv", ".history.csv", ".points.csv", ".summary.json", ".vtu", ".contact.vtu",
          ".sweep.pvd", ".history.pvd", ".deck.nml")
 FAILED = ("refused", "numerical_failure", "system_failure", "interrupted")  # outcomes that leave no results
-SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "slip_length",
-         "stick_length", "normal_force", "residual")
+SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "contact_width_1",
+         "contact_width_2", "contact_width_3", "slip_length", "stick_length", "normal_force", "residual")
+NAMES = ("case.name", "case.title")  # keys that say nothing of the body
+LONGEST_LIST = 4  # values: the first of a longer list are taken
+MOST_SHOWN = 4  # keys of the decks in the table; it sorts and draws by the others, too
 
 
 def numbers_of(case: Case) -> dict[str, Any]:
@@ -40,6 +45,28 @@ def numbers_of(case: Case) -> dict[str, Any]:
     found.update({key: summary[key] for key in ("iterations", "residual") if key in summary})
     found["seconds"] = summary["seconds"]["total"]
     return found
+
+
+def varied_keys(cases: list[Case]) -> list[dict[str, Any]]:
+    """The keys that decks differ in, with their values in the deck of each case: numbers and words, those of a list one
+    by one. Groups that some deck has more than once are numbered."""
+    found: list[dict[str, Any]] = []
+    decks = [case.deck for case in cases]
+    repeated = {name for deck in decks for name, count in Counter(name for name, _ in deck).items() if count > 1}
+    for deck in decks:
+        numbers: Counter[str] = Counter()
+        values: dict[str, Any] = {}
+        for name, keys in deck:
+            numbers[name] += 1
+            group = f"{name}({numbers[name]})" if name in repeated else name
+            for key, value in keys.items():
+                parts = value if isinstance(value, list) else [value]
+                values.update({f"{group}.{key}" + f"({i})" * (len(parts) > 1): Path(one).name if key == "file" else one
+                               for i, one in enumerate(parts[:LONGEST_LIST], start=1)})
+        found.append({key: value for key, value in values.items() if key not in NAMES})
+    keys = dict.fromkeys(key for values in found for key in values)
+    varied = [key for key in keys if len({values.get(key) for values in found}) > 1]
+    return [{key: values[key] for key in varied if key in values} for values in found]
 
 
 def words_of(key: str) -> str:
@@ -60,22 +87,30 @@ def units_of(cases: list[Case]) -> str:
     return named.pop() if len(named) == 1 else ""
 
 
-def cell_text(value: Optional[float]) -> str:
-    """A number in a table."""
+def cell_text(value: Union[float, str, None]) -> str:
+    """A number in a table, or a word."""
     if value is None:
         return "–"
+    if isinstance(value, str):
+        return html.escape(value)
     return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else scientific(value)
 
 
 def table_of(cases: list[Case], smalls: list[str]) -> str:
-    """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
-    numbers = [numbers_of(case) for case in cases]
-    keys = list(dict.fromkeys(key for found in numbers for key in found))
-    labels = {"case": "case", "verdict": "verdict", **{key: heading_of(key, cases) for key in keys}}
-    shown = [key for key in SHOWN if key in keys]
+    """The table of all cases, what chooses its rows and their order, the chart, and the numbers of all these."""
+    varied = varied_keys(cases)
+    # What has most values first: sizes of a study before what sets one case apart.
+    inputs = sorted(dict.fromkeys(key for found in varied for key in found),
+                    key=lambda key: -len({found.get(key) for found in varied}))
+    numbers = [{**given, **numbers_of(case)} for given, case in zip(varied, cases)]
+    keys = list(dict.fromkeys(key for found in numbers for key in found if key not in inputs))
+    labels = {"case": "case", "verdict": "verdict", **{key: key.replace(".", " ") for key in inputs},
+              **{key: heading_of(key, cases) for key in keys}}
+    common = [key for key in (*inputs, *SHOWN) if 2 * sum(key in found for found in numbers) > len(cases)]
+    shown = [key for key in common if key in inputs][:MOST_SHOWN] + [key for key in common if key not in inputs]
     choice = "".join(f'<option value="{html.escape(key)}">{html.escape(label)}</option>'
                      for key, label in labels.items())
-    head = "".join(f'<th data-key="{key}"{class_name}><button>{html.escape(labels[key])}</button></th>'
+    head = "".join(f'<th data-key="{html.escape(key)}"{class_name}><button>{html.escape(labels[key])}</button></th>'
                    for key, class_name in [("case", ' class="name"'), ("verdict", ""), *[(key, "") for key in shown]])
     body, values = "", []
     for case, small, found in zip(cases, smalls, numbers):
@@ -87,11 +122,22 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
                  f'<span class="title">{title}</span></td><td class="mark {color}">{color}</td>{cells}'
                  "<td hidden></td></tr>\n")
         values.append({"case": case.summary["case"], "verdict": COLORS.index(color), **found})
-    data = json.dumps({"labels": labels, "cases": values}).replace("<", "\\u003c")
-    return f"""<div class="tools"><label>Sort by <select id="by">{choice}</select></label>
+    measured = [key for key in labels if key not in ("case", "verdict")
+                and any(isinstance(found.get(key), (int, float)) for found in numbers)]
+    results = [key for key in (*SHOWN, *keys) if key in measured]
+    over = next((key for key in (*common, *inputs) if key in inputs and key in measured), measured[-1])
+    data = json.dumps({"labels": labels, "cases": values, "colors": COLORS,
+                       "chart": [over, results[0]]}).replace("<", "\\u003c")
+    axes = "".join(f'<option value="{html.escape(key)}">{html.escape(labels[key])}</option>' for key in measured)
+    chart = f"""<details class="chart" open><summary>Chart</summary><div class="tools">
+<label>Over <select id="over">{axes}</select></label> <label>draw <select id="drawn">{axes}</select></label></div>
+<svg id="chart" viewBox="0 0 720 360" role="img" aria-label="chart of the cases"></svg></details>
+""" if len(cases) > 1 else ""
+    return f"""<div class="tools"><label>Search <input type="search" id="find" placeholder="name, title, value"></label>
+<span id="count" role="status"></span><label>Sort by <select id="by">{choice}</select></label>
 <label><input type="checkbox" id="down"> largest first</label></div>
-<table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
-{body}</tbody></table>
+{chart}<div class="wide"><table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
+{body}</tbody></table></div>
 <script type="application/json" id="results">{data}</script>
 """
 
@@ -156,7 +202,7 @@ def section_of(case: Case, pictures: list[str]) -> str:
     files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in FILES
                       if Path(case.path + ending).exists())
     is_one = ' one' if len(pictures) == 1 else ''
-    return f"""<section><h2 id="{name}">{name}{": " + title if title else ""}</h2>
+    return f"""<section data-case="{name}"><h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b><span>{html.escape(sentence)}</span></p>
 {warnings}<p>{size_of(summary)}. Method {summary["method"]}, {counted(summary["iterations"], "iteration")}.</p>
 {key_results_of(case)}<div class="figures{is_one}">{"".join(f"<div>{picture}</div>" for picture in pictures)}</div>

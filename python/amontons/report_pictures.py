@@ -13,7 +13,7 @@ from matplotlib.ticker import AutoLocator, ScalarFormatter
 from amontons import plot
 from amontons.cases import Case
 from amontons.draw_body import draw_detail, draw_scene
-from amontons.draw_line import Stretch, abscissa_label, closed_part, draw_history, points_of, stretches
+from amontons.draw_line import Stretch, abscissa_label, closed_part, closed_zone, draw_history, points_of, stretches
 from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
 from amontons.inline_svg import STYLE, inline_svg, thumbnail
@@ -54,9 +54,10 @@ def _body(case: Case, name: str, label: str) -> Iterator[str]:
     yield sheet.picture(f"{name}b", f"{label}: body", image + texts)
     if sets:
         yield _line(case, shown, abscissa_label(case, "s", shown, sets), f"{name}l", f"{label}: contact line")
-    if plot.has_detail(case, sets, shown):
+    zone = closed_zone(case.line, sets) if sets else sets
+    if plot.has_detail(case, sets, zone):
         sheet = _sheet((2.4,), **DETAIL)
-        draw_detail(sheet.axes[0], case, plot.FIELD, points_of(shown), has_lines=False)
+        draw_detail(sheet.axes[0], case, plot.FIELD, points_of(zone), has_lines=False)
         box = Box(sheet.axes[0], sheet.size)
         texts = box.frame()
         yield sheet.picture(f"{name}d", f"{label}: closed zone", box.image(f"{name}di")[0] + texts)

@@ -17,6 +17,11 @@ try:
     import matplotlib
 except ImportError:
     matplotlib = None
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
+if matplotlib:
+    import numpy as np
+    from amontons.draw_line import closed_zone, points_of, stretches
+    from amontons.grid import Grid
 
 ROOT = Path(__file__).resolve().parents[2]
 BROWSER = shutil.which("chromium")
@@ -152,6 +157,16 @@ class Pictures(ProgramTest):
         self.assertIn("Of 6 cases, 2 have no equilibrium", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 
+    def test_widths_of_every_contact_set_are_in_the_table(self):
+        right = "contact set = 'right'  friction = 0.2  point = 4.0, 0.0  normal = -1.0, 0.0"
+        for name in ("one", "two"):
+            self.write(f"{name}.nml", block(SUPPORT, PRESSURE, CONTACT, right))
+        self.run_program("--quiet", "--output", "sets", "one.nml", "two.nml")
+        self.script("report", "sets")
+        page = (self.directory / "sets" / "report.html").read_text(encoding="utf-8")
+        for number in (1, 2):
+            self.assertEqual(page.count(f'data-label="contact width {number}"'), 2)
+
     def test_warnings_are_amber(self):
         self.write("rough.nml", block(SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 2.5"))
         self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
@@ -215,6 +230,12 @@ class Pictures(ProgramTest):
         for i, row in enumerate(rows):
             self.assertAlmostEqual(row["normal_force"], 4.0*(i + 1), delta=1e-6)
         self.assertLessEqual({"slip_length", "contact_points", "residual", "seconds"}, {*results["labels"]})
+        # What the decks differ in is in the table, and first over which the chart draws.
+        labels = results["labels"]
+        self.assertEqual([key for key in labels if "." in key], ["load.pressure", "contact.friction"])
+        self.assertEqual([row["contact.friction"] for row in rows], [round(0.02*(7*i % 9), 12) for i in range(9)])
+        self.assertEqual(results["chart"], ["load.pressure", "max_contact_pressure"])
+        self.assertEqual(page.count('data-label="contact friction"'), 9)
         # Every identifier is there once: of pictures drawn side by side, too.
         names = re.findall(r' id="([^"]*)"', page)
         self.assertEqual(len(names), len(set(names)))
@@ -283,6 +304,26 @@ class Pictures(ProgramTest):
         self.script("plot", "block")
         self.assertIn(">closed zone, displacements ", (self.directory / "block.svg").read_text(encoding="utf-8"))
 
+    def test_a_line_ends_where_the_set_has_a_hole(self):
+        line = Grid(np.array([[x, 0.0, 0.0] for x in (0.0, 0.5, 1.0, 3.0, 3.5, 4.0)]),
+                    [("line", np.array([[0, 1], [1, 2], [3, 4], [4, 5]]))],
+                    {"set": np.ones(6), "status": np.full(6, 2), "contact_pressure": np.ones(6)}, {})
+        pieces = stretches(line)
+        self.assertEqual([list(piece.points) for piece in pieces], [[0, 1, 2], [3, 4, 5]])
+        # The hole counts along the line.
+        self.assertEqual([list(piece.length) for piece in pieces], [[0.0, 0.5, 1.0], [3.0, 3.5, 4.0]])
+
+    def test_the_closed_zone_is_that_of_the_set_with_the_largest_pressure(self):
+        places = [(0.1*i, 0.0, 0.0) for i in range(11)] + [(5.0 + 0.1*i, 3.0, 0.0) for i in range(11)]
+        status, pressure = np.ones(22), np.zeros(22)
+        status[[3, 4, 14, 15]], pressure[[3, 4, 14, 15]] = 2, [1.0, 1.0, 2.0, 3.0]
+        cells = np.array([[i, i + 1] for i in range(21) if i != 10])
+        line = Grid(np.array(places), [("line", cells)], {"set": np.repeat([1, 2], 11), "status": status,
+                                                          "contact_pressure": pressure}, {})
+        sets = stretches(line)
+        zone = points_of(closed_zone(line, sets))
+        self.assertTrue(set(zone) <= set(range(11, 22)) and {14, 15} <= set(zone), zone)
+
     def test_large_displacements_are_drawn_as_they_are(self):
         # A fourth of the block's height; a twelfth of its width is what smaller ones are magnified to.
         self.write("block.nml", block("support set = 'top'  ux = 0.0  uy = -0.5", CONTACT))
@@ -300,11 +341,18 @@ class Pictures(ProgramTest):
             const heads = document.querySelectorAll('th button'), pictures = document.querySelectorAll('.figures svg');
             const names = () => [...document.querySelectorAll('td.name a')].map(cell => cell.textContent).join();
             heads[0].click(); const first = names(); heads[0].click(); const second = names();
-            parent.document.title = [first, second, pictures.length, [...pictures].every(picture =>
+            const search = document.getElementById('find');
+            const dots = () => document.querySelectorAll('#chart circle').length;
+            const seen = word => { search.value = word; search.dispatchEvent(new Event('input'));
+               return [[...document.querySelectorAll('.cases tbody tr')].filter(row => row.offsetHeight > 0).length,
+                  [...document.querySelectorAll('section')].filter(one => !one.hidden).length, dots()].join('/'); };
+            const found = [seen('only'), seen('no such case'), seen('')].join(' ');
+            parent.document.title = [first, second, found, pictures.length, [...pictures].every(picture =>
                picture.getBBox().width > 100), document.documentElement.scrollWidth > innerWidth,
                getComputedStyle(document.body).backgroundColor].join(' | ') })</script>"""
         page.with_name("probe.html").write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
-        expected = "two,it's &lt;one&gt; &amp; only | it's &lt;one&gt; &amp; only,two | 5 | true | false | rgb"
+        expected = ("two,it's &lt;one&gt; &amp; only | it's &lt;one&gt; &amp; only,two | 1/1/1 0/0/0 2/2/2 | 5 | true "
+                    "| false | rgb")
         for width in (360, 1280):
             for scheme, paper in ((0, "(20, 24, 27)"), (1, "(255, 255, 255)")):
                 frame = page.with_name("frame.html")
