@@ -9,7 +9,6 @@ module amontons_verify_history
    use amontons_error, only: error_t
    use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
    use amontons_history, only: is_shown
-   use amontons_history_files, only: read_start
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_report, only: describe_history
    use amontons_history_table, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
@@ -21,7 +20,8 @@ module amontons_verify_history
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
-   use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, worst_step_t
+   use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, start_history, &
+      worst_step_t
    use amontons_stepper, only: step_state_t, take_step
    use amontons_text, only: newline, read_reals, to_text
    use amontons_verify_case, only: check_grids, verify_answer, verify_result
@@ -69,11 +69,7 @@ contains
       if (.not. allocated(error)) then
          call new_history_walk(again%result%walk, again%model, cache%body)
          again%entries = ''
-         if (again%model%history%has_start()) then
-            call read_start(start, again%model%history, error)
-            if (.not. allocated(error)) call again%result%walk%restore(again%model, cache%body, cache%problem, start, &
-               error)
-         end if
+         if (again%model%history%has_start()) call start_history(again%result%walk, cache, again%model, start, error)
       end if
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
@@ -126,7 +122,6 @@ contains
             stated = nint(case%number('load_history', 'iterations'))
             if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
          end associate
-         last%earlier_violation = again%result%violation%value
          call describe_history(again%result, case%config)
          call verify_result(case, cache%body, last)
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium

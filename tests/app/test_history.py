@@ -258,6 +258,32 @@ class History(HistoryTest):
             run = self.walk(text, status=1)
             self.assertIn(message, run.stderr)
 
+    def test_start_that_is_not_in_equilibrium_with_the_deck_is_refused(self):
+        self.walk(BAR + "&output states_every = 1 /\n")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        started = BAR.replace("&history", "&history start = 'bar.states.csv'  start_step = 8")
+        self.walk(started)
+        for old, new in (("young = 13000.0", "young = 13001.0"), ("poisson = 0.2", "poisson = 0.2001"),
+                         ("friction = 1.0", "friction = 0.9"), ("traction = 0.0, -5.0", "traction = 0.0, -5.01"),
+                         ("10.0, 15.0", "10.0, 15.1"), ("ux = 0.0", "ux = 1e-3"),
+                         ("cells = 32, 10", "cells = 32, 11")):
+            run = self.walk(started.replace(old, new), status=1)
+            self.assertIn("bar.states.csv: this state cannot be the start: it is not in equilibrium with the body and "
+                          "what acts on it at the time 1.75 (violation ", run.stderr)
+
+    def test_energy_identities_that_do_not_hold_fail_the_history(self):
+        # Of a modulus that differs by 1e-6 of itself the state's violation is too small to refuse it.
+        self.walk(BAR + "&output states_every = 1 /\n")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        started = BAR.replace("&history", "&history start = 'bar.states.csv'  start_step = 8")
+        run = self.walk(started.replace("young = 13000.0", "young = 13000.013"), status=4)
+        summary = self.summary("bar")
+        self.assertGreater(summary["load_history"]["energy_identities"], 1e-8)
+        self.assertLess(summary["load_history"]["violation"], 1e-8)
+        self.assertEqual(summary["outcome"], "not_certified")
+        self.assertIn("the certificate FAILED: largest violation", run.stderr)
+        self.run_program("--quiet", "--verify", "out", status=4)
+
     def test_missing_start_names_the_first_and_the_last_of_many_states(self):
         self.walk(BAR + "&output states_every = 1 /\n")
         shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)

@@ -23,6 +23,7 @@ module amontons_energy_form
       real(dp), allocatable, private :: load_row(:, :) !! condensed f_i (2m, parts) [F]
       real(dp), allocatable, private :: reaction(:, :) !! u_pi . (K u_j - f_j) (parts, parts) [F L]
       real(dp), allocatable, private :: reaction_row(:, :) !! condensed K u_pi (2m, parts) [F]
+      real(dp) :: stiffness = 0.0_dp !! norm of the body's K [F/L]
       real(dp), allocatable :: prescribed(:, :) !! what the parts prescribe of the contact displacements (2m, parts) [L]
    contains
       procedure :: load_work => energy_form_load_work
@@ -42,6 +43,7 @@ contains
 
       m = body%zone%n_points
       n = size(parts)
+      form%stiffness = body%condensation%condenser%matrix_norm
       allocate (form%field(2, body%mesh%n_nodes, n), form%strain(n, n), form%load(n, n), form%reaction(n, n))
       allocate (form%strain_row(2*m, n), form%load_row(2*m, n), form%reaction_row(2*m, n), form%prescribed(2*m, n))
       allocate (at_rest(2*m), source=0.0_dp)

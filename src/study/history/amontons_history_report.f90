@@ -19,13 +19,14 @@ module amontons_history_report
 
 contains
 
-   !> Says in listing and summary of the last step what the history was.
+   !> Says in listing and summary of the last step what the history was, and how far its steps are from being solved.
    subroutine describe_history(result, config)
-      type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts
+      type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
       type(config_t), intent(in) :: config !! the deck
       type(quantity_t), allocatable :: energies(:)
       real(dp) :: force, length, energy
 
+      result%last%earlier_violation = max(result%violation%value, result%imbalance%value)
       energies = energies_of(result%walk%state)
       associate (state => result%walk%state)
          force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))

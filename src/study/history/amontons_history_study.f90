@@ -78,7 +78,6 @@ contains
          call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
          return
       end if
-      result%last%earlier_violation = result%violation%value
       call describe_history(result, self%config)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
       if (.not. allocated(error)) call result%checkpoint%remove()
@@ -89,8 +88,8 @@ contains
          quantity_t('residual', '', result%residual%value), result%last%key_results, &
          resultants(result%last%solution%force)]
       outcome%has_grids = result%last%is_complete
-      if (result%last%is_complete) call outcome%judge(.true., result%residual%value, result%violation%value, &
-         self%config%method%tolerance)
+      if (result%last%is_complete) call outcome%judge(.true., result%residual%value, &
+         result%last%earlier_violation, self%config%method%tolerance)
    end subroutine history_study_solve
 
    !> The line on the result of a history.

@@ -4,7 +4,7 @@ module amontons_solve_history
    use amontons_checkpoint, only: checkpoint_t
    use amontons_config, only: config_t, effective_deck
    use amontons_cycle_watch, only: n_cycle_numbers
-   use amontons_error, only: error_t, new_error
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
    use amontons_history_model, only: history_model_t, new_history_model
@@ -15,7 +15,7 @@ module amontons_solve_history
    use amontons_model_warnings, only: add_history_warnings
    use amontons_outcome_words, only: outcome_no_equilibrium
    use amontons_report, only: study_files_t
-   use amontons_result, only: result_t
+   use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
@@ -28,7 +28,7 @@ module amontons_solve_history
    implicit none (type, external)
    private
 
-   public :: history_result_t, new_step_result, prepare_history, solve_history, worst_step_t
+   public :: history_result_t, new_step_result, prepare_history, solve_history, start_history, worst_step_t
 
    !> Numbers that are kept of each time that was reached.
    integer, parameter :: n_reached_numbers = 9
@@ -120,12 +120,7 @@ contains
       key = '! Amontons '//version//', a history under way; contact problem '// &
          model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
       if (config%history%has_start()) then
-         call read_start(milestone%numbers, config%history, error)
-         if (.not. allocated(error)) then
-            call result%walk%restore(model, cache%body, cache%problem, milestone%numbers, error)
-            if (allocated(error)) error%message = config%history%start//': this state cannot be the start: '// &
-               error%message
-         end if
+         call start_history(result%walk, cache, model, milestone%numbers, error)
          if (allocated(error)) return
          key = key//milestone%text()//newline
          deallocate (milestone%numbers)
@@ -135,6 +130,38 @@ contains
       if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
          result, error)
    end subroutine begin_history
+
+   !> Goes to the state that the deck names, which must be in equilibrium with the deck: numbers of another body or of
+   !> other loads would give or take energy that no load has.
+   subroutine start_history(walk, cache, model, numbers, error)
+      type(history_walk_t), intent(inout) :: walk !! the way, new
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
+      type(history_model_t), intent(in) :: model !! the history
+      real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state
+      type(error_t), allocatable, intent(out) :: error !! there is no such state, or it is none of this deck
+      ! Of a sound step that was not certified, rounding in an ill-conditioned body may leave more than the limit.
+      real(dp), parameter :: least_limit = 1.0e-6_dp
+      type(result_t) :: step
+      real(dp) :: violation
+
+      call read_start(numbers, model%history, error)
+      if (allocated(error)) return
+      call walk%restore(model, cache%body, cache%problem, numbers, error)
+      if (.not. allocated(error)) call new_step_result(step, cache, model, walk, error)
+      if (.not. allocated(error)) then
+         associate (certificate => step%certificate)
+            violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
+               certificate%friction_excess, certificate%complementarity, certificate%slip_below_bound, &
+               certificate%wrong_dissipation)
+         end associate
+         if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
+            walk%state%solution%residual)))) call new_error(error, input_refused, &
+            'it is not in equilibrium with the body and what acts on it at the time '// &
+            to_text(walk%state%instant%time)//' (violation '//scientific(violation)//'): mesh, materials, '// &
+            'supports, friction and loads at that time must be those of the history that left it')
+      end if
+      if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
+   end subroutine start_history
 
    !> Notes how far the history is.
    subroutine note_milestone(files, result, error)
