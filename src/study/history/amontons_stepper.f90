@@ -206,7 +206,9 @@ contains
       after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
          before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
          - before%solution%displacement(:m))
-      energies = max(rounding*uncanceled_energy(after, model, problem), after%step_dissipation, &
+      ! Of a body that moves as a whole: measured by the energy that single points would have that move as far.
+      energies = max(rounding*maxval([problem%augmentation(), 0.0_dp])*max(0.0_dp, &
+         maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
       call check_identities(after, model, problem, before, change, v_change, mean_force, load_work + support_work)
@@ -224,7 +226,9 @@ contains
       real(dp), contiguous, intent(in) :: v_change(:) !! by how much the contact displacements changed (2m) [L]
       real(dp), intent(in) :: mean_force(:) !! mean contact forces (2m) [F]
       real(dp), intent(in) :: mean_work !! work of loads and supports by their means [F L]
-      ! What rounding leaves of energies that cancel each other is negligible in this share of them.
+      ! What rounding leaves of energies that cancel each other is negligible in this share of them. Of a body that
+      ! moves as a whole they are those of single nodes that do: the elements of a slender body are far stiffer than
+      ! its contact points.
       real(dp), parameter :: rounding_share = 1.0e-5_dp
       real(dp), dimension(2*problem%n_points) :: whole_change
       real(dp) :: end_work, own_energy, energy_change, size_of_terms
@@ -239,23 +243,12 @@ contains
       end_work = model%energies%load_work(after%instant%factor, change, v_change) &
          + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, abs(mean_work), abs(end_work), &
-         dot_product(abs(after%solution%force), abs(whole_change)), &
-         rounding_share*uncanceled_energy(after, model, problem))
+         dot_product(abs(after%solution%force), abs(whole_change)), rounding_share*model%energies%stiffness &
+         *max(sum(after%solution%displacement**2), problem%prescribed**2))
       if (.not. size_of_terms > 0.0_dp) return
       after%imbalance = max(abs(mean_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
    end subroutine check_identities
-
-   !> The energy that the displacements of a state would have if single nodes moved by them: what those of a body that
-   !> moves as a whole are rounding errors of. The condensed stiffness of a slender body may be far smaller than that of
-   !> its elements, which rounding takes its share of [F L].
-   pure real(dp) function uncanceled_energy(state, model, problem) result(energy)
-      type(step_state_t), intent(in) :: state !! the state
-      type(history_model_t), intent(in) :: model !! the model
-      type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
-
-      energy = model%energies%stiffness*max(sum(state%solution%displacement**2), problem%prescribed**2)
-   end function uncanceled_energy
 
    !> Slip of the step, accumulated slip [L], dissipation [F L], and what wear is proportional to after Archard: the
    !> integral of the pressure over the slip [F/L] (m, 4).
