@@ -128,48 +128,25 @@ contains
       integer, intent(inout) :: position !! where the word begins; behind it on success
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the word is a finite number
+      integer(int64), parameter :: full = 10_int64**(most_digits - 1)
+      integer, parameter :: beyond_every_real = 10000
+      integer :: i
+      real(dp), parameter :: powers(0:largest_power) = [(10.0_dp**i, i=0, largest_power)]
       integer(int64) :: mantissa
-      integer :: at, power, power_written
-      logical :: is_negative, is_exact
+      integer :: at, digit, first, power, power_written, status
+      logical :: is_negative, is_power_negative, is_exact, is_behind_point
 
       value = 0.0_dp
       at = position
       call scan_sign(text, at, is_negative)
-      call scan_mantissa(text, at, mantissa, power, is_exact, ok)
-      if (.not. ok) return
-      call scan_exponent(text, at, power_written, ok)
-      ok = ok .and. ends_word(text, at)
-      if (.not. ok) return
-      power = power + power_written
-      if (mantissa == 0) power = 0
-      if (is_exact .and. abs(power) <= largest_power) then
-         value = scaled(mantissa, power)
-         if (is_negative) value = -value
-      else
-         call read_rounded(text(position:at - 1), value, ok)
-      end if
-      if (ok) position = at
-   end subroutine scan_real
-
-   !> Scans digits with at most one point among them.
-   pure subroutine scan_mantissa(text, position, mantissa, power, is_exact, ok)
-      character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: position !! where the digits begin; behind them on return
-      integer(int64), intent(out) :: mantissa !! the digits without point
-      integer, intent(out) :: power !! power of ten to multiply them by
-      logical, intent(out) :: is_exact !! whether the mantissa holds all digits and is a number of kind `dp`
-      logical, intent(out) :: ok !! whether there is a digit
-      integer(int64), parameter :: full = 10_int64**(most_digits - 1)
-      integer :: digit
-      logical :: is_behind_point
-
+      ! Digits with at most one point among them.
       mantissa = 0
       power = 0
       is_exact = .true.
       ok = .false.
       is_behind_point = .false.
       do
-         digit = digit_at(text, position)
+         digit = digit_at(text, at)
          if (digit >= 0 .and. digit <= 9) then
             ok = .true.
             if (mantissa < full) then
@@ -183,63 +160,42 @@ contains
          else
             exit
          end if
-         position = position + 1
+         at = at + 1
       end do
-      is_exact = is_exact .and. mantissa <= largest_exact
-   end subroutine scan_mantissa
-
-   !> Scans an exponent, if there is one.
-   pure subroutine scan_exponent(text, position, power, ok)
-      character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: position !! where its letter may stand; behind the exponent on return
-      integer, intent(out) :: power !! the exponent, 0 where there is none
-      logical, intent(out) :: ok !! whether digits follow the letter, if there is a letter, and not too many
-      integer, parameter :: beyond_every_real = 10000
-      integer :: digit, first
-      logical :: is_negative
-
-      power = 0
-      ok = .true.
-      if (position > len(text)) return
-      if (scan(text(position:position), 'eEdD') == 0) return
-      position = position + 1
-      call scan_sign(text, position, is_negative)
-      first = position
-      do
-         digit = digit_at(text, position)
-         if (digit < 0 .or. digit > 9) exit
-         power = min(10*power + digit, beyond_every_real)
-         position = position + 1
-      end do
-      ok = position > first .and. position <= first + longest_exponent
-      if (is_negative) power = -power
-   end subroutine scan_exponent
-
-   !> Reads a numeral whose digits or power are too many for one rounding.
-   pure subroutine read_rounded(numeral, value, ok)
-      character(*), intent(in) :: numeral !! the numeral, well formed, not 0
-      real(dp), intent(out) :: value !! the number, 0 on failure
-      logical, intent(out) :: ok !! whether it is neither too large nor so small that it rounds to 0
-      integer :: status
-
-      read (numeral, *, iostat=status) value
-      ok = status == 0 .and. ieee_is_finite(value) .and. abs(value) > 0.0_dp
-      if (.not. ok) value = 0.0_dp
-   end subroutine read_rounded
-
-   !> An integer times a power of ten, rounded once.
-   pure real(dp) function scaled(mantissa, power)
-      integer(int64), intent(in) :: mantissa !! the integer, at most `largest_exact`
-      integer, intent(in) :: power !! the power, at most `largest_power` in magnitude
-      integer :: i
-      real(dp), parameter :: powers(0:largest_power) = [(10.0_dp**i, i=0, largest_power)]
-
-      if (power < 0) then
-         scaled = real(mantissa, dp)/powers(-power)
-      else
-         scaled = real(mantissa, dp)*powers(power)
+      if (.not. ok) return
+      if (scan(text(at:min(at, len(text))), 'eEdD') > 0) then
+         at = at + 1
+         call scan_sign(text, at, is_power_negative)
+         first = at
+         power_written = 0
+         do
+            digit = digit_at(text, at)
+            if (digit < 0 .or. digit > 9) exit
+            power_written = min(10*power_written + digit, beyond_every_real)
+            at = at + 1
+         end do
+         ok = at > first .and. at <= first + longest_exponent
+         power = power + merge(-power_written, power_written, is_power_negative)
       end if
-   end function scaled
+      ok = ok .and. ends_word(text, at)
+      if (.not. ok) return
+      if (mantissa == 0) power = 0
+      if (is_exact .and. mantissa <= largest_exact .and. abs(power) <= largest_power) then
+         ! One division or product rounds as it must.
+         if (power < 0) then
+            value = real(mantissa, dp)/powers(-power)
+         else
+            value = real(mantissa, dp)*powers(power)
+         end if
+         if (is_negative) value = -value
+      else
+         read (text(position:at - 1), *, iostat=status) value
+         ! Neither too large nor so small that it rounds to 0.
+         ok = status == 0 .and. ieee_is_finite(value) .and. abs(value) > 0.0_dp
+         if (.not. ok) value = 0.0_dp
+      end if
+      if (ok) position = at
+   end subroutine scan_real
 
    !> The last character of a line, before the end of the line or of the text.
    pure integer function line_end(text, first)
@@ -488,7 +444,8 @@ contains
       integer, parameter :: blank = 32, delete = 127
       ! The first bytes of characters of two bytes, of three and of four, and what is behind them.
       integer, parameter :: firsts(4) = [194, 224, 240, 245]
-      integer :: first, i
+      integer :: first, second, i
+      logical :: may_follow
 
       width = 0
       if (len(text) == 0) return
@@ -498,17 +455,10 @@ contains
       width = 1 + count(first >= firsts)
       if (len(text) < width) then
          width = 0
-      else if (.not. all([(continues(text(i:i)), i=2, width)]) .or. .not. may_follow(first, iachar(text(2:2)))) then
-         width = 0
+         return
       end if
-   end function utf_8_width
-
-   !> Whether a byte may follow the first one of a UTF-8 character: it must not be longer than need be, nor half a pair
-   !> of UTF-16, nor beyond the last character.
-   pure logical function may_follow(first, second)
-      integer, intent(in) :: first !! the first byte
-      integer, intent(in) :: second !! the byte behind it, from 128 to 191
-
+      ! A character must not be longer than need be, nor half a pair of UTF-16, nor beyond the last character.
+      second = iachar(text(2:2))
       select case (first)
       case (224)
          may_follow = second >= 160
@@ -521,7 +471,8 @@ contains
       case default
          may_follow = .true.
       end select
-   end function may_follow
+      if (.not. (may_follow .and. all([(continues(text(i:i)), i=2, width)]))) width = 0
+   end function utf_8_width
 
    !> Whether a byte is one that UTF-8 goes on with behind the first one.
    pure logical function continues(byte)

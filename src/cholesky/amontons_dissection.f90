@@ -378,7 +378,7 @@ contains
       type(graph_t), intent(in) :: graph !! the graph
       type(dissection_t), intent(in) :: dissection !! the order of the supervariables
       integer, intent(in) :: first_item(:) !! position of the first supervariable of each front, and past the last
-      integer, allocatable :: position(:), seen_by(:), list(:)
+      integer, allocatable :: position(:), seen_by(:), list(:), longer(:)
       integer(int64) :: at
       integer :: child, i, k, n
 
@@ -401,7 +401,15 @@ contains
                call add(position(graph%neighbor(at)))
             end do
          end do
-         call append(structures, k, list(:n))
+         associate (start => structures%start)
+            start(k + 1) = start(k) + n
+            if (start(k + 1) - 1 > size(structures%item, kind=int64)) then
+               allocate (longer(2*start(k + 1)))
+               longer(:start(k) - 1) = structures%item(:start(k) - 1)
+               call move_alloc(longer, structures%item)
+            end if
+            structures%item(start(k):start(k + 1) - 1) = list(:n)
+         end associate
       end do
       call sort_lists(structures, graph%n)
 
@@ -419,22 +427,6 @@ contains
       end subroutine add
 
    end subroutine list_structures
-
-   !> Puts the list of a front behind those before it.
-   pure subroutine append(lists, k, list)
-      type(lists_t), intent(inout) :: lists !! the lists
-      integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: list(:) !! its list
-      integer, allocatable :: item(:)
-
-      lists%start(k + 1) = lists%start(k) + size(list)
-      if (lists%start(k + 1) - 1 > size(lists%item, kind=int64)) then
-         allocate (item(2*lists%start(k + 1)))
-         item(:lists%start(k) - 1) = lists%item(:lists%start(k) - 1)
-         call move_alloc(item, lists%item)
-      end if
-      lists%item(lists%start(k):lists%start(k + 1) - 1) = list
-   end subroutine append
 
    !> Sorts every list: dealt out to its items, the lists come back item by item.
    pure subroutine sort_lists(lists, n_items)

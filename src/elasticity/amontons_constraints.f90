@@ -260,8 +260,10 @@ contains
       type(support_t), intent(in) :: supports(:) !! the supports, with their spring moduli
       type(error_t), allocatable, intent(out) :: error !! a support names a set that the mesh has not
       type(spring_side_t), allocatable :: more(:)
+      type(side_geometry_t) :: geometry
       integer, allocatable :: nodes(:, :)
-      integer :: i, k
+      real(dp) :: tangent(2), normal(2), modulus(2, 2), area
+      integer :: i, j, k, l, point
 
       allocate (sides(0))
       do i = 1, size(supports)
@@ -273,43 +275,31 @@ contains
          end if
          allocate (more(size(nodes, 2)))
          do k = 1, size(more)
-            call make_springs(more(k), supports(i)%spring, nodes(:, k), mesh, materials)
+            associate (side => more(k), moduli => supports(i)%spring)
+               side%n_nodes = count(nodes(:3, k) > 0)
+               side%node = nodes(:3, k)
+               call new_side_geometry(geometry, nodes(:3, k), mesh%coordinates)
+               do point = 1, size(geometry%along, 2)
+                  area = norm2(geometry%along(:, point))
+                  tangent = geometry%along(:, point)/area
+                  normal = [tangent(2), -tangent(1)]
+                  area = area*materials%list(materials%of_element(nodes(4, k)))%depth(geometry%position(1, point))
+                  do j = 1, 2
+                     modulus(:, j) = area*(moduli(1)*normal*normal(j) + moduli(2)*tangent*tangent(j))
+                  end do
+                  do j = 1, side%n_nodes
+                     do l = 1, side%n_nodes
+                        side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) = side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) &
+                           + geometry%values(l, point)*geometry%values(j, point)*modulus
+                     end do
+                  end do
+               end do
+            end associate
          end do
          sides = [sides, more]
          deallocate (more)
       end do
    end subroutine new_foundation
-
-   !> Makes the springs of one side.
-   pure subroutine make_springs(side, moduli, nodes, mesh, materials)
-      type(spring_side_t), intent(out) :: side !! the springs
-      real(dp), intent(in) :: moduli(2) !! stress per displacement along normal and tangent [F/L^3]
-      integer, intent(in) :: nodes(4) !! first corner, second corner, middle or 0, element
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials
-      type(side_geometry_t) :: geometry
-      real(dp) :: tangent(2), normal(2), modulus(2, 2), area
-      integer :: point, i, j
-
-      side%n_nodes = count(nodes(:3) > 0)
-      side%node = nodes(:3)
-      call new_side_geometry(geometry, nodes(:3), mesh%coordinates)
-      do point = 1, size(geometry%along, 2)
-         area = norm2(geometry%along(:, point))
-         tangent = geometry%along(:, point)/area
-         normal = [tangent(2), -tangent(1)]
-         area = area*materials%list(materials%of_element(nodes(4)))%depth(geometry%position(1, point))
-         do j = 1, 2
-            modulus(:, j) = area*(moduli(1)*normal*normal(j) + moduli(2)*tangent*tangent(j))
-         end do
-         do j = 1, side%n_nodes
-            do i = 1, side%n_nodes
-               side%stiffness(2*i - 1:2*i, 2*j - 1:2*j) = side%stiffness(2*i - 1:2*i, 2*j - 1:2*j) &
-                  + geometry%values(i, point)*geometry%values(j, point)*modulus
-            end do
-         end do
-      end do
-   end subroutine make_springs
 
    !> Numbers the free components node by node; the given nodes come last, in the order given.
    pure subroutine new_dof_map(dof_map, constraints, last_nodes, substitution)

@@ -123,15 +123,22 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! no such region, two materials for an element or none, different hypotheses, or a negative radius
       integer, allocatable :: elements(:)
-      integer :: i, node
+      integer :: i, node, rest
 
+      rest = 0
       materials%list = list
       allocate (materials%of_element(mesh%n_elements), source=0)
       do i = 1, size(list)
          if (list(i)%hypothesis /= list(1)%hypothesis) call new_error(error, input_refused, list(i)%origin// &
             'all materials of a body must have the same hypothesis')
          if (allocated(error)) return
-         if (len(list(i)%region) == 0) cycle
+         if (len(list(i)%region) == 0) then
+            if (rest > 0) call new_error(error, input_refused, list(i)%origin// &
+               'two materials without a region; at most one can fill the rest of the body')
+            if (allocated(error)) return
+            rest = i
+            cycle
+         end if
          call mesh%region_elements(list(i)%region, elements, error)
          if (allocated(error)) then
             error%message = list(i)%origin//error%message
@@ -143,8 +150,12 @@ contains
          end if
          if (allocated(error)) return
       end do
-      call fill_rest(materials, error)
-      if (allocated(error)) return
+      if (rest == 0 .and. any(materials%of_element == 0)) then
+         call new_error(error, input_refused, 'element '//to_text(findloc(materials%of_element, 0, dim=1))// &
+            ' has no material: no region that a material names contains it')
+         return
+      end if
+      where (materials%of_element == 0) materials%of_element = rest
       if (.not. any(list%is_axisymmetric)) return
       node = minloc(mesh%coordinates(1, :), dim=1)
       if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates(1, :)))) call new_error(error, &
@@ -162,30 +173,6 @@ contains
       if (any(materials%list%is_axisymmetric)) on_axis = abs(mesh%coordinates(1, :)) &
          <= missed_axis*maxval(abs(mesh%coordinates(1, :)))
    end function on_axis
-
-   !> Gives the elements that no region's material fills the one without a region.
-   pure subroutine fill_rest(materials, error)
-      type(materials_t), intent(inout) :: materials !! the materials of the elements
-      type(error_t), allocatable, intent(out) :: error !! an element is left without material, or has two
-      integer :: i, rest
-
-      rest = 0
-      do i = 1, size(materials%list)
-         if (len(materials%list(i)%region) > 0) cycle
-         if (rest > 0) then
-            call new_error(error, input_refused, materials%list(i)%origin// &
-               'two materials without a region; at most one can fill the rest of the body')
-            return
-         end if
-         rest = i
-      end do
-      if (rest == 0 .and. any(materials%of_element == 0)) then
-         call new_error(error, input_refused, 'element '//to_text(findloc(materials%of_element, 0, dim=1))// &
-            ' has no material: no region that a material names contains it')
-         return
-      end if
-      where (materials%of_element == 0) materials%of_element = rest
-   end subroutine fill_rest
 
    !> Stress under the hypothesis: xx, yy, xy, and zz as far as the strain zz makes it [F/L^2].
    pure function material_stress(self, strain) result(stress)

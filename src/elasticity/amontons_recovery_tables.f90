@@ -247,6 +247,7 @@ contains
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
+      real(dp) :: c(3), xx, xy, yy
       type(moments_t) :: moments
       integer :: first, i, k
 
@@ -274,7 +275,15 @@ contains
                call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
             end do
          end do
-         is_determined = are_spread(moments, frame%scale)
+         ! Whether the samples spread in all directions, as the corners do: whether the pivots of 1, x and y are large.
+         c = moments%covariance()
+         associate (scale => frame%scale)
+            xx = scale(1, 1)**2*c(1)
+            xy = scale(1, 1)*(scale(2, 1)*c(1) + scale(2, 2)*c(2))
+            yy = scale(2, 1)**2*c(1) + 2.0_dp*scale(2, 1)*scale(2, 2)*c(2) + scale(2, 2)**2*c(3)
+         end associate
+         is_determined = xx > least_pivot
+         if (is_determined) is_determined = yy - xy**2/xx > least_pivot
          if (is_determined) call spread_points(frame, moments)
       else
          call sum_samples(normal, right, frame, samples, elements, n_near)
@@ -305,21 +314,6 @@ contains
          covariance = self%second/self%weight - [mean(1)*mean, mean(2)**2]
       end associate
    end function moments_covariance
-
-   !> Whether points spread in all directions, in coordinates in which the corners of their elements do: whether the
-   !> pivots of 1, x and y are large enough.
-   pure logical function are_spread(moments, scale)
-      type(moments_t), intent(in) :: moments !! the moments of the points
-      real(dp), intent(in) :: scale(2, 2) !! what distances are multiplied by, a lower triangle [1/L]
-      real(dp) :: c(3), xx, xy, yy
-
-      c = moments%covariance()
-      xx = scale(1, 1)**2*c(1)
-      xy = scale(1, 1)*(scale(2, 1)*c(1) + scale(2, 2)*c(2))
-      yy = scale(2, 1)**2*c(1) + 2.0_dp*scale(2, 1)*scale(2, 2)*c(2) + scale(2, 2)**2*c(3)
-      are_spread = xx > least_pivot
-      if (are_spread) are_spread = yy - xy**2/xx > least_pivot
-   end function are_spread
 
    !> Sets coordinates in which some points spread alike in all directions.
    pure subroutine spread_points(frame, moments)

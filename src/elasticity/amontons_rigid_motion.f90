@@ -56,7 +56,7 @@ contains
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3)
+      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3), motion(6, 3), largest
       integer :: axis, i, info, k
 
       motions%is_whole = size(motions%node) == mesh%n_nodes
@@ -78,8 +78,16 @@ contains
             end do
          end associate
       end do
+      ! The directions that springs resist, whatever their stiffness.
       do i = 1, size(springs)
-         call add_springs(gram, springs(i), motions, mesh)
+         associate (side => springs(i), n => 2*springs(i)%n_nodes)
+            largest = maxval(abs(side%stiffness))
+            if (.not. largest > 0.0_dp) cycle
+            do k = 1, side%n_nodes
+               motion(2*k - 1:2*k, :) = unit_motions(motions, mesh%coordinates(:, side%node(k)))
+            end do
+            gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
+         end associate
       end do
       if (is_axisymmetric) then
          gram(1, 1) = gram(1, 1) + real(size(motions%node), dp)
@@ -89,24 +97,6 @@ contains
       motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
       motions%mode = gram(:, :motions%n_free)
    end subroutine find_motions
-
-   !> Adds the directions that the springs of a side resist, whatever their stiffness.
-   pure subroutine add_springs(gram, springs, motions, mesh)
-      real(dp), intent(inout) :: gram(3, 3) !! the Gram matrix
-      type(spring_side_t), intent(in) :: springs !! the springs
-      type(rigid_motions_t), intent(in) :: motions !! center and radius
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      real(dp) :: motion(2*size(springs%node), 3), largest
-      integer :: i, n
-
-      n = springs%n_nodes
-      do i = 1, n
-         motion(2*i - 1:2*i, :) = unit_motions(motions, mesh%coordinates(:, springs%node(i)))
-      end do
-      largest = maxval(abs(springs%stiffness))
-      if (.not. largest > 0.0_dp) return
-      gram = gram + matmul(transpose(motion(:2*n, :)), matmul(springs%stiffness(:2*n, :2*n)/largest, motion(:2*n, :)))
-   end subroutine add_springs
 
    !> Displacement of a point under the two translations and the rotation (2, 3) [-].
    pure function unit_motions(motions, point) result(displacement)

@@ -292,13 +292,23 @@ contains
       real(dp), intent(in) :: most(:) !! upper bounds of the factors (n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
       type(approximation_t), intent(inout) :: best !! the approximation, some columns in use
-      real(dp) :: full(size(most)), trial(size(most))
+      real(dp) :: full(size(most)), trial(size(most)), share
+      integer :: i
 
       do
          full = merge(most, 0.0_dp, best%is_full)
          call approximate(columns, vector - matmul(columns, full), best%is_used, trial, best%remainder)
          if (all(.not. best%is_used .or. (trial > 0.0_dp .and. trial < most))) exit
-         best%factor = best%factor + share_in_bounds(best, most, trial)*(trial - best%factor)
+         ! The share of the way to the trial on which all factors in use stay in their bounds.
+         share = 1.0_dp
+         do i = 1, size(most)
+            if (.not. best%is_used(i)) cycle
+            associate (factor => best%factor(i))
+               if (trial(i) <= 0.0_dp) share = min(share, factor/max(factor - trial(i), tiny(share)))
+               if (trial(i) >= most(i)) share = min(share, (most(i) - factor)/max(trial(i) - factor, tiny(share)))
+            end associate
+         end do
+         best%factor = best%factor + share*(trial - best%factor)
          best%is_full = best%is_full .or. (best%is_used .and. best%factor >= (1.0_dp - negligible)*most)
          best%is_used = best%is_used .and. .not. best%is_full &
             .and. best%factor > negligible*maxval(best%factor)
@@ -306,22 +316,6 @@ contains
       end do
       best%factor = trial
    end subroutine settle_factors
-
-   !> The share of the way from the factors of the columns in use to others on which all stay in their bounds.
-   pure real(dp) function share_in_bounds(best, most, trial) result(share)
-      type(approximation_t), intent(in) :: best !! the approximation
-      real(dp), intent(in) :: most(:) !! upper bounds of the factors (n)
-      real(dp), intent(in) :: trial(:) !! the other factors (n)
-      integer :: i
-
-      share = 1.0_dp
-      do i = 1, size(most)
-         if (.not. best%is_used(i)) cycle
-         if (trial(i) <= 0.0_dp) share = min(share, best%factor(i)/max(best%factor(i) - trial(i), tiny(share)))
-         if (trial(i) >= most(i)) share = min(share, (most(i) - best%factor(i))/max(trial(i) - best%factor(i), &
-            tiny(share)))
-      end do
-   end function share_in_bounds
 
    !> Approximates a vector best by the columns in use, made orthogonal one by one (Gram and Schmidt): of columns that
    !> are all but parallel, as those of a flat contact line far from the middle of the body, no digit is lost.

@@ -517,7 +517,8 @@ contains
       integer, intent(in) :: lowest !! supervariables below this one do not count
       type(queue_t), intent(inout) :: queue !! the supervariables taken
       integer, intent(out), optional :: n_levels !! number of levels, that grown from included
-      integer :: at, depth, level_end, old_n
+      integer(int64) :: k
+      integer :: at, depth, level_end, old_n, other
 
       at = first
       depth = 1
@@ -528,7 +529,14 @@ contains
             level_end = queue%n
          end if
          old_n = queue%n
-         call take_neighbors(graph, queue%item(at), lowest, queue)
+         do k = graph%start(queue%item(at)), graph%start(queue%item(at) + 1) - 1
+            other = int(graph%neighbor(k))
+            if (other < lowest) cycle
+            if (queue%has(other)) cycle
+            queue%has(other) = .true.
+            queue%n = queue%n + 1
+            queue%item(queue%n) = other
+         end do
          ! By their number of neighbors, ascending; ties keep their order.
          associate (list => queue%item(old_n + 1:queue%n))
             list = list(sorting_order(int(graph%start(list + 1) - graph%start(list))))
@@ -537,25 +545,6 @@ contains
       end do
       if (present(n_levels)) n_levels = depth
    end subroutine grow
-
-   !> Takes the untaken neighbors of one supervariable.
-   pure subroutine take_neighbors(graph, center, lowest, queue)
-      type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: center !! the supervariable
-      integer, intent(in) :: lowest !! supervariables below this one do not count
-      type(queue_t), intent(inout) :: queue !! the supervariables taken
-      integer(int64) :: at
-      integer :: other
-
-      do at = graph%start(center), graph%start(center + 1) - 1
-         other = int(graph%neighbor(at))
-         if (other < lowest) cycle
-         if (queue%has(other)) cycle
-         queue%has(other) = .true.
-         queue%n = queue%n + 1
-         queue%item(queue%n) = other
-      end do
-   end subroutine take_neighbors
 
    !> The largest distance between two positions whose unknowns couple.
    pure integer function half_bandwidth(matrix, order)

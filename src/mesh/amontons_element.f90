@@ -114,12 +114,24 @@ contains
       real(dp), intent(out) :: xi(2) !! reference coordinates [-]
       real(dp), intent(out) :: weight !! weight; the weights sum to the area of the reference element [-]
       real(dp), parameter :: two_points = 1.0_dp/sqrt(3.0_dp)
-      real(dp), parameter :: three_points(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
-      real(dp), parameter :: three_weights(3) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
-      integer :: row, column
+      ! In a triangle 1, 3 or 6 points, exact to degree 1, 2 or 4. Two of the barycentric coordinates of each triple of
+      ! points are alike. The rule of degree 4 is Cowper's (Int. J. Num. Meth. Eng. 7, 1973) in closed form.
+      real(dp), parameter :: root = sqrt(38.0_dp - 44.0_dp*sqrt(0.4_dp))
+      real(dp), parameter :: six_points(2) = (8.0_dp - sqrt(10.0_dp) + [root, -root])/18.0_dp
+      real(dp), parameter :: difference = sqrt(213125.0_dp - 53320.0_dp*sqrt(10.0_dp))
+      real(dp), parameter :: six_weights(2) = (620.0_dp + [difference, -difference])/7440.0_dp
+      integer :: row, column, other
 
-      if (is_triangle(kind)) then
-         call triangle_point(n_points, point, xi, weight)
+      if (is_triangle(kind) .and. n_points == 1) then
+         xi = 1.0_dp/3.0_dp
+         weight = 0.5_dp
+      else if (is_triangle(kind)) then
+         xi = 1.0_dp/6.0_dp
+         weight = 1.0_dp/6.0_dp
+         if (n_points > 3) xi = six_points((point + 2)/3)
+         if (n_points > 3) weight = six_weights((point + 2)/3)
+         other = mod(point - 1, 3)
+         if (other > 0) xi(other) = 1.0_dp - 2.0_dp*xi(other)
       else if (n_points == 1) then
          xi = 0.0_dp
          weight = 4.0_dp
@@ -129,42 +141,10 @@ contains
       else
          column = mod(point - 1, 3) + 1
          row = (point - 1)/3 + 1
-         xi = three_points([column, row])
-         weight = three_weights(column)*three_weights(row)
+         xi = side_abscissa([column, row])
+         weight = side_weight(column)*side_weight(row)
       end if
    end subroutine quadrature_point
-
-   !> A quadrature point of the reference triangle: 1, 3 or 6 points, exact to degree 1, 2 or 4.
-   pure subroutine triangle_point(n_points, point, xi, weight)
-      integer, intent(in) :: n_points !! number of points
-      integer, intent(in) :: point !! number of the point
-      real(dp), intent(out) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: weight !! weight [-]
-      ! Two of the barycentric coordinates of each triple of points are alike. The rule of degree 4 is Cowper's (Int. J.
-      ! Num. Meth. Eng. 7, 1973) in closed form.
-      real(dp), parameter :: root = sqrt(38.0_dp - 44.0_dp*sqrt(0.4_dp))
-      real(dp), parameter :: six_points(2) = (8.0_dp - sqrt(10.0_dp) + [root, -root])/18.0_dp
-      real(dp), parameter :: difference = sqrt(213125.0_dp - 53320.0_dp*sqrt(10.0_dp))
-      real(dp), parameter :: six_weights(2) = (620.0_dp + [difference, -difference])/7440.0_dp
-      real(dp) :: alike
-      integer :: other
-
-      select case (n_points)
-      case (1)
-         xi = 1.0_dp/3.0_dp
-         weight = 0.5_dp
-         return
-      case (3)
-         alike = 1.0_dp/6.0_dp
-         weight = 1.0_dp/6.0_dp
-      case default
-         alike = six_points((point + 2)/3)
-         weight = six_weights((point + 2)/3)
-      end select
-      xi = alike
-      other = mod(point - 1, 3)
-      if (other > 0) xi(other) = 1.0_dp - 2.0_dp*alike
-   end subroutine triangle_point
 
    !> Shape functions and their derivatives at a point of a reference element.
    pure subroutine shape_functions(kind, xi, values, derivatives)
@@ -172,51 +152,64 @@ contains
       real(dp), intent(in) :: xi(2) !! reference coordinates: 0 to 1 (triangle), -1 to 1 (quadrilateral) [-]
       real(dp), intent(out) :: values(max_nodes) !! value of each node's function, 0 past the last node [-]
       real(dp), intent(out) :: derivatives(2, max_nodes) !! its derivatives by the reference coordinates [-]
+      real(dp), parameter :: gradients(2, 3) = reshape([-1.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 3])
+      real(dp) :: barycentric(3), bubble, linear, lagrange(2), slope(2)
+      integer :: i, j, along, across, before
 
       values = 0.0_dp
       derivatives = 0.0_dp
+      barycentric = [1.0_dp - xi(1) - xi(2), xi(1), xi(2)]
       select case (kind)
       case (tri3)
-         values(:3) = [1.0_dp - xi(1) - xi(2), xi(1), xi(2)]
-         derivatives(:, :3) = barycentric_gradients()
+         values(:3) = barycentric
+         derivatives(:, :3) = gradients
       case (tri6)
-         call shape_tri6(xi, values(:6), derivatives(:, :6))
+         ! l_i (2 l_i - 1) at the corners, 4 l_i l_j on the sides, l the barycentric coordinates.
+         associate (l => barycentric)
+            do i = 1, 3
+               j = mod(i, 3) + 1
+               values(i) = l(i)*(2.0_dp*l(i) - 1.0_dp)
+               derivatives(:, i) = (4.0_dp*l(i) - 1.0_dp)*gradients(:, i)
+               values(3 + i) = 4.0_dp*l(i)*l(j)
+               derivatives(:, 3 + i) = 4.0_dp*(l(i)*gradients(:, j) + l(j)*gradients(:, i))
+            end do
+         end associate
       case (quad4)
          call shape_quad4(xi, values(:4), derivatives(:, :4))
       case (quad8)
-         call shape_quad8(xi, values(:8), derivatives(:, :8))
+         ! The middles of the sides first, the corners what bilinearity leaves them.
+         call shape_quad4(xi, values(:4), derivatives(:, :4))
+         do i = 5, 8
+            along = merge(1, 2, mod(i, 2) == 1)
+            across = 3 - along
+            bubble = 1.0_dp - xi(along)**2
+            linear = 1.0_dp + quad_nodes(across, i)*xi(across)
+            values(i) = 0.5_dp*bubble*linear
+            derivatives(along, i) = -xi(along)*linear
+            derivatives(across, i) = 0.5_dp*bubble*quad_nodes(across, i)
+         end do
+         do i = 1, 4
+            before = 5 + mod(i + 2, 4)
+            values(i) = values(i) - 0.5_dp*(values(4 + i) + values(before))
+            derivatives(:, i) = derivatives(:, i) - 0.5_dp*(derivatives(:, 4 + i) + derivatives(:, before))
+         end do
       case (quad9)
-         call shape_quad9(xi, values, derivatives)
+         ! Products of quadratic Lagrange polynomials.
+         do i = 1, 9
+            where (abs(quad_nodes(:, i)) > 0.0_dp)
+               lagrange = 0.5_dp*xi*(xi + quad_nodes(:, i))
+               slope = xi + 0.5_dp*quad_nodes(:, i)
+            else where
+               lagrange = 1.0_dp - xi**2
+               slope = -2.0_dp*xi
+            end where
+            values(i) = product(lagrange)
+            derivatives(:, i) = slope*lagrange([2, 1])
+         end do
       case default
          ! All zero: an element without an area, which no mesh may have.
       end select
    end subroutine shape_functions
-
-   !> Derivatives of the barycentric coordinates of the reference triangle (2, 3) [-].
-   pure function barycentric_gradients() result(gradients)
-      real(dp) :: gradients(2, 3)
-
-      gradients = reshape([-1.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 3])
-   end function barycentric_gradients
-
-   !> Six-node triangle: l_i (2 l_i - 1) at the corners, 4 l_i l_j on the sides, l the barycentric coordinates.
-   pure subroutine shape_tri6(xi, values, derivatives)
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
-      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
-      real(dp) :: l(3), g(2, 3)
-      integer :: i, j
-
-      l = [1.0_dp - xi(1) - xi(2), xi(1), xi(2)]
-      g = barycentric_gradients()
-      do i = 1, 3
-         j = mod(i, 3) + 1
-         values(i) = l(i)*(2.0_dp*l(i) - 1.0_dp)
-         derivatives(:, i) = (4.0_dp*l(i) - 1.0_dp)*g(:, i)
-         values(3 + i) = 4.0_dp*l(i)*l(j)
-         derivatives(:, 3 + i) = 4.0_dp*(l(i)*g(:, j) + l(j)*g(:, i))
-      end do
-   end subroutine shape_tri6
 
    !> Four-node quadrilateral: (1 + r_i r)(1 + s_i s)/4.
    pure subroutine shape_quad4(xi, values, derivatives)
@@ -232,52 +225,6 @@ contains
          derivatives(:, i) = 0.25_dp*quad_nodes(:, i)*factor([2, 1])
       end do
    end subroutine shape_quad4
-
-   !> Eight-node quadrilateral: the middles of the sides first, the corners what bilinearity leaves them.
-   pure subroutine shape_quad8(xi, values, derivatives)
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
-      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
-      real(dp) :: bubble, linear
-      integer :: i, along, across, before
-
-      call shape_quad4(xi, values(:4), derivatives(:, :4))
-      do i = 5, 8
-         along = merge(1, 2, mod(i, 2) == 1)
-         across = 3 - along
-         bubble = 1.0_dp - xi(along)**2
-         linear = 1.0_dp + quad_nodes(across, i)*xi(across)
-         values(i) = 0.5_dp*bubble*linear
-         derivatives(along, i) = -xi(along)*linear
-         derivatives(across, i) = 0.5_dp*bubble*quad_nodes(across, i)
-      end do
-      do i = 1, 4
-         before = 5 + mod(i + 2, 4)
-         values(i) = values(i) - 0.5_dp*(values(4 + i) + values(before))
-         derivatives(:, i) = derivatives(:, i) - 0.5_dp*(derivatives(:, 4 + i) + derivatives(:, before))
-      end do
-   end subroutine shape_quad8
-
-   !> Nine-node quadrilateral: products of quadratic Lagrange polynomials.
-   pure subroutine shape_quad9(xi, values, derivatives)
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
-      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
-      real(dp) :: lagrange(2), slope(2)
-      integer :: i
-
-      do i = 1, 9
-         where (abs(quad_nodes(:, i)) > 0.0_dp)
-            lagrange = 0.5_dp*xi*(xi + quad_nodes(:, i))
-            slope = xi + 0.5_dp*quad_nodes(:, i)
-         else where
-            lagrange = 1.0_dp - xi**2
-            slope = -2.0_dp*xi
-         end where
-         values(i) = product(lagrange)
-         derivatives(:, i) = slope*lagrange([2, 1])
-      end do
-   end subroutine shape_quad9
 
    !> Evaluates a side, or a part of it.
    pure subroutine new_side_geometry(geometry, side, coordinates, range)

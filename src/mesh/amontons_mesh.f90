@@ -478,7 +478,7 @@ contains
       type(side_table_t), intent(out) :: table !! the sides
       type(mesh_t), intent(in) :: mesh !! the mesh, its elements counter-clockwise
       integer, intent(out) :: overlapping(2) !! two elements that lie one over the other, 0 where none do
-      integer :: element, i, n, first
+      integer :: a, b, element, home, i, n, first, side
 
       allocate (table%last(mesh%n_nodes), table%valence(mesh%n_nodes), source=0)
       allocate (table%sides(sum(n_corners(mesh%element_kind))))
@@ -493,40 +493,29 @@ contains
          first = mesh%node_start(element)
          n = n_corners(mesh%element_kind(element))
          do i = 1, n
-            call file_side(table, mesh%node(first + i - 1), mesh%node(first + mod(i, n)), side_number(element, i), &
-               overlapping)
+            a = mesh%node(first + i - 1)
+            b = mesh%node(first + mod(i, n))
+            home = home_of(table, a, b)
+            side = place_of(table, home, a + b - home)
+            if (side == 0) then
+               table%n_sides = table%n_sides + 1
+               side = table%n_sides
+               table%sides(side) = side_t(table%last(home), a + b - home, 0, 0)
+               table%last(home) = side
+            end if
+            associate (filed => table%sides(side), number => side_number(element, i))
+               if (home == a) then
+                  if (filed%left > 0) overlapping = side_element([filed%left, number])
+                  filed%left = number
+               else
+                  if (filed%right > 0) overlapping = side_element([filed%right, number])
+                  filed%right = number
+               end if
+            end associate
             if (overlapping(1) > 0) return
          end do
       end do
    end subroutine new_side_table
-
-   !> Files a side of an element.
-   pure subroutine file_side(table, a, b, number, overlapping)
-      type(side_table_t), intent(inout) :: table !! the sides filed so far
-      integer, intent(in) :: a !! first corner of the side; the element lies on the left
-      integer, intent(in) :: b !! second corner of the side
-      integer, intent(in) :: number !! number of the side
-      integer, intent(inout) :: overlapping(2) !! the element that is there already, if one is, and this one
-      integer :: side, home
-
-      home = home_of(table, a, b)
-      side = place_of(table, home, a + b - home)
-      if (side == 0) then
-         table%n_sides = table%n_sides + 1
-         side = table%n_sides
-         table%sides(side) = side_t(table%last(home), a + b - home, 0, 0)
-         table%last(home) = side
-      end if
-      associate (filed => table%sides(side))
-         if (home == a) then
-            if (filed%left > 0) overlapping = side_element([filed%left, number])
-            filed%left = number
-         else
-            if (filed%right > 0) overlapping = side_element([filed%right, number])
-            filed%right = number
-         end if
-      end associate
-   end subroutine file_side
 
    !> The node that a side is filed under: that of its corners where fewer elements meet.
    pure integer function home_of(table, a, b) result(home)

@@ -191,7 +191,7 @@ contains
                call remove_directory(earlier(k)%text(:index(earlier(k)%text, '/', back=.true.)))
             end do
          end if
-         if (.not. allocated(error)) call put_in_place(files(i), lock%file, error)
+         if (.not. allocated(error)) call files(i)%commit(error, lock%file)
          if (allocated(error)) call files(i)%discard()
       end do
       call lock%release()
@@ -199,28 +199,20 @@ contains
    end subroutine commit_files
 
    !> Gives the finished file its final name.
-   subroutine output_file_commit(self, error)
+   subroutine output_file_commit(self, error, directory)
       class(output_file_t), intent(inout) :: self !! the finished file
       type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
-
-      call put_in_place(self, -1_c_int, error)
-   end subroutine output_file_commit
-
-   !> Gives a finished file its final name.
-   subroutine put_in_place(file, directory, error)
-      class(output_file_t), intent(inout) :: file !! the finished file
-      integer(c_int), intent(in) :: directory !! its directory where that is open, -1 where not
-      type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
+      integer(c_int), intent(in), optional :: directory !! the system's number of its directory where that is open
 
       call hold_signals()
-      call rename_file(file%temporary_path, file%path, error, directory)
+      call rename_file(self%temporary_path, self%path, error, directory)
       if (allocated(error)) then
-         call file%discard()
+         call self%discard()
       else
-         call c_forget_temporary(file%temporary_path//c_null_char)
+         call c_forget_temporary(self%temporary_path//c_null_char)
       end if
       call release_signals()
-   end subroutine put_in_place
+   end subroutine output_file_commit
 
    !> Removes what was written, unless it is kept; the final name stays as it was.
    subroutine output_file_discard(self)

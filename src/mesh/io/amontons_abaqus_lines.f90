@@ -79,7 +79,8 @@ contains
       character(:), allocatable, intent(out) :: keyword
          !! the keyword in small letters, without `*` and blanks; empty at the end of the file
       character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
-      integer :: i
+      character(:), allocatable :: more
+      integer :: i, place
       logical :: is_there
 
       keyword = ''
@@ -90,22 +91,6 @@ contains
          call skip_line(input)
       end do
       if (.not. stands_here(input, '*')) return
-      call take_keyword_line(input, line)
-      if (allocated(input%error)) return
-      do i = 1, len(line)
-         if (line(i:i) == ',') exit
-         if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
-      end do
-   end subroutine next_keyword
-
-   !> Takes a keyword line and the lines that continue it.
-   pure subroutine take_keyword_line(input, line)
-      type(input_file_t), intent(inout) :: input !! the file, at the `*` of the line
-      character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
-      character(:), allocatable :: more
-      integer :: place
-      logical :: is_there
-
       place = input%position
       input%position = input%position + 1
       call input%take_line(line)
@@ -117,7 +102,12 @@ contains
       end do
       if (len(line) > longest_line) call input%refuse( &
          'a keyword line of more than '//to_text(longest_line)//' characters', place)
-   end subroutine take_keyword_line
+      if (allocated(input%error)) return
+      do i = 1, len(line)
+         if (line(i:i) == ',') exit
+         if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
+      end do
+   end subroutine next_keyword
 
    !> Finds a parameter of a keyword line, as in `*NSET, NSET=left, GENERATE`.
    pure subroutine find_parameter(line, name, value, is_there)
@@ -458,17 +448,20 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
-      integer :: cell, group, i, tag
+      integer :: cell, group, i, n_sides, tag
 
       call new_tag_map(map, raw%cell_tag%items())
       do group = 1, raw%n_groups
          do i = 1, raw%groups(group)%cell%n
             tag = raw%groups(group)%cell%item(i)
             cell = map%find(tag)
+            ! Lines have no sides.
+            n_sides = 0
+            if (cell > 0) n_sides = merge(n_corners(max(1, raw%cell_kind%item(cell))), 0, raw%cell_kind%item(cell) > 0)
             if (cell == 0) then
                call input%refuse("the set '"//raw%groups(group)%name//"' names element "//to_text(tag)// &
                   ', which the file does not give', raw%groups(group)%place)
-            else if (raw%groups(group)%side%item(i) > n_sides(raw%cell_kind%item(cell))) then
+            else if (raw%groups(group)%side%item(i) > n_sides) then
                call input%refuse("the surface '"//raw%groups(group)%name//"' names a side that element "// &
                   to_text(tag)//' has not', raw%groups(group)%place)
             end if
@@ -477,13 +470,5 @@ contains
          end do
       end do
    end subroutine resolve_elements
-
-   !> Number of sides of a kind of cell, none for lines.
-   elemental integer function n_sides(kind)
-      integer, intent(in) :: kind !! the kind
-
-      n_sides = 0
-      if (kind > 0) n_sides = n_corners(kind)
-   end function n_sides
 
 end module amontons_abaqus_lines

@@ -155,7 +155,6 @@ module amontons_file_model
       procedure :: add_cell => raw_mesh_add_cell
       procedure :: add_note => raw_mesh_add_note
       procedure :: add_node => raw_mesh_add_node
-      procedure :: cell_nodes => raw_mesh_cell_nodes
       procedure :: expect_members => raw_mesh_expect_members
       procedure :: find_group => raw_mesh_find_group
       procedure :: get_group => raw_mesh_get_group
@@ -289,15 +288,6 @@ contains
       call self%cell_start%append(self%node%n + 1)
       call self%node%append_all(nodes)
    end subroutine raw_mesh_add_cell
-
-   !> Nodes of a cell.
-   pure function raw_mesh_cell_nodes(self, cell) result(nodes)
-      class(raw_mesh_t), intent(in) :: self !! the raw mesh
-      integer, intent(in) :: cell !! the cell
-      integer :: nodes(n_cell_nodes(self%cell_kind%item(cell)))
-
-      nodes = self%node%item(self%cell_start%item(cell):self%cell_start%item(cell) + size(nodes) - 1)
-   end function raw_mesh_cell_nodes
 
    !> What tells a name from others.
    pure function key_of(raw, name) result(key)
@@ -463,7 +453,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
-      integer :: i, cell, node
+      integer :: i, cell, node, nodes(3), number, place
 
       call things%sides%begin()
       call things%nodes%begin()
@@ -493,7 +483,18 @@ contains
          call put_node(things, renumbering%node(node))
       end do
       if (raw%nodes_name_sides .and. things%sides%members%n + things%n_inside == 0) then
-         call put_sides_between(things, mesh, table)
+         ! The boundary sides all of whose nodes are in the set.
+         do i = 1, things%nodes%members%n
+            place = table%last(things%nodes%members%item(i))
+            do while (place > 0)
+               number = table%boundary(place)
+               place = table%sides(place)%before
+               if (number == 0) cycle
+               nodes = mesh%side(side_element(number), side_place(number))
+               if (nodes(3) == 0) nodes(3) = nodes(1)
+               if (all(things%nodes%stamp(nodes) == things%nodes%set)) call things%sides%put(number)
+            end do
+         end do
       end if
    end subroutine collect
 
@@ -543,7 +544,9 @@ contains
       integer, allocatable :: nodes(:)
       integer :: left, right, side(3)
 
-      nodes = renumbering%node(raw%cell_nodes(cell))
+      associate (first => raw%cell_start%item(cell))
+         nodes = renumbering%node(raw%node%item(first:first + n_cell_nodes(raw%cell_kind%item(cell)) - 1))
+      end associate
       left = 0
       right = 0
       if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
@@ -562,26 +565,5 @@ contains
             ' has another middle node than the element at its side', raw%cell_place%item(cell))
       end if
    end subroutine put_line
-
-   !> Puts the boundary sides all of whose nodes are in a set into the set.
-   pure subroutine put_sides_between(things, mesh, table)
-      type(named_things_t), intent(inout) :: things !! the set, its nodes complete
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(side_table_t), intent(in) :: table !! the sides of the elements
-      integer :: i, number, place, nodes(3)
-
-      do i = 1, things%nodes%members%n
-         place = table%last(things%nodes%members%item(i))
-         do while (place > 0)
-            number = table%boundary(place)
-            place = table%sides(place)%before
-            if (number == 0) cycle
-            nodes = mesh%side(side_element(number), side_place(number))
-            if (nodes(3) == 0) nodes(3) = nodes(1)
-            if (any(things%nodes%stamp(nodes) /= things%nodes%set)) cycle
-            call things%sides%put(number)
-         end do
-      end do
-   end subroutine put_sides_between
 
 end module amontons_file_model

@@ -104,12 +104,28 @@ contains
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
-      logical, intent(out) :: has_any !! whether any cell belongs to a group
+      logical, intent(out) :: has_any !! whether any cell belongs to a group; false after a fault
       type(integer_list_t) :: tag, run
-      type(tag_map_t) :: map, names
+      type(tag_map_t) :: entities, map, names
       integer :: cell, first, group, i, place, named
 
-      call list_pairs(groups, has_entities, raw, input, tag, run)
+      has_any = .false.
+      ! The physical groups, and the runs that belong to them.
+      if (has_entities) then
+         call new_tag_map(entities, groups%entity%items())
+         do i = 1, groups%run_owner%n
+            do place = entities%first(groups%run_owner%item(i)), size(entities%tag)
+               if (entities%tag(place) /= groups%run_owner%item(i)) exit
+               call tag%append(groups%entity_tag%item(entities%item(place)))
+               call run%append(i)
+               call raw%expect_members(input, 1)
+               if (allocated(input%error)) return
+            end do
+         end do
+      else
+         tag = groups%run_owner
+         call run%append_all([(i, i=1, tag%n)])
+      end if
       call new_tag_map(map, tag%items())
       call new_tag_map(names, groups%named_tag%items())
       has_any = tag%n > 0
@@ -130,34 +146,6 @@ contains
          end do
       end do
    end subroutine put_dimension
-
-   !> Lists the physical groups and the runs that belong to them.
-   pure subroutine list_pairs(groups, has_entities, raw, input, tag, run)
-      type(dimension_t), intent(in) :: groups !! the groups
-      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(input_file_t), intent(inout) :: input !! the file
-      type(integer_list_t), intent(out) :: tag !! numbers of physical groups
-      type(integer_list_t), intent(out) :: run !! a run that belongs to each
-      type(tag_map_t) :: entities
-      integer :: i, place
-
-      if (.not. has_entities) then
-         tag = groups%run_owner
-         call run%append_all([(i, i=1, tag%n)])
-         return
-      end if
-      call new_tag_map(entities, groups%entity%items())
-      do i = 1, groups%run_owner%n
-         do place = entities%first(groups%run_owner%item(i)), size(entities%tag)
-            if (entities%tag(place) /= groups%run_owner%item(i)) exit
-            call tag%append(groups%entity_tag%item(entities%item(place)))
-            call run%append(i)
-            call raw%expect_members(input, 1)
-            if (allocated(input%error)) return
-         end do
-      end do
-   end subroutine list_pairs
 
    !> Takes the elements that belong to no set out of the body.
    pure subroutine drop_others(raw)
@@ -182,6 +170,7 @@ contains
    pure subroutine take_cell_kind(input, kind)
       type(input_file_t), intent(inout) :: input !! the file, at the type
       integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
+      character(:), allocatable :: solid
       integer :: type, place
 
       place = input%position
@@ -191,7 +180,19 @@ contains
       if (kind /= no_cell) return
       select case (type)
       case (4:7, 11:14, 17:19, 29:33)
-         call input%refuse('3-D mesh: found a '//solid_name(type)//' (Gmsh type '//to_text(type)// &
+         select case (type)
+         case (4, 11, 29:31)
+            solid = 'tetrahedron'
+         case (5, 12, 17)
+            solid = 'hexahedron'
+         case (6, 13, 18)
+            solid = 'prism'
+         case (7, 14, 19)
+            solid = 'pyramid'
+         case default
+            solid = 'solid element'
+         end select
+         call input%refuse('3-D mesh: found a '//solid//' (Gmsh type '//to_text(type)// &
             '), expected plane elements', place)
       case (20:28, 36:40)
          call input%refuse('elements of third or higher order (Gmsh type '//to_text(type)//') are not supported; '// &
@@ -201,25 +202,6 @@ contains
             'lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', place)
       end select
    end subroutine take_cell_kind
-
-   !> What a type of solid elements is called.
-   pure function solid_name(type) result(name)
-      integer, intent(in) :: type !! number of the type
-      character(:), allocatable :: name
-
-      select case (type)
-      case (4, 11, 29:31)
-         name = 'tetrahedron'
-      case (5, 12, 17)
-         name = 'hexahedron'
-      case (6, 13, 18)
-         name = 'prism'
-      case (7, 14, 19)
-         name = 'pyramid'
-      case default
-         name = 'solid element'
-      end select
-   end function solid_name
 
    !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for elements.
    elemental integer function dimension_of(kind)
@@ -507,7 +489,7 @@ contains
       is_twin = .false.
       if (cell == 0) return
       if (raw%cell_kind%item(cell) /= kind) return
-      associate (twin => raw%cell_nodes(cell))
+      associate (twin => raw%node%item(raw%cell_start%item(cell):raw%cell_start%item(cell) + size(nodes) - 1))
          do i = 1, size(twin)
             if (all(nodes /= twin(i))) return
          end do

@@ -65,12 +65,42 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
       type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
-      type(parents_t) :: behind
+      type(parents_t) :: parents
+      type(mesh_t) :: behind
+      type(boundary_set_t), allocatable :: sets(:)
+      type(node_set_t), allocatable :: node_sets(:)
+      type(region_t), allocatable :: regions(:)
       integer, allocatable :: tags(:)
-      integer :: i, last_tag
+      integer :: i, last_tag, n(3)
 
-      call append_sets(mesh, other, error)
+      behind = other
+      call complete_sets(mesh)
+      call complete_sets(behind)
+      do i = 1, size(behind%sets)
+         if (has_set(mesh, behind%sets(i)%name)) call refuse_double('set', behind%sets(i)%name, error)
+         behind%sets(i)%element = mesh%n_elements + behind%sets(i)%element
+      end do
+      do i = 1, size(behind%node_sets)
+         if (has_set(mesh, behind%node_sets(i)%name)) call refuse_double('set', behind%node_sets(i)%name, error)
+         behind%node_sets(i)%node = mesh%n_nodes + behind%node_sets(i)%node
+      end do
+      do i = 1, size(behind%regions)
+         if (mesh%find_region(behind%regions(i)%name) > 0) call refuse_double('region', behind%regions(i)%name, error)
+         behind%regions(i)%element = mesh%n_elements + behind%regions(i)%element
+      end do
       if (allocated(error)) return
+      n = [size(mesh%sets), size(mesh%node_sets), size(mesh%regions)]
+      allocate (sets(n(1) + size(behind%sets)), node_sets(n(2) + size(behind%node_sets)), &
+         regions(n(3) + size(behind%regions)))
+      sets(:n(1)) = mesh%sets
+      sets(n(1) + 1:) = behind%sets
+      node_sets(:n(2)) = mesh%node_sets
+      node_sets(n(2) + 1:) = behind%node_sets
+      regions(:n(3)) = mesh%regions
+      regions(n(3) + 1:) = behind%regions
+      call move_alloc(sets, mesh%sets)
+      call move_alloc(node_sets, mesh%node_sets)
+      call move_alloc(regions, mesh%regions)
       if (allocated(mesh%node_tag) .or. allocated(other%node_tag)) then
          tags = tags_of(mesh)
          last_tag = maxval(tags)
@@ -79,11 +109,11 @@ contains
          call move_alloc(tags, mesh%node_tag)
       end if
       if (allocated(mesh%parents) .or. allocated(other%parents)) then
-         behind = parents_of(other)
+         parents = parents_of(other)
          mesh%parents = parents_of(mesh)
-         mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + behind%start(2:)]
-         mesh%parents%node = [mesh%parents%node, mesh%n_nodes + behind%node]
-         mesh%parents%weight = [mesh%parents%weight, behind%weight]
+         mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + parents%start(2:)]
+         mesh%parents%node = [mesh%parents%node, mesh%n_nodes + parents%node]
+         mesh%parents%weight = [mesh%parents%weight, parents%weight]
       end if
       mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
       mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]
@@ -101,46 +131,6 @@ contains
          call mesh%warnings%add(other%warnings%item(i))
       end do
    end subroutine append_mesh
-
-   !> Appends the sets and regions.
-   pure subroutine append_sets(mesh, other, error)
-      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes and elements still alone
-      type(mesh_t), intent(in) :: other !! the mesh to append
-      type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
-      type(mesh_t) :: behind
-      type(boundary_set_t), allocatable :: sets(:)
-      type(node_set_t), allocatable :: node_sets(:)
-      type(region_t), allocatable :: regions(:)
-      integer :: i, n(3)
-
-      behind = other
-      call complete_sets(mesh)
-      call complete_sets(behind)
-      do i = 1, size(behind%sets)
-         if (has_set(mesh, behind%sets(i)%name)) call refuse_double('set', behind%sets(i)%name, error)
-         behind%sets(i)%element = mesh%n_elements + behind%sets(i)%element
-      end do
-      do i = 1, size(behind%node_sets)
-         if (has_set(mesh, behind%node_sets(i)%name)) call refuse_double('set', behind%node_sets(i)%name, error)
-         behind%node_sets(i)%node = mesh%n_nodes + behind%node_sets(i)%node
-      end do
-      do i = 1, size(behind%regions)
-         if (mesh%find_region(behind%regions(i)%name) > 0) call refuse_double('region', behind%regions(i)%name, error)
-         behind%regions(i)%element = mesh%n_elements + behind%regions(i)%element
-      end do
-      n = [size(mesh%sets), size(mesh%node_sets), size(mesh%regions)]
-      allocate (sets(n(1) + size(behind%sets)), node_sets(n(2) + size(behind%node_sets)), &
-         regions(n(3) + size(behind%regions)))
-      sets(:n(1)) = mesh%sets
-      sets(n(1) + 1:) = behind%sets
-      node_sets(:n(2)) = mesh%node_sets
-      node_sets(n(2) + 1:) = behind%node_sets
-      regions(:n(3)) = mesh%regions
-      regions(n(3) + 1:) = behind%regions
-      call move_alloc(sets, mesh%sets)
-      call move_alloc(node_sets, mesh%node_sets)
-      call move_alloc(regions, mesh%regions)
-   end subroutine append_sets
 
    !> Whether a mesh has a boundary set or a set of nodes of a name.
    pure logical function has_set(mesh, name)
