@@ -8,13 +8,13 @@ module amontons_result_warnings
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: max_corners, n_corners
    use amontons_error, only: warning_list_t
+   use amontons_free_boundary, only: find_corner_penetration
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_warnings, only: add_mesh_warnings, error_clause
    use amontons_model_warnings, only: body_size, percent
-   use amontons_obstacle_corners, only: find_corner_penetration
    use amontons_result, only: result_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
@@ -124,7 +124,7 @@ contains
       real(dp) :: depth, place(2)
       integer :: set
 
-      call find_corner_penetration(body, result%load_case%contacts, result%displacement, depth, place, set)
+      call find_corner_penetration(body%mesh, result%load_case%contacts, result%displacement, depth, place, set)
       if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
          result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &

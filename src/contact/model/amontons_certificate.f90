@@ -7,10 +7,10 @@ module amontons_certificate
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_free_boundary, only: find_corner_penetration
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_obstacle_corners, only: find_corner_penetration
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
    implicit none (type, external)
@@ -262,7 +262,7 @@ contains
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement, depth, deepest)
       certificate%penetration_outside = relative(depth, largest_displacement)
-      call find_corner_penetration(body, load_case%contacts, displacement, depth, place, set)
+      call find_corner_penetration(body%mesh, load_case%contacts, displacement, depth, place, set)
       certificate%penetration_between = relative(depth, largest_displacement)
       associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &

@@ -51,7 +51,8 @@ module amontons_contact_relation
    !> 2n, z_0 is 2n + 1.
    type :: tableau_t
       integer :: n = 0 !! order of the problem
-      real(dp), allocatable :: entry(:, :) !! factor of each nonbasic variable; in the last column the constant (n, n + 2)
+      real(dp), allocatable :: entry(:, :)
+         !! factor of each nonbasic variable; in the last column the constant (n, n + 2)
       integer, allocatable :: basic(:) !! the variable of each row (n)
       integer, allocatable :: nonbasic(:) !! the variable of each column (n + 1)
       integer, allocatable :: place(:) !! row of each basic variable, minus the column of each other one (2n + 1)
