@@ -367,7 +367,9 @@ contains
       character(*), intent(in) :: key !! name of the key, in lower case
       character(*), intent(in) :: noun !! what one value is called
       integer, intent(out) :: source(:) !! index of the value of each element, 0 where none is given
-      integer :: i, given_at(size(source))
+      integer :: i, given_at(size(source)), k, element, last, n_places, line
+      character(:), allocatable :: misfit
+      integer(int64) :: n_given
 
       source = 0
       given_at = 0
@@ -375,52 +377,39 @@ contains
       do i = contents%groups(group)%first_assignment, contents%groups(group)%last_assignment
          if (contents%assignments(i)%key /= key) cycle
          if (contents%assignments(i)%is_faulty .or. i > contents%groups(group)%last_judged) cycle
-         call place_values(contents, i, noun, source, given_at)
+         associate (given => contents%assignments(i))
+            ! A misfit keeps values from the places that their assignment gives them.
+            n_given = sum(int(contents%values(given%first_value:given%last_value)%n_times, int64))
+            n_places = size(given_at) - max(given%subscript, 1) + 1
+            misfit = ''
+            if (given%subscript > 0 .and. size(given_at) == 1) then
+               misfit = 'expected no subscript, found ('//to_text(given%subscript)//')'
+            else if (n_places < 1) then
+               misfit = 'expected a subscript from 1 to '//to_text(size(given_at))//', found ('// &
+                  to_text(given%subscript)//')'
+            else if (n_given > n_places .or. (n_given < n_places .and. given%subscript == 0)) then
+               misfit = 'expected '//counted(n_places, noun)//', found '//to_text(n_given)
+            else
+               line = maxval(given_at(size(given_at) - n_places + 1:size(given_at) - n_places + int(n_given)))
+               if (line > 0) misfit = 'given in line '//to_text(line)//' already'
+            end if
+            given%is_faulty = misfit /= ''
+            if (given%is_faulty) then
+               if (noun == 'number' .and. given%subscript == 0) misfit = misfit//comma_hint(contents, given, &
+                  size(source))
+               call contents%faults%add(given%line, given%key//': '//misfit)
+               cycle
+            end if
+            element = max(given%subscript, 1)
+            do k = given%first_value, given%last_value
+               last = element + contents%values(k)%n_times - 1
+               source(element:last) = k
+               given_at(element:last) = given%line
+               element = last + 1
+            end do
+         end associate
       end do
    end subroutine find_values
-
-   !> Puts the values of one assignment in their places, or records why they have none and marks it as faulty.
-   subroutine place_values(contents, assignment, noun, source, given_at)
-      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
-      integer, intent(in) :: assignment !! the assignment
-      character(*), intent(in) :: noun !! what one value is called
-      integer, intent(inout) :: source(:) !! index of the value of each element, 0 where none is given
-      integer, intent(inout) :: given_at(:) !! line of the key that gave each element, 0 where none did
-      character(:), allocatable :: misfit
-      integer :: i, element, last, n_places, line
-      integer(int64) :: n_given
-
-      associate (given => contents%assignments(assignment))
-         ! Why values cannot take the places their assignment gives them; empty where they can.
-         n_given = sum(int(contents%values(given%first_value:given%last_value)%n_times, int64))
-         n_places = size(given_at) - max(given%subscript, 1) + 1
-         misfit = ''
-         if (given%subscript > 0 .and. size(given_at) == 1) then
-            misfit = 'expected no subscript, found ('//to_text(given%subscript)//')'
-         else if (n_places < 1) then
-            misfit = 'expected a subscript from 1 to '//to_text(size(given_at))//', found ('// &
-               to_text(given%subscript)//')'
-         else if (n_given > n_places .or. (n_given < n_places .and. given%subscript == 0)) then
-            misfit = 'expected '//counted(n_places, noun)//', found '//to_text(n_given)
-         else
-            line = maxval(given_at(size(given_at) - n_places + 1:size(given_at) - n_places + int(n_given)))
-            if (line > 0) misfit = 'given in line '//to_text(line)//' already'
-         end if
-         given%is_faulty = misfit /= ''
-         if (given%is_faulty) then
-            if (noun == 'number' .and. given%subscript == 0) misfit = misfit//comma_hint(contents, given, size(source))
-            call contents%faults%add(given%line, given%key//': '//misfit)
-            return
-         end if
-         element = max(given%subscript, 1)
-         do i = given%first_value, given%last_value
-            last = element + contents%values(i)%n_times - 1
-            source(element:last) = i
-            given_at(element:last) = given%line
-            element = last + 1
-         end do
-      end associate
-   end subroutine place_values
 
    !> Addition to a message where twice as many whole numbers are given as expected, a comma in each pair: the
    !> number that a decimal comma was meant to write.

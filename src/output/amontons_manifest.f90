@@ -356,7 +356,8 @@ contains
       type(manifest_t), intent(in) :: manifest !! the manifest of the new results
       type(manifest_t) :: earlier
       character(:), allocatable :: summary, fault
-      integer :: i, n
+      integer :: i, n, slash
+      logical :: is_of_case
 
       ! Where it cannot be read, or it was changed, nothing is named.
       call read_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
@@ -364,7 +365,11 @@ contains
       n = 0
       do i = 1, earlier%outputs%n
          associate (file => earlier%outputs%files(i))
-            if (.not. is_of_case(file%name, name) .or. is_among(manifest%outputs, file%name)) cycle
+            ! A summary of another program may name any file.
+            slash = index(file%name, '/', back=.true.)
+            is_of_case = index(file%name, name//'.') == 1 .and. slash == 0 .or. &
+               file%name(:slash) == name//'.sweep/' .or. file%name(:slash) == name//'.history/'
+            if (.not. is_of_case .or. is_among(manifest%outputs, file%name)) cycle
             if (.not. is_removable(file, directory, manifest%inputs)) cycle
             n = n + 1
             files(n)%text = directory//'/'//file%name
@@ -372,17 +377,6 @@ contains
       end do
       files = files(:n)
    end subroutine find_earlier_files
-
-   !> Whether a file is one that a case of this name may leave; a summary of another program may name any.
-   pure logical function is_of_case(file, name)
-      character(*), intent(in) :: file !! its name, seen from the output directory
-      character(*), intent(in) :: name !! name of the case
-      integer :: slash
-
-      slash = index(file, '/', back=.true.)
-      is_of_case = index(file, name//'.') == 1 .and. slash == 0 .or. file(:slash) == name//'.sweep/' .or. &
-         file(:slash) == name//'.history/'
-   end function is_of_case
 
    !> Whether a name is among those of a list.
    pure logical function is_among(list, name)

@@ -151,6 +151,7 @@ contains
       real(dp), intent(in) :: scales(:) !! scale of the first, second ... word, if larger than the word itself
       real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
       logical, intent(out) :: is_lost !! whether the lines have other words
+      character(:), allocatable :: name
       integer :: i, j, last_i, last_j, number
       logical :: is_same, is_a, is_b
       real(dp) :: a, b
@@ -177,8 +178,16 @@ contains
                abs(a - b) <= least_difference*max(abs(a), abs(b))
             ! The rest of the line belongs together only if what differs is a word.
             if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
-            if (.not. is_same) call add_contradiction(fault, stated(i:last_i), computed(j:last_j), &
-               place_name(computed(:j - 1), header))
+            if (.not. is_same) then
+               name = place_name(computed(:j - 1), header)
+               if (len(name) == 0) then
+                  ! Of a word without a name, only that it differs is reported.
+                  fault = '?'
+               else
+                  if (len(fault) > 0) fault = fault//'; '
+                  fault = fault//name//' is '//stated(i:last_i)//', but '//computed(j:last_j)
+               end if
+            end if
          end if
          i = last_i + 1
          j = last_j + 1
@@ -189,21 +198,6 @@ contains
          trim(adjustl(computed))//"'"
       if (len(fault) > 0) fault = fault//' follows from the other files'
    end subroutine compare_line
-
-   !> Adds what is said of two words; of one that has no name, only that it differs.
-   pure subroutine add_contradiction(fault, stated, computed, name)
-      character(:), allocatable, intent(inout) :: fault !! gains the sentence
-      character(*), intent(in) :: stated !! the word as it was written
-      character(*), intent(in) :: computed !! what should stand there
-      character(*), intent(in) :: name !! what the word is called, or nothing
-
-      if (len(name) == 0) then
-         fault = '?'
-         return
-      end if
-      if (len(fault) > 0) fault = fault//'; '
-      fault = fault//name//' is '//stated//', but '//computed
-   end subroutine add_contradiction
 
    !> Text describing how two members of JSON differ; '?' for lines that are no members.
    pure function member_contradiction(stated, computed) result(sentence)

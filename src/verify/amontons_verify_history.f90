@@ -57,10 +57,11 @@ contains
       type(config_t) :: solved
       type(result_t) :: step
       type(error_t), allocatable :: error
-      integer :: n_faults, n_iterations, i, stated
+      integer :: n_faults, n_iterations, i, stated, row, k
       type(history_table_t), allocatable :: tables(:)
-      character(:), allocatable :: fault
+      character(:), allocatable :: fault, unread
       real(dp), allocatable :: start(:)
+      real(dp) :: value, stiffness
 
       ! A case that was spread over ranks is checked on any number of them.
       solved = case%config
@@ -94,7 +95,21 @@ contains
                table%header = table%header(:len(table%header) - 1)
                call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
                call case%fault(table%ending, fault)
-               if (len(fault) == 0) call find_largest(table, sum(cache%problem%augmentation()))
+               if (len(fault) == 0) then
+                  table%largest(number_alone) = 1.0_dp
+                  unread = ''
+                  do row = 1, table%csv%n_rows
+                     do k = 1, size(table%kinds)
+                        if (table%kinds(k) == number_alone) cycle
+                        ! A field that is not a number differs from the computed one.
+                        call table%csv%get_number(row, k, value, unread)
+                        table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
+                     end do
+                  end do
+                  stiffness = sum(cache%problem%augmentation())
+                  if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), &
+                     table%largest(a_force)/stiffness)
+               end if
             end associate
          end do
          if (case%faults%n == n_faults) call retrace(case, again, cache)
@@ -127,28 +142,6 @@ contains
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium
       end associate
    end subroutine verify_history
-
-   !> Finds the largest number of each kind, which the others are measured by. Displacements are at least that of all
-   !> contact points under the largest force: less is rounding, as slips are where nothing slips.
-   subroutine find_largest(table, stiffness)
-      type(stated_table_t), intent(inout) :: table !! the table; gains the numbers
-      real(dp), intent(in) :: stiffness !! stiffness of all contact points together [F/L]
-      real(dp) :: value
-      character(:), allocatable :: fault
-      integer :: i, k
-
-      table%largest(number_alone) = 1.0_dp
-      fault = ''
-      do i = 1, table%csv%n_rows
-         do k = 1, size(table%kinds)
-            if (table%kinds(k) == number_alone) cycle
-            ! A field that is not a number differs from the computed one.
-            call table%csv%get_number(i, k, value, fault)
-            table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
-         end do
-      end do
-      if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), table%largest(a_force)/stiffness)
-   end subroutine find_largest
 
    !> Takes the steps again, row by row, up to the first one that disagrees.
    subroutine retrace(case, again, cache)

@@ -56,6 +56,7 @@ contains
       type(error_t), allocatable :: error
       logical, allocatable :: has_converged(:)
       character(:), allocatable :: fault
+      logical :: ok
 
       call prepare_sweep(task, cache, case%config, result%certified, error)
       if (allocated(error)) then
@@ -70,7 +71,15 @@ contains
       if (len(fault) > 0) return
       result%n_resumed = nint(case%number('sweep', 'done_earlier'))
       result%certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
-      call find_certified(case, has_converged, result%statistics%worst_case)
+      ! No file has the error estimates by which the certified case was chosen.
+      result%statistics%worst_case = 0
+      if (any(has_converged)) then
+         call read_integer(case%value('certificate', 'case'), result%statistics%worst_case, ok)
+         if (ok) ok = result%statistics%worst_case >= 1 .and. result%statistics%worst_case <= size(has_converged)
+         if (ok) ok = has_converged(result%statistics%worst_case)
+         if (.not. ok) call case%fault('.summary.json', "certificate.case is '"//case%value('certificate', 'case')// &
+            "', which is not a converged case")
+      end if
       ! As the certificate, it takes the whole model and is only recorded.
       if (case%config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
          allocate (result%certified%error_estimate)
@@ -200,22 +209,6 @@ contains
       call append_row(text, case%config%sweep, row%number, computed, runs)
       call compare_line(fault, row%text, text(:len(text) - 1), header_of(case, body), row_scales, 0.0_dp, is_lost)
    end subroutine compare_row
-
-   !> Finds the case that the summary says is certified. No file has the error estimates, but it has converged.
-   subroutine find_certified(case, has_converged, certified)
-      type(verified_case_t), intent(inout) :: case !! the sweep; gains the fault
-      logical, intent(in) :: has_converged(:) !! whether each case has converged
-      integer, intent(out) :: certified !! number of the case; 0 if none has converged
-      logical :: ok
-
-      certified = 0
-      if (.not. any(has_converged)) return
-      call read_integer(case%value('certificate', 'case'), certified, ok)
-      if (ok) ok = certified >= 1 .and. certified <= size(has_converged)
-      if (ok) ok = has_converged(certified)
-      if (.not. ok) call case%fault('.summary.json', "certificate.case is '"//case%value('certificate', 'case')// &
-         "', which is not a converged case")
-   end subroutine find_certified
 
    !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
    subroutine verify_fields(case, task, sweep, body, rows)

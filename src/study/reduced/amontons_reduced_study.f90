@@ -68,7 +68,15 @@ contains
       type(reduced_result_t) :: result
 
       call solve_reduced(self%config, result, error)
-      if (.not. allocated(error)) call add_extras(self%config%name, options, result, error)
+      if (options%writes_reduced .and. .not. allocated(error)) call write_reduced_file(options%directory, &
+         self%config%name, result%system, error)
+      result%has_reduced_files = options%writes_reduced
+      if (options%wants_all_solutions .and. .not. allocated(error)) then
+         allocate (result%all_solutions)
+         call result%timings%begin(phase_solve)
+         call find_reduced_solutions(result%all_solutions, result%system, error)
+         call result%timings%begin(phase_write)
+      end if
       if (.not. allocated(error)) call write_reduced_report(options%directory, self%config, result, error)
       if (allocated(error)) return
       outcome%text = solution_line(self%config%name, result%solution)//'; '// &
@@ -80,26 +88,6 @@ contains
       associate (unused => cache, unused_too => monitor)
       end associate
    end subroutine reduced_study_solve
-
-   !> Adds what the options ask for: the problem in a file again, all solutions.
-   subroutine add_extras(name, options, result, error)
-      character(*), intent(in) :: name !! name of the case
-      type(study_options_t), intent(in) :: options !! what is asked for
-      type(reduced_result_t), intent(inout) :: result !! the result; gains all solutions
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written, or there are too many contacts
-
-      if (options%writes_reduced) then
-         call write_reduced_file(options%directory, name, result%system, error)
-         if (allocated(error)) return
-         result%has_reduced_files = .true.
-      end if
-      if (options%wants_all_solutions) then
-         allocate (result%all_solutions)
-         call result%timings%begin(phase_solve)
-         call find_reduced_solutions(result%all_solutions, result%system, error)
-         call result%timings%begin(phase_write)
-      end if
-   end subroutine add_extras
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.deck.nml and NAME.summary.json, and NAME.solutions.csv if all solutions
    !> are known. Names change hands only after every file is complete.

@@ -42,7 +42,8 @@ contains
       type(entries_t) :: entries
       real(dp), allocatable :: q(:), friction(:)
       character(:), allocatable :: form, sentence
-      integer :: dimension, n_contacts, storage, place
+      integer :: dimension, n_contacts, storage, place, flag, i, n
+      logical :: ok
 
       call take_choice(input, dimension, 'the dimension 2', [2])
       call take_number(input, n_contacts, 'the number of contacts')
@@ -51,7 +52,12 @@ contains
       call input%check_count(n_contacts, 2, 'contacts')
       call take_choice(input, storage, 'the storage of W: 0 (dense), 1 (sparse block) or 2 (CSparse)', &
          [storage_dense, storage_blocks, storage_csparse])
-      if (.not. allocated(input%error)) call take_size(input, n_contacts)
+      if (allocated(input%error)) return
+      do i = 1, 2
+         call take_number(input, n, 'the number of '//trim(merge('rows   ', 'columns', i == 1))//' of W')
+         if (n /= 2*n_contacts) call refuse_word(input, 'expected '//to_text(2*n_contacts)//' '// &
+            trim(merge('rows   ', 'columns', i == 1))//' of W, two for each contact, found '//to_text(n))
+      end do
       if (allocated(input%error)) return
       select case (storage)
       case (storage_dense)
@@ -64,26 +70,20 @@ contains
          call read_csparse(entries, input, 2*n_contacts, form)
       end select
       call read_vectors(q, friction, input, n_contacts)
-      call check_end(input)
       if (allocated(input%error)) return
+      ! Siconos writes a 1 behind the last coefficient.
+      call input%skip_white()
+      call scan_integer(input%text, input%position, flag, ok)
+      call input%skip_white()
+      if (input%position <= len(input%text)) then
+         call input%refuse('expected the end of the file behind the last mu, found '//input%word())
+         return
+      end if
       if (entries%n == 0) allocate (entries%row(0), entries%column(0), entries%value(0), entries%place(0))
       call new_reduced_system(system, entries, q, friction, sentence, place)
       system%form = form
       if (allocated(sentence)) call input%refuse(sentence, place)
    end subroutine read_siconos_text
-
-   !> Takes the number of rows and that of columns.
-   pure subroutine take_size(input, n_contacts)
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: n_contacts !! number of contacts
-      integer :: size, i
-
-      do i = 1, 2
-         call take_number(input, size, 'the number of '//trim(merge('rows   ', 'columns', i == 1))//' of W')
-         if (size /= 2*n_contacts) call refuse_word(input, 'expected '//to_text(2*n_contacts)//' '// &
-            trim(merge('rows   ', 'columns', i == 1))//' of W, two for each contact, found '//to_text(size))
-      end do
-   end subroutine take_size
 
    !> Reads the numbers of a full matrix, column by column; zeros are left out.
    pure subroutine read_dense(entries, input, n)
@@ -234,20 +234,6 @@ contains
       end do
    end subroutine read_vectors
 
-   !> Refuses what follows the last coefficient, but for the 1 that Siconos writes there.
-   pure subroutine check_end(input)
-      type(input_file_t), intent(inout) :: input !! the file
-      integer :: flag
-      logical :: ok
-
-      if (allocated(input%error)) return
-      call input%skip_white()
-      call scan_integer(input%text, input%position, flag, ok)
-      call input%skip_white()
-      if (input%position <= len(input%text)) call input%refuse('expected the end of the file behind the last '// &
-         'mu, found '//input%word())
-   end subroutine check_end
-
    !> Writes a reduced problem under its temporary name: dense, or as CSparse's columns where W is sparse.
    subroutine write_siconos_text(file, path, system, error)
       type(output_file_t), intent(out) :: file !! the finished file
@@ -343,11 +329,17 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
       character(:), allocatable, intent(out) :: form !! what kind of file this is
-      integer :: origin, n_entries, row, column
+      character(:), allocatable :: line
+      integer :: origin, n_entries, row, column, place
 
       call take_choice(input, origin, 'the origin of W: 1 (triplets) or 2 (columns)', &
          [origin_triplets, origin_columns])
-      call take_version(input)
+      if (allocated(input%error)) return
+      call input%skip_white()
+      place = input%position
+      call input%take_line(line)
+      if (index(line, 'CSparse Version') /= 1 .and. index(line, 'CXSparse Version') /= 1) call input%refuse( &
+         "expected a line that begins with CSparse Version, found '"//line(:min(40, len(line)))//"'", place)
       if (origin == origin_triplets) then
          form = 'Siconos text, CSparse triplets'
          ! Lines `row col : value`, counted from 0.
@@ -367,20 +359,6 @@ contains
          call read_compressed(entries, input, n)
       end if
    end subroutine read_csparse
-
-   !> Takes the line with the version of CSparse or CXSparse.
-   pure subroutine take_version(input)
-      type(input_file_t), intent(inout) :: input !! the file
-      character(:), allocatable :: line
-      integer :: place
-
-      if (allocated(input%error)) return
-      call input%skip_white()
-      place = input%position
-      call input%take_line(line)
-      if (index(line, 'CSparse Version') /= 1 .and. index(line, 'CXSparse Version') /= 1) call input%refuse( &
-         "expected a line that begins with CSparse Version, found '"//line(:min(40, len(line)))//"'", place)
-   end subroutine take_version
 
    !> Takes a count as CSparse prints it: a number of six digits, followed by text that may touch it.
    pure subroutine take_printed(input, value, what)
