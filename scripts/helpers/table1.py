@@ -57,8 +57,8 @@ def print_bars(directory):
         cells, marks = [], []
         for part, expected in zip(("open_length", "slip_length", "stick_length"), CORRECTED.get(row, printed)):
             value, bar = numbers[part]["values"][-1], numbers[part]["error_bar"]
-            cells.append(f"{value:9.4g} +- {bar:5.2g}")
-            marks.append(f"{expected:.4g}" + "*"*(abs(value - expected) > bar + SEGMENT))
+            cells.append(f"{value:9.4g} {'' if bar is None else f'+- {bar:5.2g}':8}")
+            marks.append(f"{expected:.4g}" + "*"*(abs(value - expected) > (bar or 0.0) + SEGMENT))
         print(f"{row:3}", *(f"{cell:>18}" for cell in cells), " ", *(f"{mark:>8}" for mark in marks))
 
 

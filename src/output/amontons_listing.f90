@@ -11,7 +11,7 @@ module amontons_listing
    use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
-   use amontons_convergence, only: refined_quantity_t, verdict_names
+   use amontons_convergence, only: has_bar, refined_quantity_t, verdict_names
    use amontons_document, only: document_t
    use amontons_element, only: quad4
    use amontons_error, only: error_t, warning_list_t
@@ -673,6 +673,7 @@ contains
       integer, parameter :: width = 13
       character(200 + len(units)) :: rows(0:size(list))
       character(8) :: order
+      character(width) :: bar
       integer :: i
 
       rows(0) = repeat(' ', 22)//flush_right('finest mesh', width)//flush_right('+-', width)// &
@@ -684,8 +685,9 @@ contains
             rows(i) = quantity%label
             order = '-'
             if (judged%order > 0.0_dp) write (order, '(f8.2)') min(judged%order, 99.0_dp)
-            rows(i)(23:) = flush_right(short_text(quantity%value), width)// &
-               flush_right(scientific(judged%bar), width)// &
+            bar = '-'
+            if (has_bar(judged)) bar = scientific(judged%bar)
+            rows(i)(23:) = flush_right(short_text(quantity%value), width)//flush_right(trim(bar), width)// &
                flush_right(short_text(judged%extrapolated), width)//adjustr(order)//'  '// &
                verdict_names(judged%verdict)//repeat(' ', 8)//unit_of(units, trim(quantity%dimension))
          end associate

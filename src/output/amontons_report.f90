@@ -6,7 +6,7 @@ module amontons_report
    use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
-   use amontons_convergence, only: refined_quantity_t, verdict_names
+   use amontons_convergence, only: has_bar, refined_quantity_t, verdict_names
    use amontons_document, only: document_t, json_logical, json_number, json_numbers, json_string, quantity_members
    use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
@@ -246,8 +246,10 @@ contains
             if (i > 1) text = text//', '
             text = text//json_string(trim(list(i)%quantity%key))//': {"values": ['//json_numbers(judged%value)// &
                '], "verdict": '//json_string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
-               quantity_t('order', '', judged%order), quantity_t('extrapolated', '', judged%extrapolated), &
-               quantity_t('error_bar', '', judged%bar)])//'}'
+               quantity_t('order', '', judged%order), quantity_t('extrapolated', '', judged%extrapolated)])// &
+               ', "error_bar": '
+            if (has_bar(judged)) text = text//json_number(judged%bar)//'}'
+            if (.not. has_bar(judged)) text = text//'null}'
          end associate
       end do
       text = member('convergence', '{'//text//'}')
@@ -362,8 +364,9 @@ contains
          do i = 1, size(result%convergence)
             associate (judged => result%convergence(i)%convergence)
                text = text//trim(result%convergence(i)%quantity%key)//','//comma_separated(judged%value)//','// &
-                  trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated, &
-                  judged%bar])//newline
+                  trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated])//','
+               if (has_bar(judged)) text = text//comma_separated([judged%bar])
+               text = text//newline
             end associate
          end do
          call documents(n)%add(text)

@@ -8,12 +8,12 @@ module amontons_convergence
    implicit none (type, external)
    private
 
-   public :: convergence_t, new_convergence, refined_quantity_t, verdict_names
+   public :: convergence_t, has_bar, new_convergence, refined_quantity_t, verdict_names
 
    !> What the values on the last three meshes do.
    character(11), parameter :: verdict_names(*) = [character(11) :: 'converging', 'slow', 'oscillating', 'diverging', &
-      'unchanged']
-   integer, parameter :: converging = 1, slow = 2, oscillating = 3, diverging = 4, unchanged = 5
+      'unchanged', 'absent']
+   integer, parameter :: converging = 1, slow = 2, oscillating = 3, diverging = 4, unchanged = 5, absent = 6
 
    !> A number on meshes of which each halves the sides of the one before.
    type :: convergence_t
@@ -21,7 +21,7 @@ module amontons_convergence
       integer :: verdict = unchanged !! place in `verdict_names`
       real(dp) :: order = 0.0_dp !! observed order of convergence; 0 where there is none [-]
       real(dp) :: extrapolated = 0.0_dp !! Richardson's extrapolation; the last value where there is no order
-      real(dp) :: bar = 0.0_dp !! half width of the error bar around the last value
+      real(dp) :: bar = 0.0_dp !! half width of the error bar around the last value, if it has one, see `has_bar`
    end type convergence_t
 
    !> A number of a result on refined meshes.
@@ -38,7 +38,8 @@ contains
    !> stresses at the end of a contact: where an end lies between two nodes makes a small last difference a matter of
    !> chance, and the one before it counts besides. An order below 0.5 is that of a singular solution: the number may
    !> have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is not
-   !> smaller.
+   !> smaller. A number that is 0 on all three meshes, as a slip where no point slips, says nothing of what a finer mesh
+   !> shows: it is absent and has no bar.
    pure subroutine new_convergence(convergence, value, resolution, rounding)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first
@@ -53,7 +54,10 @@ contains
       before = value(size(value) - 1) - value(size(value) - 2)
       last = value(size(value)) - value(size(value) - 1)
       convergence%verdict = verdict(before, last, rounding)
+      if (.not. any(abs(value(size(value) - 2:)) > 0.0_dp)) convergence%verdict = absent
       select case (convergence%verdict)
+      case (absent)
+         return
       case (unchanged)
          convergence%bar = max(abs(before), rounding)
       case (oscillating)
@@ -73,6 +77,13 @@ contains
       end select
       convergence%bar = max(convergence%bar, resolution)
    end subroutine new_convergence
+
+   !> Whether there is an error bar.
+   elemental logical function has_bar(convergence)
+      type(convergence_t), intent(in) :: convergence !! the judgment
+
+      has_bar = convergence%verdict /= absent
+   end function has_bar
 
    !> What two changes one after the other mean; slow convergence counts as convergence.
    pure integer function verdict(before, last, rounding)

@@ -16,14 +16,15 @@ module amontons_mesh_warnings
 contains
 
    !> Adds the first of the warnings on the mesh that there is reason for.
-   pure subroutine add_mesh_warnings(result, body)
+   pure subroutine add_mesh_warnings(result, body, status)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: status(:) !! statuses of the points, those whose force is rounding open (m)
       logical :: is_end(body%zone%n_points)
       integer :: n_per_side, n_before
 
       n_before = result%warnings%n()
-      associate (zone => body%zone, status => result%solution%status, kind => body%mesh%element_kind)
+      associate (zone => body%zone, kind => body%mesh%element_kind)
          n_per_side = merge(2, 1, any(n_element_nodes(kind) > n_corners(kind)) .and. .not. any(zone%is_cell))
          is_end = .false.
          call add_short_zones(result, body, is_end, 'contact', status /= open_point, n_per_side)

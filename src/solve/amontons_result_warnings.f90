@@ -56,17 +56,21 @@ contains
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
       integer, allocatable :: reached(:)
-      integer :: peak
+      integer :: peak, status(body%zone%n_points)
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
       call add_size_warnings(result%warnings, body, result%displacement)
+      associate (m => body%zone%n_points, force => result%solution%force)
+         ! A point whose force is rounding counts as open.
+         status = merge(result%solution%status, open_point, hypot(force(:m), force(m + 1:))/body%zone%area &
+            > rounding_pressure(body, maxval(abs(result%displacement)), body_size(body)))
+      end associate
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
-         result%load_case%gap, result%solution%status)
+         result%load_case%gap, status)
       call add_reached_ends(result, body, reached)
       call add_corner(result, body)
-      associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
-         lacks => lacks_points(result%solution%status))
+      associate (is_closed => status /= open_point, zone => body%zone, lacks => lacks_points(status))
          if (lacks(1)) then
             call add_no_contact(result, zone)
          else if (lacks(2)) then
@@ -80,17 +84,29 @@ contains
                if (peak > 0 .and. .not. is_at_end(body, reached, peak)) then
                   call add_pressure_jump(result, body, pressure)
                else if (peak == 0) then
-                  call add_mesh_warnings(result, body)
+                  call add_mesh_warnings(result, body, status)
                end if
             end associate
          end if
          call add_aslant_points(result%warnings, zone, result%load_case%cosine, is_closed)
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
-      call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
+      call add_far_slips(result%warnings, body%zone, result%displacement, status)
       call add_lost_friction(result, body)
       call add_couples(result, body)
    end subroutine add_result_warnings
+
+   !> The largest pressure that rounding of displacements makes [F/L^2].
+   pure real(dp) function rounding_pressure(body, displacement, size_of_body) result(pressure)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement !! size of the displacements [L]
+      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      ! What rounding of displacements, 1e-16 of them, is as a strain of sides of a thousandth of the body, some of them
+      ! summed up [-].
+      real(dp), parameter :: rounding = 1.0e-12_dp
+
+      pressure = rounding*maxval(body%materials%list%young)*displacement/size_of_body
+   end function rounding_pressure
 
    !> Warns of contact that reaches an end of its set beyond which body and obstacle go on.
    subroutine add_reached_ends(result, body, reached)
@@ -283,7 +299,9 @@ contains
       is_raised(end_of_set) = size(reached) > 0
       if (m <= 2 .or. any(is_raised(2:3))) return
       peak = jump_at(body%zone, solution%force(:m)/body%zone%area)
-      is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak)
+      is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak) &
+         .and. maxval(solution%force(:m)/body%zone%area) &
+         > rounding_pressure(body, max(maxval(abs(solution%displacement)), maxval(abs(gap))), size_of_body)
    end subroutine find_case_warnings
 
    !> Whether a point is next to an end of a set that contact reaches, or beside such a point.

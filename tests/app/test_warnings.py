@@ -81,7 +81,14 @@ CASES = {
                ["only 1 contact point closed", "1 closed contact point, the first at (0.0, 0.0), more than 30 "]),
     "far": (("support set = 'top'  ux = 0.25  uy = 0.0", CONTACT), {},
             ["displacement of 0.25, 6.25 % of the body's size; the theory is for small displacements (up to 5.0 %)",
-             "the contact zone from (0.0, 0.0) to (1.5, 0.0) has fewer than 4 sides"]),
+             "nothing touches the obstacle with a force"]),
+    # A block between two others that no force presses: its forces are rounding.
+    "loose": (("mesh name = 'base'  size = 1.05, 0.5  cells = 8, 3  origin = 0.23, -0.5", "support set = 'base.bottom' "
+               "ux = 0.0  uy = 0.0", "mesh name = 'lid'  size = 5.0, 0.5  cells = 3, 3  origin = 0.1, 2.0",
+               "support set = 'lid.top'  ux = 0.001  uy = -0.001", "contact set = 'base.top'  against = 'body.bottom' "
+               "friction = 0.5  extra_gap = 0.001", "contact set = 'body.top'  against = 'lid.bottom'  friction = 0.5"),
+              {"mesh": "name = 'body'  size = 4.0, 2.0  cells = 3, 3"},
+              ["the bodies do not touch each other with a force"]),
     "strained": ((SUPPORT, "load set = 'top'  pressure = 3.0", "contact set = 'bottom'"), {},
                  ["strain of 2.81 % at (0.5, 0.5); the theory is for small strains (up to 2.0 %)"]),
     "ring": (("support set = 'top'  uy = 0.0", "load set = 'right'  pressure = 4.0", "contact set = 'bottom'"),
