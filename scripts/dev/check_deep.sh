@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers, as
-# optimized code, with every set of kernels of the BLAS and without SuiteSparse, spoiled input, valgrind, whether a build
-# can be repeated, and whether the tests notice small changes of the sources.
+# optimized code, with every set of kernels of the BLAS and without SuiteSparse, spoiled input, valgrind, whether a
+# build can be repeated, and whether the tests notice small changes of the sources.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
