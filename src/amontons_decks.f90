@@ -8,11 +8,9 @@ module amontons_decks
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_load_stepper, only: load_stepper_t, new_load_stepper
    use amontons_new_study, only: new_study
-   use amontons_outcome, only: outcome_t
    use amontons_report, only: write_report
    use amontons_solve_case, only: cache_t, solve_case
-   use amontons_study, only: check_study, solve_study, study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: check_study, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
    use amontons_system, only: file_name_t
    use amontons_verify, only: find_cases, verdict_t, verify_files
    implicit none (type, external)

@@ -4,8 +4,7 @@ module amontons_messages
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_outcome, only: outcome_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: outcome_t, study_monitor_t
    use amontons_system, only: wall_seconds
    use amontons_terminal, only: hold_interrupts, is_interrupted, note_work, print_line, release_interrupts, &
       standard_error, standard_output

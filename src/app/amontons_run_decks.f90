@@ -8,11 +8,10 @@ module amontons_run_decks
    use amontons_manifest, only: collection_t, new_collection
    use amontons_messages, only: print_error, print_info, print_outcome, progress_t
    use amontons_new_study, only: new_study
-   use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_quantity, only: quantity_t
    use amontons_solve_case, only: cache_t
-   use amontons_study, only: check_study, solve_study, study_options_t, study_t
+   use amontons_study, only: check_study, outcome_t, solve_study, status_interrupted, study_options_t, study_t
    use amontons_system, only: wall_seconds
    use amontons_terminal, only: close_status_line, open_status_line
    use amontons_text, only: newline, to_text

@@ -9,12 +9,10 @@ module amontons_c_interface
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
    use amontons_new_study, only: new_study
-   use amontons_outcome, only: find_exit_status, outcome_t
    use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
-   use amontons_study, only: solve_study, study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: find_exit_status, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
    use amontons_text, only: to_text
    use amontons_threads, only: set_threads
    use amontons_version, only: version

@@ -14,10 +14,9 @@ module amontons_report
    use amontons_kinds, only: dp, int64
    use amontons_listing, only: new_listing, solutions_table_text
    use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
-   use amontons_outcome_words, only: has_converged
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_quantity, only: quantity_t, scales
-   use amontons_result, only: certificate_limit, outcome_word, result_t
+   use amontons_result, only: certificate_limit, has_converged, outcome_word, result_t
    use amontons_system, only: file_name_t, make_directory, peak_memory_mb
    use amontons_terminal, only: phase_names, phase_write, timings_t
    use amontons_text, only: comma_separated, newline, to_text
@@ -54,7 +53,7 @@ contains
       type(document_t), intent(inout) :: summary !! gains the members
       class(case_label_t), intent(in) :: label !! what the case is called
       character(*), intent(in) :: method !! the contact method
-      character(*), intent(in) :: outcome !! what became of it, a word of `amontons_outcome_words`
+      character(*), intent(in) :: outcome !! what became of it, a word of `amontons_result`
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
       character(:), allocatable :: text
       integer :: i

@@ -7,9 +7,9 @@ module amontons_batch_table
    use amontons_document, only: field
    use amontons_error, only: error_t, warning_list_t
    use amontons_input_file, only: read_text_file
-   use amontons_outcome, only: outcome_t, word_no_equilibrium, word_not_certified, word_not_converged, word_solved
    use amontons_output_file, only: file_lock_t, lock_directory, output_file_t, write_text_file
    use amontons_quantity, only: value_of
+   use amontons_study, only: outcome_t, word_no_equilibrium, word_not_certified, word_not_converged, word_solved
    use amontons_system, only: absolute_path, make_directory
    use amontons_text, only: newline, replaced, scientific, to_text
    implicit none (type, external)

@@ -1,6 +1,5 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
-   use amontons_axis_warning, only: add_free_axis
    use amontons_body, only: body_t, bonds_of, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
@@ -10,6 +9,7 @@ module amontons_model_warnings
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
+   use amontons_material, only: on_axis
    use amontons_mesh, only: number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing, obstacle_t
@@ -429,5 +429,20 @@ contains
             *norm2(surface%normal(:, 2, i) - surface%normal(:, 1, i))/8.0_dp)
       end do
    end function largest_bulge
+
+   !> Warns of nodes on the axis of revolution that no support holds there: the body may open a hole along its axis.
+   pure subroutine add_free_axis(warnings, body)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(body_t), intent(in) :: body !! the body
+      real(dp), parameter :: radial(2) = [1.0_dp, 0.0_dp]
+      integer :: n_free, node
+
+      associate (is_on_axis => on_axis(body%mesh, body%materials))
+         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
+            node=1, body%mesh%n_nodes)])
+      end associate
+      if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
+         trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
+   end subroutine add_free_axis
 
 end module amontons_model_warnings

@@ -1,4 +1,4 @@
-!> The result of a case: everything that the reports tell.
+!> The result of a case: what became of it, in a word that all files have, and everything that the reports tell.
 module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
@@ -10,7 +10,6 @@ module amontons_result
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t
-   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, solution_word, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_stress_field, only: error_estimate_t, stress_field_t
    use amontons_terminal, only: timings_t
@@ -19,7 +18,30 @@ module amontons_result
    implicit none (type, external)
    private
 
-   public :: certificate_limit, factor_t, outcome_word, result_t, status_not_converged
+   public :: certificate_limit, factor_t, has_converged, outcome_names, outcome_word, result_t, solution_word, &
+      status_not_converged
+
+   !> Outcome of a load case: the residual is at most the tolerance.
+   integer, parameter, public :: outcome_solved = 1
+   !> Outcome of a load case: the residual stayed above the tolerance.
+   integer, parameter, public :: outcome_not_converged = 2
+   !> Outcome of a load case: contact and friction cannot balance the loads.
+   integer, parameter, public :: outcome_no_equilibrium = 3
+   !> Outcome of a load case: its numbers left the range of numbers, or have no digit.
+   integer, parameter, public :: outcome_numbers = 4
+
+   !> Solved: the residual is at most the tolerance, and the certificate, where there is one, passes.
+   character(*), parameter, public :: word_solved = 'solved'
+   !> Contact and friction cannot balance the loads.
+   character(*), parameter, public :: word_no_equilibrium = 'no_equilibrium'
+   !> The residual is above the tolerance, or a step of a history cannot be taken.
+   character(*), parameter, public :: word_not_converged = 'not_converged'
+   !> Converged, but a violation of the certificate is above its limit.
+   character(*), parameter, public :: word_not_certified = 'not_certified'
+
+   !> Words for the outcomes that result files have.
+   character(14), parameter :: outcome_names(3) = [character(14) :: word_solved, word_not_converged, &
+      word_no_equilibrium]
 
    !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
    !> `amontons_error`.
@@ -74,6 +96,28 @@ module amontons_result
    end type result_t
 
 contains
+
+   !> The word for a solution.
+   pure function solution_word(is_converged, is_certified) result(word)
+      logical, intent(in) :: is_converged !! whether the residual is at most the tolerance
+      logical, intent(in) :: is_certified !! whether no violation of its certificate is above the limit
+      character(:), allocatable :: word
+
+      if (.not. is_converged) then
+         word = word_not_converged
+      else if (.not. is_certified) then
+         word = word_not_certified
+      else
+         word = word_solved
+      end if
+   end function solution_word
+
+   !> Whether a word says that the residual is at most the tolerance.
+   pure logical function has_converged(word)
+      character(*), intent(in) :: word !! the word
+
+      has_converged = word == word_solved .or. word == word_not_certified
+   end function has_converged
 
    !> What every violation of a certificate must stay below, for a tolerance of the contact method [-].
    !>

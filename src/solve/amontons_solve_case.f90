@@ -1,28 +1,47 @@
-!> The way of a case from its configuration to its result. Cases that share a body share its factorization, and
-!> one hands the state of its contact points to the next, one mesh to a finer one.
+!> The way of a case from its configuration to its result: body, load case, solution, certificate and error estimate.
+!>
+!> Cases that share a body share its factorization, and one hands the state of its contact points to the next, one mesh
+!> to a finer one. Bodies made in code are solved, and cases of sweeps, steps of histories and the results that
+!> `--verify` reads certified by the same procedures.
 module amontons_solve_case
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_assembly, only: uncanceled_forces
+   use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
-   use amontons_case_error, only: prepare_estimates
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_certificate, only: new_certificate
+   use amontons_condensation, only: condensation_options_t
    use amontons_config, only: body_text, check_names, config_t
+   use amontons_constraints, only: support_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
-   use amontons_load_case, only: new_load_case
+   use amontons_load_case, only: load_case_t, new_load_case, recover_displacement
+   use amontons_load_family, only: acting_t, one_part
+   use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
+   use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
+   use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: add_model_warnings
-   use amontons_outcome_words, only: outcome_no_equilibrium
-   use amontons_result, only: result_t
-   use amontons_solve_load_case, only: solve_load_case
-   use amontons_terminal, only: new_timings, phase_condense, phase_recover
-   use amontons_uniqueness, only: uniqueness_t
+   use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
+   use amontons_result, only: factor_t, outcome_no_equilibrium, outcome_numbers, result_t
+   use amontons_result_warnings, only: add_result_warnings
+   use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, new_stress_field, &
+      recovered_stress_t
+   use amontons_surface, only: surface_t
+   use amontons_terminal, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
+   use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
 
-   public :: cache_t, condense_case, prepare_case, prepare_single_case, solve_case
+   public :: cache_t, certify, condense_case, estimate_error, evaluate, prepare_case, prepare_single_case, set_factor, &
+      solve_body, solve_case
 
    !> Where a case ended: where the next case of the same body starts.
    type :: state_t
@@ -214,5 +233,311 @@ contains
          solution%status(p) = self%solution%status(nearest(1))
       end do
    end subroutine state_prolong
+
+   !> Solves a load case of a body and certifies the result. That there is no equilibrium is its outcome, not an error.
+   subroutine solve_load_case(result, body, problem, error)
+      type(result_t), intent(inout) :: result
+         !! the result: with its load case and method, times begun, a solution to start from, and what is known of its
+         !! uniqueness from another load case of the body; gains everything else
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(inout) :: problem
+         !! its contact problem; left with this load case, and the compliance if the method makes it
+      type(error_t), allocatable, intent(out) :: error !! there is no such method, or the numbers are at fault
+      type(load_solver_t), allocatable :: solver
+      type(acting_t) :: acting
+      type(uniqueness_t) :: known
+      integer :: kind
+
+      call result%timings%begin(phase_condense)
+      call set_factor(result%factor, body)
+      allocate (solver)
+      call new_load_solver(solver, body, result%load_case, one_part(result%load_case), result%method, error)
+      if (allocated(error)) return
+      call solver%loads%condense(body, problem)
+      result%load_case%condensed = solver%loads%parts(1)%condensed
+      call solver%loads%at_rest(acting)
+      call solver%loads%pose(body, acting, problem)
+      call result%timings%begin(phase_solve)
+      if (problem%is_unloaded() .and. allocated(result%started_from)) deallocate (result%started_from)
+      call forget_start(problem, result%solution)
+      call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
+      deallocate (solver)
+      if (result%outcome == outcome_numbers) call new_error(error, kind, result%answer)
+      if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) return
+      deallocate (result%answer)
+      if (result%solution%is_at_rest) call compare_with_exact(problem, result%method%tolerance, result, error)
+      if (allocated(error)) return
+      call result%timings%begin(phase_recover)
+      call certify(result, body, error)
+      if (allocated(error)) return
+      call add_result_warnings(result, body)
+      known = result%uniqueness
+      call new_uniqueness(result%uniqueness, problem, known)
+      ! What the caller does with the result is to write it.
+      call result%timings%begin(phase_write)
+   end subroutine solve_load_case
+
+   !> Notes which factorization is in use.
+   pure subroutine set_factor(factor, body)
+      type(factor_t), intent(out) :: factor !! the factorization
+      type(body_t), intent(in) :: body !! the body, condensed
+
+      associate (condenser => body%condensation%condenser)
+         factor%name = condenser%name
+         factor%n_entries = condenser%n_factor_entries
+         factor%n_flops = condenser%n_flops
+      end associate
+   end subroutine set_factor
+
+   !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
+   subroutine certify(result, body, error)
+      type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
+      type(body_t), intent(in) :: body !! the body
+      type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
+      ! A condition number that leaves more than half of the digits explains nothing.
+      real(dp), parameter :: explaining = 1.0e8_dp
+      real(dp) :: condition
+
+      call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
+      call evaluate(result, body)
+      if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
+         call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
+            'precision (1.8e308): choose other units')
+         return
+      end if
+      if (.not. shows_rounding(result)) return
+      condition = max(body%condensation%condenser%condition(), cancellation(body, result))
+      if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
+   end subroutine certify
+
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
+   !> error estimate.
+   subroutine evaluate(result, body)
+      type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
+      type(body_t), intent(in) :: body !! the body
+      real(dp) :: slip(body%zone%n_points)
+      integer :: m
+
+      m = body%zone%n_points
+      slip = result%solution%displacement(m + 1:)
+      if (allocated(result%load_case%anchor)) slip = slip - result%load_case%anchor
+      associate (solution => result%solution)
+         call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
+            result%load_case%thermal_strain)
+         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
+            result%stress%force)
+         ! What comes now is where a run holds most, and no one needs them any more.
+         deallocate (result%stress%force)
+         call new_lengths(result%lengths, body%zone, solution%status)
+         call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
+            result%load_case%slip_bound + result%load_case%friction*solution%force(:m), &
+            [result%load_case%free_gap - solution%displacement(:m), slip], solution%displacement)
+         ! The slip since rest, as `contact_columns` has it.
+         slip = solution%displacement(m + 1:)
+         if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
+         result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
+            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
+            set_results(body, solution%force, result%closed, result%stuck)]
+      end associate
+      if (result%wants_error_estimate) then
+         if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
+            result%solution%force)
+      end if
+   end subroutine evaluate
+
+   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
+   !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+   real(dp) function cancellation(body, result)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! its displacements and forces
+      real(dp) :: forces
+
+      cancellation = 0.0_dp
+      ! Prescribed displacements and heat are loads that no force tells.
+      if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
+      forces = max(norm2(result%load_case%force), norm2(result%solution%force))
+      if (forces > 0.0_dp) cancellation = uncanceled_forces(body%mesh, body%materials, result%displacement)/forces
+   end function cancellation
+
+   !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
+   !> depends on the whole model, something is well above rounding, or the forces keep fewer than six digits.
+   pure logical function shows_rounding(result)
+      type(result_t), intent(in) :: result !! the result
+      real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
+
+      associate (certificate => result%certificate)
+         shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
+            certificate%energy) > suspicious .or. certificate%imbalance > few_digits
+      end associate
+   end function shows_rounding
+
+   !> Measures the forces of a method that came to rest against the exact ones.
+   subroutine compare_with_exact(problem, tolerance, result, error)
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      type(result_t), intent(inout) :: result !! the result, gains the error of the method
+      type(error_t), allocatable, intent(out) :: error !! the exact solution cannot be computed
+      type(contact_solution_t) :: exact
+      type(auto_t) :: method
+
+      method%tolerance = tolerance
+      call new_contact_solution(exact, problem%n_points)
+      call method%solve(problem, exact, error)
+      if (allocated(error) .or. .not. exact%is_converged) return
+      result%method_error = maxval(abs(result%solution%force - exact%force))/max(maxval(abs(exact%force)), tiny(1.0_dp))
+   end subroutine compare_with_exact
+
+   !> Solves a body made in code under loads: what a deck describes, in arguments. It is factorized once: solve it again
+   !> with the same contact problem for other loads, prescribed displacements, obstacles or friction.
+   subroutine solve_body(body, problem, supports, contacts, loads, options, result, error)
+      type(body_t), intent(inout) :: body !! the body, from `new_body`; gains its factorization with the first load case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; a new one for the first load case
+      type(support_t), intent(in) :: supports(:) !! the supports of `new_body`; their displacements may be others
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets of `new_body`; obstacles and friction may be others
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(method_options_t), intent(in) :: options !! the contact method
+      type(result_t), intent(inout) :: result
+         !! the result; one that converged for another load case of this body is where the method starts
+      type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
+      type(contact_solution_t) :: start
+      type(uniqueness_t) :: known
+      type(result_t) :: empty
+
+      call new_contact_solution(start, body%zone%n_points)
+      if (result%solution%is_converged) then
+         if (size(result%solution%force) == size(start%force)) start = result%solution
+         known = result%uniqueness
+      end if
+      ! It is a start, and no result of this load case.
+      start%is_converged = .false.
+      result = empty
+      result%solution = start
+      result%uniqueness = known
+      result%method = options
+      result%wants_error_estimate = .true.
+      call new_timings(result%timings)
+      call new_load_case(result%load_case, body, supports, contacts, loads, error)
+      if (allocated(error)) return
+      call check_balance(body, result%load_case, error)
+      if (allocated(error)) return
+      call add_model_warnings(result%warnings, body, result%load_case)
+      if (.not. allocated(problem%load)) then
+         call condense_body(body, problem, condensation_options_t(), result%timings, error)
+      end if
+      if (allocated(error)) return
+      call prepare_estimates(body)
+      call solve_load_case(result, body, problem, error)
+      if (result%outcome == outcome_no_equilibrium .and. .not. allocated(error)) call new_error(error, &
+         numerical_failure, result%answer)
+   end subroutine solve_body
+
+   !> Makes the tables that estimates of a body share, unless it has them.
+   subroutine prepare_estimates(body)
+      type(body_t), intent(inout) :: body !! the body; gains the tables
+
+      if (allocated(body%recovery)) return
+      allocate (body%recovery)
+      call new_recovery_tables(body%recovery, body%mesh, body%materials, body%constraints, body%springs)
+   end subroutine prepare_estimates
+
+   !> Estimates the error of the stresses of a load case's solution, with the tables of the body where it has them.
+   subroutine estimate_error(estimate, body, load_case, displacement, force)
+      type(error_estimate_t), intent(out) :: estimate !! the estimate
+      type(body_t), intent(in), target :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(recovery_tables_t), allocatable, target :: own
+      type(recovery_tables_t), pointer :: tables
+      type(known_tractions_t) :: tractions
+      type(recovered_stress_t) :: recovered
+
+      if (allocated(body%recovery)) then
+         tables => body%recovery
+      else
+         allocate (own)
+         call new_recovery_tables(own, body%mesh, body%materials, body%constraints, body%springs)
+         tables => own
+      end if
+      tractions = tables%sides
+      call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
+      call set_contact_tractions(tractions, body, load_case, force)
+      call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, displacement, &
+         load_case%thermal_strain)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement, tables%patches, recovered, &
+         load_case%thermal_strain)
+   end subroutine estimate_error
+
+   !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
+   !> and what ties transmit is not known side by side.
+   subroutine set_contact_tractions(tractions, body, load_case, force)
+      type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its contact sets
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: traction(:, :), on_nodes(:, :)
+      logical, allocatable :: is_joined(:)
+      type(boundary_line_t) :: line
+      type(error_t), allocatable :: error
+      integer :: i
+
+      on_nodes = body%zone%rows%forces(force, body%mesh%n_nodes)
+      do i = 1, size(load_case%contacts)
+         traction = on_nodes
+         ! The contact zone was made of these lines, so they are sound.
+         call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
+         call divide_by_area(traction, line)
+         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
+      end do
+      allocate (is_joined(body%mesh%n_nodes), source=.false.)
+      do i = 1, size(body%zone%pairs)
+         if (body%zone%pairs(i)%is_set()) call mark_sides(is_joined, body%zone%pairs(i)%master, &
+            body%zone%pairs(i)%segments%master)
+      end do
+      is_joined = is_joined .and. any(abs(on_nodes) > 0.0_dp, dim=1)
+      do i = 1, size(body%ties)
+         call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)
+         call mark_sides(is_joined, body%ties(i)%slave, body%ties(i)%segments%slave)
+      end do
+      call tractions%forget(is_joined)
+   end subroutine set_contact_tractions
+
+   !> Makes tractions of the forces on the nodes of a line. On the axis of revolution a corner of a quadratic side has
+   !> no area: its traction continues those of the two nodes beside it linearly. Nothing acts on sides that lie on it.
+   pure subroutine divide_by_area(traction, line)
+      real(dp), intent(inout) :: traction(:, :)
+         !! forces on the nodes of the mesh, and on return, on those of the line, over their areas (2, n_nodes) [F/L^2]
+      type(boundary_line_t), intent(in) :: line !! the line
+      ! Areas that are rounding errors of those of the other nodes.
+      real(dp), parameter :: negligible = 1.0e-10_dp
+      logical :: is_bare(line%n_nodes)
+      integer :: k, way, nearest(2)
+
+      is_bare = line%area <= negligible*maxval(line%area)
+      do k = 1, line%n_nodes
+         if (.not. is_bare(k)) traction(:, line%node(k)) = traction(:, line%node(k))/line%area(k)
+      end do
+      do k = 1, line%n_nodes
+         if (.not. is_bare(k)) cycle
+         way = merge(1, -1, line%next(k) > 0)
+         nearest = k + [way, 2*way]
+         if (any(nearest < 1 .or. nearest > line%n_nodes)) cycle
+         if (any(is_bare(nearest))) cycle
+         traction(:, line%node(k)) = 2.0_dp*traction(:, line%node(nearest(1))) - traction(:, line%node(nearest(2)))
+      end do
+   end subroutine divide_by_area
+
+   !> Marks the corners of sides of a surface.
+   pure subroutine mark_sides(is_marked, surface, sides)
+      logical, intent(inout) :: is_marked(:) !! the marks of the nodes (n_nodes)
+      type(surface_t), intent(in) :: surface !! the surface
+      integer, intent(in) :: sides(:) !! numbers of sides; one may occur more than once
+      integer :: i
+
+      do i = 1, size(sides)
+         is_marked(surface%side(:2, sides(i))) = .true.
+      end do
+   end subroutine mark_sides
 
 end module amontons_solve_case

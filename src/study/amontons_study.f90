@@ -1,19 +1,55 @@
-!> A study: what a deck asks for, from its checked configuration to its files.
+!> A study: what a deck asks for, from its checked configuration to its files;
+!> its outcome, and the monitor that may stop it.
 !>
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
    use amontons_body, only: body_t, estimate_body, estimate_t
    use amontons_config, only: config_t
-   use amontons_error, only: error_t, input_refused, new_error
-   use amontons_outcome, only: outcome_t
-   use amontons_result, only: result_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure, warning_list_t
+   use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
+   use amontons_result, only: certificate_limit, result_t, solution_word, status_not_converged, word_no_equilibrium, &
+      word_not_certified, word_not_converged, word_solved
    use amontons_solve_case, only: cache_t
-   use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
    private
 
-   public :: check_study, report_size, solve_study, study_options_t, study_t
+   public :: check_study, find_exit_status, method_numbers, outcome_t, report_size, solution_line, solve_study, &
+      study_monitor_t, study_options_t, study_t, word_no_equilibrium, word_not_certified, word_not_converged, &
+      word_solved
+
+   !> Exit status of a study that was interrupted; the same command goes on with it.
+   integer, parameter, public :: status_interrupted = 5
+
+   !> What became of a deck.
+   type :: outcome_t
+      character(:), allocatable :: deck !! name of the deck
+      character(:), allocatable :: name !! name of its case; empty where the deck could not be read
+      integer :: status = 0 !! exit status that the deck alone would give
+      character(:), allocatable :: word !! what became of it in a word, as batch.csv has it
+      character(:), allocatable :: text !! the line on its result; empty without a result
+      character(:), allocatable :: message !! what went wrong, beginning with the name of the deck; empty if nothing did
+      type(quantity_t), allocatable :: numbers(:) !! numbers of the result; not allocated without a result
+      real(dp) :: seconds = 0.0_dp !! time that the deck took [s]
+      type(warning_list_t) :: warnings !! what is doubtful about model and result
+      logical :: has_grids = .false. !! whether a single converged case left the grids NAME.vtu and NAME.contact.vtu
+   contains
+      procedure :: begin => outcome_begin
+      procedure :: fail => outcome_fail
+      procedure :: interrupt => outcome_interrupt
+      procedure :: lack => outcome_lack
+      procedure :: judge => outcome_judge
+   end type outcome_t
+
+   !> A monitor that says nothing and never stops a study; programs extend it.
+   type :: study_monitor_t
+   contains
+      procedure :: is_stopped => study_monitor_is_stopped
+      procedure :: report => study_monitor_report
+      procedure :: report_fields => study_monitor_report_fields
+   end type study_monitor_t
 
    !> What is asked for besides the deck.
    type :: study_options_t
@@ -56,6 +92,137 @@ module amontons_study
    end interface
 
 contains
+
+   !> Begins the outcome of a deck: nothing happened yet.
+   subroutine outcome_begin(self, deck, name)
+      class(outcome_t), intent(out) :: self !! the outcome
+      character(*), intent(in) :: deck !! name of the deck
+      character(*), intent(in) :: name !! name of its case; empty where the deck could not be read
+
+      self%deck = deck
+      self%name = name
+      self%word = word_solved
+      self%text = ''
+      self%message = ''
+   end subroutine outcome_begin
+
+   !> Takes over an error.
+   pure subroutine outcome_fail(self, error)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      type(error_t), intent(in) :: error !! the error
+      character(*), parameter :: words(3) = [character(17) :: 'refused', 'numerical_failure', 'system_failure']
+
+      self%word = trim(words(error%kind))
+      self%status = error%kind
+      self%message = error%message
+   end subroutine outcome_fail
+
+   !> Notes that the study was interrupted.
+   pure subroutine outcome_interrupt(self, place)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      character(*), intent(in) :: place !! what it had come to: 'step 3'
+
+      self%status = status_interrupted
+      self%word = 'interrupted'
+      self%message = 'interrupted after '//place//'; the same command goes on from there'
+   end subroutine outcome_interrupt
+
+   !> Notes that there is no solution, or none of every step or row: status 2 without equilibrium, otherwise 4.
+   pure subroutine outcome_lack(self, word, message)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      character(*), intent(in) :: word !! `word_no_equilibrium` or `word_not_converged`
+      character(*), intent(in) :: message !! what is lacking
+
+      self%status = merge(numerical_failure, status_not_converged, word == word_no_equilibrium)
+      self%word = word
+      self%message = message
+   end subroutine outcome_lack
+
+   !> Takes over the judgment of a solution.
+   pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      logical, intent(in) :: is_converged !! whether the method converged
+      real(dp), intent(in) :: residual !! its residual [-]
+      real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+
+      call find_exit_status(is_converged, residual, violation, tolerance, self%status, self%message)
+      if (self%status /= 0) self%word = solution_word(is_converged, .false.)
+   end subroutine outcome_judge
+
+   !> Iterations and residual of a solution.
+   pure function method_numbers(solution) result(numbers)
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(quantity_t) :: numbers(2)
+
+      numbers = [quantity_t('iterations', '', real(solution%n_iterations, dp)), &
+         quantity_t('residual', '', solution%residual)]
+   end function method_numbers
+
+   !> The beginning of the line on the result of a case: whether it was solved, and how.
+   pure function solution_line(name, solution) result(text)
+      character(*), intent(in) :: name !! name of the case
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      character(:), allocatable :: text
+
+      text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', solution%is_converged))//', '// &
+         counted(solution%n_iterations, 'iteration')//', residual '//scientific(solution%residual)
+   end function solution_line
+
+   !> The exit status of a solution, and what it lacks. That a solution has status 4 is decided
+   !> here; that there is none, by `outcome_lack`.
+   pure subroutine find_exit_status(is_converged, residual, violation, tolerance, status, fault)
+      logical, intent(in) :: is_converged !! whether the method converged
+      real(dp), intent(in) :: residual !! its residual [-]
+      real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      integer, intent(out) :: status !! 0 or `status_not_converged`
+      character(:), allocatable, intent(out) :: fault !! what the solution lacks; empty if nothing
+      ! A residual of sums of some hundred products; seldom is it less.
+      real(dp), parameter :: rounding = 1.0e-14_dp
+
+      status = status_not_converged
+      if (.not. is_converged) then
+         fault = 'not converged: residual '//scientific(residual)//', tolerance '//scientific(tolerance)
+         if (tolerance < rounding) fault = fault//', which is below rounding (about '//scientific(rounding)//')'
+      else if (.not. violation <= certificate_limit(tolerance)) then
+         fault = 'the certificate FAILED: largest violation '//scientific(violation)//', limit '// &
+            scientific(certificate_limit(tolerance))//'; see the listing'
+      else
+         status = 0
+         fault = ''
+      end if
+   end subroutine find_exit_status
+
+   !> Whether the study is to stop. Asked from any thread, at any time.
+   logical function study_monitor_is_stopped(self) result(is_stopped)
+      class(study_monitor_t), intent(in) :: self !! the monitor
+
+      is_stopped = .false.
+      associate (unused => self)
+      end associate
+   end function study_monitor_is_stopped
+
+   !> Reports how far the study is: before the first batch of cases and after each.
+   subroutine study_monitor_report(self, n_done, n_cases, things)
+      class(study_monitor_t), intent(inout) :: self !! the monitor
+      integer, intent(in) :: n_done !! cases done, those of an earlier run included
+      integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
+
+      associate (unused => self, done => n_done, all => n_cases, words => things)
+      end associate
+   end subroutine study_monitor_report
+
+   !> Reports for how many cases the fields are written: after each of their batches.
+   subroutine study_monitor_report_fields(self, n_done, n_fields)
+      class(study_monitor_t), intent(inout) :: self !! the monitor
+      integer, intent(in) :: n_done !! cases whose fields are written
+      integer, intent(in) :: n_fields !! all cases whose fields are asked for
+
+      associate (unused => self, done => n_done, all => n_fields)
+      end associate
+   end subroutine study_monitor_report_fields
 
    !> Checks a study; an error becomes its outcome.
    subroutine check_study(study, cache, options, outcome)

@@ -11,7 +11,7 @@ module amontons_contact_check
    use amontons_error, only: fault_list_t
    use amontons_file_check, only: first_disagreement
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
-   use amontons_history_table, only: a_force, a_length, an_energy, n_kinds
+   use amontons_history_files, only: a_force, a_length, an_energy, n_kinds
    use amontons_kinds, only: dp
    use amontons_stepper, only: step_state_t
    use amontons_text, only: to_text

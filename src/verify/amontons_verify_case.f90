@@ -14,15 +14,13 @@ module amontons_verify_case
    use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, new_vtk_check, read_displacement, verified_case_t, vtk_check_t
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_reduced_study, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents, new_summary
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t, word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
    use amontons_single_study, only: judge_meshes, refined_quantities
-   use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
-   use amontons_solve_load_case, only: evaluate
+   use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_text, only: to_text
    use amontons_vtu, only: show_body, show_contact_line

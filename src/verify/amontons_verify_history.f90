@@ -9,15 +9,14 @@ module amontons_verify_history
    use amontons_error, only: error_t
    use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
    use amontons_history, only: is_shown
+   use amontons_history_files, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
+      number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_report, only: describe_history
-   use amontons_history_table, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
-      number_alone, of_grids, of_states, table_rows
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
-   use amontons_outcome_words, only: outcome_no_equilibrium
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, start_history, &

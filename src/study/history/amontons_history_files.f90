@@ -3,27 +3,73 @@
 !>
 !> The tables are those of a checkpoint: a history that dies goes on behind the rows that it noted last. How far it is,
 !> is a line of numbers, from which another history can start, too.
+!>
+!> he tables that grow with the steps of a history: NAME.history.csv has a row for each step, NAME.points.csv one for
+!> ach contact point of some, NAME.states.csv one with all that a history needs to go on behind a step,
+!> AME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
 module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
+   use amontons_cycle_watch, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names
+   use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: status_names
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: history_table_t, history_tables, of_grids, table_rows
    use amontons_history_walk, only: history_walk_t
    use amontons_input_file, only: read_text_file
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_manifest, only: case_entries, collection_t, collection_tail, manifest_t
+   use amontons_manifest, only: case_entries, collection_head, collection_t, collection_tail, manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
+   use amontons_stepper, only: step_state_t
    use amontons_system, only: make_directory
-   use amontons_text, only: comma_separated, line_end, newline, read_reals, to_text
+   use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, read_reals, to_text
    use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_milestone_t, new_history_files, read_start
+   public :: history_files_t, history_milestone_t, history_row, history_table_t, history_tables, new_history_files, &
+      read_start, step_numbers, table_rows
+
+   !> What a table has: the steps.
+   integer, parameter, public :: of_steps = 1
+   !> What a table has: the contact points of steps.
+   integer, parameter, public :: of_points = 2
+   !> What a table has: the states at the end of steps.
+   integer, parameter, public :: of_states = 3
+   !> What a table has: the grids of steps.
+   integer, parameter, public :: of_grids = 4
+   !> What a table has: the cycles.
+   integer, parameter, public :: of_cycles = 5
+
+   !> A kind of number: one that is measured by itself, or by 1.
+   integer, parameter, public :: number_alone = 1
+   !> A kind of number: a force.
+   integer, parameter, public :: a_force = 2
+   !> A kind of number: a displacement, a slip, a gap.
+   integer, parameter, public :: a_length = 3
+   !> A kind of number: an energy or a work.
+   integer, parameter, public :: an_energy = 4
+   !> The first of the kinds that are measured by the largest number of their own column.
+   integer, parameter :: own_scale = 5
+   !> Number of kinds.
+   integer, parameter, public :: n_kinds = own_scale + 4
+   !> The kinds of the parameters of fretting.
+   integer, parameter :: parameter_kinds(n_parameters) = [own_scale + 1, own_scale, own_scale + 2, own_scale + 3, &
+      number_alone]
+
+   !> A table.
+   type :: history_table_t
+      integer :: content = of_steps !! what it has
+      character(:), allocatable :: ending !! what the name of its file ends with, behind that of the case
+      character(:), allocatable :: header !! what it begins with, lines of text
+      integer, allocatable :: kinds(:) !! what kind of number each column has; `number_alone` of a word
+   contains
+      procedure, private :: add => history_table_add
+   end type history_table_t
 
    !> The files, under names of their own until the history is reported.
    type :: history_files_t
@@ -51,6 +97,270 @@ module amontons_history_files
    end type history_milestone_t
 
 contains
+
+   !> Describes the tables that a history has, that of the steps first.
+   pure subroutine history_tables(tables, model, body, n_noted)
+      type(history_table_t), allocatable, intent(out) :: tables(:) !! the tables
+      type(history_model_t), intent(in) :: model !! the history
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: n_noted !! how many numbers a state notes of the cycle under way
+      character(*), parameter :: endings(*) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
+         '.history.pvd', '.cycles.csv']
+      integer, allocatable :: contents(:)
+      integer :: i
+
+      associate (history => model%history)
+         contents = pack([of_steps, of_points, of_states, of_grids, of_cycles], [.true., history%points_every > 0, &
+            history%states_every > 0, history%fields_every > 0, size(model%cycle_times) > 0])
+         allocate (tables(size(contents)))
+         do i = 1, size(tables)
+            tables(i)%content = contents(i)
+            tables(i)%ending = trim(endings(contents(i)))
+            tables(i)%header = ''
+            allocate (tables(i)%kinds(0))
+            select case (contents(i))
+            case (of_steps)
+               call describe_steps(tables(i), history, size(body%zone%pairs))
+            case (of_points)
+               call describe_points(tables(i), history)
+            case (of_states)
+               call describe_states(tables(i), history%name, body%zone%n_points, n_noted)
+            case (of_cycles)
+               call describe_cycles(tables(i), history%has_fretting)
+            case default
+               tables(i)%header = collection_head
+            end select
+            if (contents(i) /= of_grids) tables(i)%header = tables(i)%header//newline
+         end do
+      end associate
+   end subroutine history_tables
+
+   !> Adds columns of a kind.
+   pure subroutine history_table_add(self, names, kind)
+      class(history_table_t), intent(inout) :: self !! the table
+      character(*), intent(in) :: names !! names of the columns, commas between them; or a single one in quotes
+      integer, intent(in) :: kind !! their kind
+      integer :: i, n
+
+      n = 1
+      if (index(names, '"') /= 1) n = 1 + count([(names(i:i) == ',', i=1, len(names))])
+      if (len(self%header) > 0) self%header = self%header//','
+      self%header = self%header//names
+      self%kinds = [self%kinds, spread(kind, 1, n)]
+   end subroutine history_table_add
+
+   !> Describes the table of the steps, in the order of `history_row`.
+   pure subroutine describe_steps(table, history, n_sets)
+      type(history_table_t), intent(inout) :: table !! the table
+      type(history_t), intent(in) :: history !! the history
+      integer, intent(in) :: n_sets !! number of contact sets
+      character(:), allocatable :: set
+      integer :: i, k
+
+      call table%add('step,'//history%name, number_alone)
+      do i = 1, size(history%steps)
+         do k = 1, history%steps(i)%n_numbers()
+            call table%add(field(history%steps(i)%label(k)), number_alone)
+         end do
+      end do
+      call table%add('open_length,slip_length,stick_length', number_alone)
+      call table%add('normal_force,tangential_force', a_force)
+      call table%add('work_loads,work_supports,work_obstacles,strain_energy', an_energy)
+      call table%add('dissipation_step,dissipation,closing_loss', an_energy)
+      call table%add('step_indicator', number_alone)
+      call table%add('energy_error', an_energy)
+      call table%add('max_slip_step,max_slip_accumulated', a_length)
+      call table%add('residual', number_alone)
+      do i = 1, several(n_sets)
+         set = '_'//to_text(i)
+         call table%add('open_length'//set//',slip_length'//set//',stick_length'//set, number_alone)
+         call table%add('normal_force'//set//',tangential_force'//set, a_force)
+      end do
+      do i = 1, history%n_probes()
+         call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
+      end do
+      call table%add('iterations,statuses', number_alone)
+   end subroutine describe_steps
+
+   !> For how many contact sets there are numbers of each: a single one has those of all.
+   pure integer function several(n_sets)
+      integer, intent(in) :: n_sets !! number of contact sets
+
+      several = merge(n_sets, 0, n_sets > 1)
+   end function several
+
+   !> Describes the table of the contact points.
+   pure subroutine describe_points(table, history)
+      type(history_table_t), intent(inout) :: table !! the table
+      type(history_t), intent(in) :: history !! the history
+      integer :: i
+
+      call table%add('step,'//history%name//',point', number_alone)
+      call table%add('normal_force,tangential_force', a_force)
+      call table%add('gap,slip,slip_step,slip_accumulated', a_length)
+      call table%add('dissipation', an_energy)
+      call table%add('wear_integral', own_scale)
+      do i = 1, merge(n_parameters, 0, history%has_fretting)
+         call table%add(trim(parameter_names(i)), parameter_kinds(i))
+      end do
+      call table%add('status', number_alone)
+   end subroutine describe_points
+
+   !> Describes the table of the states.
+   pure subroutine describe_states(table, time, n_points, n_noted)
+      type(history_table_t), intent(inout) :: table !! the table
+      character(*), intent(in) :: time !! what the pseudo-time is called
+      integer, intent(in) :: n_points !! number of contact points
+      integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
+      character(23), parameter :: labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
+         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
+      integer :: i, p
+
+      call table%add('step,steps_given_up,iterations,length,noted,'//time// &
+         ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
+      do i = 1, size(labels)
+         do p = 1, n_points
+            call table%add(trim(labels(i))//'_'//to_text(p), number_alone)
+         end do
+      end do
+      do i = 1, n_noted
+         call table%add('noted_'//to_text(i), number_alone)
+      end do
+   end subroutine describe_states
+
+   !> Describes the table of the cycles.
+   pure subroutine describe_cycles(table, has_fretting)
+      type(history_table_t), intent(inout) :: table !! the table
+      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
+      integer :: i
+
+      call table%add('cycle,begin,end,steps', number_alone)
+      call table%add('work,strain_energy_change,dissipation,energy_error', an_energy)
+      call table%add('max_slip_accumulated,max_drift', a_length)
+      call table%add('dissipation_change,force_change', number_alone)
+      call table%add('drift_change', a_length)
+      if (has_fretting) then
+         do i = 2, n_parameters - 1
+            call table%add('max_'//trim(parameter_names(i)), parameter_kinds(i))
+         end do
+      end if
+      call table%add('outcome', number_alone)
+   end subroutine describe_cycles
+
+   !> The rows of a table that the last step adds; none for that of the grids.
+   function table_rows(table, model, body, walk) result(rows)
+      type(history_table_t), intent(in) :: table !! the table
+      type(history_model_t), intent(in) :: model !! the history
+      type(body_t), intent(in) :: body !! the body
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      character(:), allocatable :: rows
+      real(dp), allocatable :: numbers(:)
+
+      rows = ''
+      select case (table%content)
+      case (of_steps)
+         rows = history_row(model, body, walk%n_steps, walk%state)
+      case (of_points)
+         if (is_shown(walk%n_steps, model%history%points_every)) rows = points_rows(model, body, walk)
+      case (of_states)
+         if (.not. is_shown(walk%n_steps, model%history%states_every)) return
+         numbers = walk%numbers()
+         rows = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
+      case (of_cycles)
+         if (walk%watch%is_finished) rows = cycle_row(model%history%has_fretting, walk%watch%numbers)
+      case default
+         continue
+      end select
+   end function table_rows
+
+   !> The numbers of a step between its number and its iterations.
+   pure function step_numbers(model, body, state) result(numbers)
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state at its end
+      real(dp), allocatable :: numbers(:)
+      integer :: i
+
+      numbers = [state%instant%time, state%instant%numbers, set_numbers(body, state), state%load_work, &
+         state%support_work, state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
+         state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), &
+         max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual]
+      do i = 1, several(size(body%zone%pairs))
+         numbers = [numbers, set_numbers(body, state, i)]
+      end do
+      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement)]
+   end function step_numbers
+
+   !> Lengths of the zones and contact forces of all contact sets, or of one.
+   pure function set_numbers(body, state, set) result(numbers)
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state at the end of a step
+      integer, intent(in), optional :: set !! the contact set
+      integer, parameter :: n_numbers = 5
+      real(dp) :: numbers(n_numbers)
+      logical :: is_meant(body%zone%n_points)
+      type(lengths_t) :: lengths
+
+      is_meant = .true.
+      if (present(set)) is_meant = body%zone%set == set
+      call new_lengths(lengths, body%zone, state%solution%status, set)
+      associate (force => state%solution%force, m => body%zone%n_points)
+         numbers = [lengths%open, lengths%slip, lengths%stick, sum(force(:m), mask=is_meant), &
+            sum(force(m + 1:), mask=is_meant)]
+      end associate
+   end function set_numbers
+
+   !> The row of a step.
+   pure function history_row(model, body, number, state) result(row)
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the step
+      type(step_state_t), intent(in) :: state !! the state at its end
+      character(:), allocatable :: row, runs
+
+      call status_runs(runs, state%solution%status, body%zone%set)
+      row = to_text(number)//','//comma_separated(step_numbers(model, body, state))//','// &
+         to_text(state%solution%n_iterations)//','//runs//newline
+   end function history_row
+
+   !> The rows of the contact points of a step. The slip is the way along the tangent that a point has gone on the
+   !> obstacle, the gap what is left of it.
+   pure function points_rows(model, body, walk) result(rows)
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      character(:), allocatable :: rows, lines(:)
+      real(dp), allocatable :: record(:, :)
+      real(dp) :: gap(body%zone%n_points)
+      integer :: p, m
+
+      m = body%zone%n_points
+      record = walk%point_record(body)
+      allocate (character((9 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
+      associate (state => walk%state)
+         gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
+            - state%solution%displacement(:m)
+         do p = 1, m
+            lines(p) = to_text(walk%n_steps)//','//to_text(state%instant%time)//','//to_text(p)//','// &
+               comma_separated([state%solution%force(p), state%solution%force(m + p), gap(p), &
+               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])//','// &
+               status_names(state%solution%status(p))
+         end do
+      end associate
+      rows = as_lines(lines)
+   end function points_rows
+
+   !> The row of a cycle.
+   pure function cycle_row(has_fretting, numbers) result(row)
+      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
+      real(dp), intent(in) :: numbers(:) !! the numbers of the cycle
+      character(:), allocatable :: row
+
+      row = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
+         comma_separated(numbers(5:n_plain_numbers - 1))
+      if (has_fretting) row = row//','//comma_separated(numbers(n_plain_numbers + 1:))
+      row = row//','//trim(cycle_outcomes(nint(numbers(n_plain_numbers))))//newline
+   end function cycle_row
 
    !> Names the files that the deck asks for.
    subroutine new_history_files(files, model, body, walk, directory, label)

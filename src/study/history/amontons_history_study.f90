@@ -7,15 +7,12 @@ module amontons_history_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_model_warnings, only: add_history_warnings
-   use amontons_outcome, only: outcome_t
-   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
-   use amontons_result, only: result_t
+   use amontons_result, only: outcome_no_equilibrium, result_t, word_no_equilibrium, word_not_converged
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_solve_history, only: history_result_t, solve_history
-   use amontons_study, only: report_size, study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_text, only: scientific, short_text, to_text, with_unit
    implicit none (type, external)
    private

@@ -11,7 +11,7 @@ module amontons_history_walk
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
+   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
    use amontons_stepper, only: new_step_state, restore_step_state, step_state_t, take_step
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -5,8 +5,8 @@
 module amontons_load_stepper
    use amontons_config, only: config_t
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_history_files, only: history_table_t, history_tables, step_numbers
    use amontons_history_model, only: history_model_t, instant_t
-   use amontons_history_table, only: history_table_t, history_tables, step_numbers
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t

@@ -13,14 +13,12 @@ module amontons_solve_history
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
-   use amontons_outcome_words, only: outcome_no_equilibrium
    use amontons_report, only: study_files_t
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
-   use amontons_solve_case, only: cache_t, condense_case, prepare_case
-   use amontons_solve_load_case, only: certify, set_factor
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor
+   use amontons_study, only: study_monitor_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: newline, scientific, to_text
    use amontons_uniqueness, only: new_uniqueness

@@ -10,7 +10,7 @@ module amontons_stepper
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
-   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
+   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_text, only: to_text
    implicit none (type, external)
    private

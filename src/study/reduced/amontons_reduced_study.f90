@@ -10,19 +10,16 @@ module amontons_reduced_study
    use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
       solutions_text, status_counts, times_text, uniqueness_text, violations_text, warnings_text
    use amontons_manifest, only: manifest_t
-   use amontons_outcome, only: method_numbers, outcome_t, solution_line
-   use amontons_outcome_words, only: solution_word
    use amontons_output_file, only: output_file_t
    use amontons_quantity, only: quantity_t, scales
    use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: add_head, certificate_member, commit_case, count_members => status_counts, &
       effort_members, last_members, member, quantities_member, uniqueness_member, write_documents
-   use amontons_result, only: certificate_limit
+   use amontons_result, only: certificate_limit, solution_word
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
-   use amontons_study, only: study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: method_numbers, outcome_t, solution_line, study_monitor_t, study_options_t, study_t
    use amontons_system, only: make_directory
    use amontons_terminal, only: phase_read, phase_recover, phase_solve, phase_write
    use amontons_text, only: heading, labeled, scientific, short_text, to_text

@@ -10,16 +10,14 @@ module amontons_single_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
-   use amontons_outcome, only: method_numbers, outcome_t, solution_line
-   use amontons_outcome_words, only: outcome_no_equilibrium, word_no_equilibrium
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
-   use amontons_result, only: result_t
+   use amontons_result, only: outcome_no_equilibrium, result_t, word_no_equilibrium
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
-   use amontons_study, only: report_size, study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: method_numbers, outcome_t, report_size, solution_line, study_monitor_t, study_options_t, &
+      study_t
    use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: short_text, to_text, with_unit
    implicit none (type, external)

@@ -17,16 +17,14 @@ module amontons_sweep_chunk
    use amontons_load_family, only: acting_t, one_part, parting_t
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_model_warnings, only: add_sweep_warnings
-   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: result_t
+   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, result_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_stress_field, only: find_node_stresses
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: study_monitor_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_load
-   use amontons_sweep_statistics, only: case_keys, case_result_t, set_numbers, sweep_statistics_t
-   use amontons_sweep_table, only: append_row
+   use amontons_sweep_table, only: append_row, case_keys, case_result_t, set_numbers, sweep_statistics_t
    implicit none (type, external)
    private
 

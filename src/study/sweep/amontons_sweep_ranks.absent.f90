@@ -3,7 +3,7 @@ module amontons_sweep_ranks
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_solve_case, only: cache_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_t, solve_chunks, sweep_task_t
    implicit none (type, external)
    private

@@ -12,7 +12,7 @@ module amontons_sweep_ranks
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t, condense_case
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, prepare_sweep, solve_chunks, sweep_task_t
    use amontons_system, only: return_memory
    use amontons_threads, only: n_threads

@@ -4,19 +4,16 @@ module amontons_sweep_study
    use amontons_conditioning, only: rounded
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_outcome, only: outcome_t
-   use amontons_outcome_words, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved, &
-      word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: result_t
+   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, &
+      word_no_equilibrium, word_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
-   use amontons_study, only: report_size, study_options_t, study_t
-   use amontons_study_monitor, only: study_monitor_t
+   use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_chunk, only: prepare_sweep, sweep_task_t
    use amontons_sweep_report, only: write_sweep_report
-   use amontons_sweep_statistics, only: ranked_quantities, sweep_statistics_t
+   use amontons_sweep_table, only: ranked_quantities, sweep_statistics_t
    use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
    private
