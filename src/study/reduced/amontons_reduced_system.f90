@@ -22,6 +22,8 @@ module amontons_reduced_system
    real(dp), parameter :: rounding = 1.0e-3_dp
    !> Entries of W may be off by this part of its largest diagonal entry: they are differences of numbers as large.
    real(dp), parameter :: noise = 1.0e-12_dp
+   !> A positive diagonal entry of a smaller part of the largest one vanishes in squares beside it.
+   real(dp), parameter :: least_part = sqrt(tiny(1.0_dp))
    !> A matrix with a larger part of its places filled, or with at most so many rows, is stored as dense.
    real(dp), parameter :: sparse_fill = 0.25_dp
    integer, parameter :: most_dense_rows = 200
@@ -118,6 +120,10 @@ contains
          fault = minloc(diagonal, dim=1)
          sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//': expected no negative number on the '// &
             'diagonal of W'
+      else if (any(diagonal > 0.0_dp .and. diagonal < least_part*system%largest)) then
+         fault = minloc(diagonal, dim=1, mask=diagonal > 0.0_dp)
+         sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//' beside a diagonal entry of '// &
+            to_text(system%largest)//': expected positive numbers on the diagonal of W within a factor of 1e153'
       else
          call check_entries(system, transposed, diagonal, sentence, fault)
       end if

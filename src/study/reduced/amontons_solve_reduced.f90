@@ -126,8 +126,11 @@ contains
          if (.not. all(ieee_is_finite([system%r, system%u]))) then
             call new_error(error, numerical_failure, 'the forces that solve it are too large for numbers of double '// &
                'precision: count forces or lengths in another unit')
-            return
+         else if (any(abs(result%solution%force) > 0.0_dp) .and. .not. any(abs(system%r) >= tiny(1.0_dp))) then
+            call new_error(error, numerical_failure, 'the forces that solve it are too small for numbers of double '// &
+               'precision: count forces or lengths in another unit')
          end if
+         if (allocated(error)) return
          call new_reduced_check(result%check, system)
       end associate
       ! The caller writes the result next.
