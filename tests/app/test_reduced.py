@@ -280,11 +280,14 @@ class Refusals(ReducedTest):
 
     def test_numbers_too_far_apart_are_told(self):
         self.write("case.dat", "2\n1\n0\n2\n2\n2 2\n1e-150 0\n0 1e150\n-1 1e200\n0.5\n")
+        run = self.run_program("--reduced", "case.dat", status=1)
+        self.assertIn("expected positive numbers on the diagonal of W within a factor of 1e153", run.stderr)
+        self.write("case.dat", "2\n1\n0\n2\n2\n2 2\n1e-150 0\n0 1\n-1e200 1e200\n0.5\n")
         for method in ("newton", "splitting", "psor", "lemke"):
             deck = deck_of("case.dat").replace("psor", method)
             run = self.run_program("--output", "results", self.write("case.nml", deck), status=2)
-            self.assertEqual(run.stderr, "case.nml: floating-point overflow in the contact method: check the units of "
-                             "W, q and mu\n")
+            self.assertEqual(run.stderr, "case.nml: the forces that solve it are too large for numbers of double precision: "
+                             "count forces or lengths in another unit\n")
         self.assertEqual(self.files(), ["case.dat", "case.nml"])
 
     def test_missing_file(self):
