@@ -286,8 +286,8 @@ class Refusals(ReducedTest):
         for method in ("newton", "splitting", "psor", "lemke"):
             deck = deck_of("case.dat").replace("psor", method)
             run = self.run_program("--output", "results", self.write("case.nml", deck), status=2)
-            self.assertEqual(run.stderr, "case.nml: the forces that solve it are too large for numbers of double precision: "
-                             "count forces or lengths in another unit\n")
+            self.assertEqual(run.stderr, "case.nml: the forces that solve it are too large for numbers of double "
+                             "precision: count forces or lengths in another unit\n")
         self.assertEqual(self.files(), ["case.dat", "case.nml"])
 
     def test_missing_file(self):
