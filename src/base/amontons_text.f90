@@ -128,40 +128,17 @@ contains
       integer, intent(inout) :: position !! where the word begins; behind it on success
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the word is a finite number
-      integer(int64), parameter :: full = 10_int64**(most_digits - 1)
       integer, parameter :: beyond_every_real = 10000
       integer :: i
       real(dp), parameter :: powers(0:largest_power) = [(10.0_dp**i, i=0, largest_power)]
       integer(int64) :: mantissa
       integer :: at, digit, first, power, power_written, status
-      logical :: is_negative, is_power_negative, is_exact, is_behind_point
+      logical :: is_negative, is_power_negative, is_exact
 
       value = 0.0_dp
       at = position
       call scan_sign(text, at, is_negative)
-      ! Digits with at most one point among them.
-      mantissa = 0
-      power = 0
-      is_exact = .true.
-      ok = .false.
-      is_behind_point = .false.
-      do
-         digit = digit_at(text, at)
-         if (digit >= 0 .and. digit <= 9) then
-            ok = .true.
-            if (mantissa < full) then
-               mantissa = 10*mantissa + digit
-               if (is_behind_point) power = power - 1
-            else
-               is_exact = .false.
-            end if
-         else if (digit == iachar('.') - iachar('0') .and. .not. is_behind_point) then
-            is_behind_point = .true.
-         else
-            exit
-         end if
-         at = at + 1
-      end do
+      call scan_mantissa(text, at, mantissa, power, is_exact, ok)
       if (.not. ok) return
       if (scan(text(at:min(at, len(text))), 'eEdD') > 0) then
          at = at + 1
@@ -196,6 +173,42 @@ contains
       end if
       if (ok) position = at
    end subroutine scan_real
+
+   !> Scans digits with at most one point among them.
+   pure subroutine scan_mantissa(text, at, mantissa, power, is_exact, ok)
+      character(*), intent(in) :: text !! any text
+      integer, intent(inout) :: at !! where the digits begin; behind them
+      integer(int64), intent(out) :: mantissa !! their number, without the point
+      integer, intent(out) :: power !! the power of ten that the point stands for
+      logical, intent(out) :: is_exact !! whether the mantissa has all digits
+      logical, intent(out) :: ok !! whether there are digits
+      integer(int64), parameter :: full = 10_int64**(most_digits - 1)
+      integer :: digit
+      logical :: is_behind_point
+
+      mantissa = 0
+      power = 0
+      is_exact = .true.
+      ok = .false.
+      is_behind_point = .false.
+      do
+         digit = digit_at(text, at)
+         if (digit >= 0 .and. digit <= 9) then
+            ok = .true.
+            if (mantissa < full) then
+               mantissa = 10*mantissa + digit
+               if (is_behind_point) power = power - 1
+            else
+               is_exact = .false.
+            end if
+         else if (digit == iachar('.') - iachar('0') .and. .not. is_behind_point) then
+            is_behind_point = .true.
+         else
+            exit
+         end if
+         at = at + 1
+      end do
+   end subroutine scan_mantissa
 
    !> The last character of a line, before the end of the line or of the text.
    pure integer function line_end(text, first)

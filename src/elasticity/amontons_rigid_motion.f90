@@ -56,7 +56,9 @@ contains
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3), motion(6, 3), largest
+      ! A quadratic side has three nodes.
+      integer, parameter :: most_components = 6
+      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3), motion(most_components, 3), largest
       integer :: axis, i, info, k
 
       motions%is_whole = size(motions%node) == mesh%n_nodes

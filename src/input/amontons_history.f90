@@ -415,8 +415,9 @@ contains
          if (visitor%place > 0 .and. has_values(i)) then
             ! Numbers that a motion does not give are 0.
             if (.not. allocated(steps%values)) allocate (steps%values(steps%n_numbers(), size(values)), source=0.0_dp)
-            if (row_of(i) <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) &
+            if (row_of(i) <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) then
                steps%values(row_of(i), :) = values
+            end if
          end if
       end do
       call visitor%reals(key_t('pivot', 'with `turn`: what the obstacle turns about', 'L', default='`0.0, 0.0`'), &

@@ -209,6 +209,15 @@ contains
             end if
          end associate
       end do
+      call find_rows_beyond(case, again)
+   end subroutine retrace
+
+   !> Compares the collections of grids, and reports rows of tables that belong to no step.
+   subroutine find_rows_beyond(case, again)
+      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
+      type(retrace_t), intent(in) :: again !! the history, all its steps taken
+      integer :: i
+
       do i = 2, size(again%tables)
          associate (table => again%tables(i))
             if (table%content == of_grids) then
@@ -218,7 +227,7 @@ contains
             end if
          end associate
       end do
-   end subroutine retrace
+   end subroutine find_rows_beyond
 
    !> Solves a step again, and follows its row where the law leaves it several answers.
    subroutine solve_as_stated(next, fault, again, row, cache)

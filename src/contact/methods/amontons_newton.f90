@@ -8,7 +8,7 @@
 !> cycle, single points change (after Murty's principal pivoting, which changes the last index that is infeasible and
 !> ends for every P-matrix).
 module amontons_newton
-   use amontons_contact_operator, only: band_stiffness, dense_compliance, dense_stiffness, sparse_compliance
+   use amontons_contact_operator, only: band_stiffness, contact_operator_t, dense_compliance, dense_stiffness
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
@@ -67,26 +67,7 @@ contains
       real(dp), parameter :: travels = 2.0_dp
 
       call solution%reset()
-      ! In the displacements a regularization slows the motions that move all points together, so there is none as long
-      ! as all goes well; in the forces it costs nothing, and makes the active sets of semidefinite problems settle.
-      associate (matrix => problem%matrix)
-         select case (matrix%kind())
-         case (band_stiffness)
-            allocate (band_stiffness_system_t :: system)
-         case (dense_stiffness)
-            allocate (stiffness_system_t :: system)
-         case (dense_compliance)
-            allocate (compliance_system_t :: system)
-         case (sparse_compliance)
-            allocate (sparse_compliance_system_t :: system)
-         end select
-         if (.not. matrix%has_stiffness()) then
-            system%min_regularization = 1.0e-5_dp
-         else
-            if (.not. matrix%is_held) system%min_regularization = 1.0e-9_dp
-            system%first_regularization = system%min_regularization
-         end if
-      end associate
+      call new_newton_system(system, problem%matrix)
       rho = problem%augmentation()
       scale = problem%force_scale()
       displacement = solution%displacement
@@ -152,6 +133,31 @@ contains
       ! A residual still at its first value, the largest number, means that there was no step.
       if (solution%residual < huge(solution%residual)) call solution%measure(problem)
    end subroutine newton_solve
+
+   !> The linear systems of Newton's steps that fit the kind of an operator.
+   subroutine new_newton_system(system, matrix)
+      class(newton_system_t), allocatable, intent(out) :: system !! the systems, regularized as far as the kind needs it
+      type(contact_operator_t), intent(in) :: matrix !! the operator
+
+      ! In the displacements a regularization slows the motions that move all points together, so there is none as long
+      ! as all goes well; in the forces it costs nothing, and makes the active sets of semidefinite problems settle.
+      select case (matrix%kind())
+      case (band_stiffness)
+         allocate (band_stiffness_system_t :: system)
+      case (dense_stiffness)
+         allocate (stiffness_system_t :: system)
+      case (dense_compliance)
+         allocate (compliance_system_t :: system)
+      case default
+         allocate (sparse_compliance_system_t :: system)
+      end select
+      if (.not. matrix%has_stiffness()) then
+         system%min_regularization = 1.0e-5_dp
+      else
+         if (.not. matrix%is_held) system%min_regularization = 1.0e-9_dp
+         system%first_regularization = system%min_regularization
+      end if
+   end subroutine new_newton_system
 
    !> Ends a step of a loose body that its active set lets slide or fly, held by the regularization alone, much longer
    !> than forces of this size deform a body, where the contact law would end it: where the forces of springs between
