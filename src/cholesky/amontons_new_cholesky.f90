@@ -12,7 +12,7 @@ module amontons_new_cholesky
    implicit none (type, external)
    private
 
-   public :: band_cholesky_t, factorization_names, new_cholesky, new_condenser
+   public :: factorization_names, new_cholesky, new_condenser
 
    !> L in band storage: entry (i, j) is `band(i - j + 1, j)`.
    type, extends(cholesky_t) :: band_cholesky_t

@@ -11,7 +11,7 @@ module amontons_sparse_matrix
    private
 
    public :: graph_places, graph_t, half_bandwidth, new_graph, new_sparse_pattern, positions, reverse_cuthill_mckee, &
-      sorting_order, sparse_matrix_t
+      sparse_matrix_t
 
    !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t

@@ -38,13 +38,14 @@ contains
    !> stresses at the end of a contact: where an end lies between two nodes makes a small last difference a matter of
    !> chance, and the one before it counts besides. An order below 0.5 is that of a singular solution: the number may
    !> have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is not
-   !> smaller. A number that is 0 on all three meshes, as a slip where no point slips, says nothing of what a finer mesh
-   !> shows: it is absent and has no bar.
-   pure subroutine new_convergence(convergence, value, resolution, rounding)
+   !> smaller. A size that is rounding on all three meshes, as a slip where no point slips, says nothing of what a finer
+   !> mesh shows: it is absent and has no bar. A sum that cancels, as a force across an axis of symmetry, is unchanged.
+   pure subroutine new_convergence(convergence, value, resolution, rounding, is_size)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first
       real(dp), intent(in) :: resolution !! the smallest change that the last mesh can show; 0 if it shows any
       real(dp), intent(in) :: rounding !! change that is rounding
+      logical, intent(in) :: is_size !! whether it is a length or a largest value, of what a mesh may not show
       real(dp), parameter :: least_order = 0.5_dp, most_order = 1.0_dp
       real(dp), parameter :: safety = 1.25_dp, large_safety = 3.0_dp
       real(dp) :: before, last
@@ -54,7 +55,7 @@ contains
       before = value(size(value) - 1) - value(size(value) - 2)
       last = value(size(value)) - value(size(value) - 1)
       convergence%verdict = verdict(before, last, rounding)
-      if (.not. any(abs(value(size(value) - 2:)) > 0.0_dp)) convergence%verdict = absent
+      if (is_size .and. all(abs(value(size(value) - 2:)) <= rounding)) convergence%verdict = absent
       select case (convergence%verdict)
       case (absent)
          return

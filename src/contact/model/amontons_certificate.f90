@@ -16,7 +16,7 @@ module amontons_certificate
    implicit none (type, external)
    private
 
-   public :: binary_scale, certificate_t, new_certificate, node_sums_t, norm_of, sum_nodes
+   public :: certificate_t, new_certificate
 
    !> Forces and their work, summed up over the nodes.
    type :: node_sums_t

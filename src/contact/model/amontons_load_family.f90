@@ -25,7 +25,7 @@ module amontons_load_family
    implicit none (type, external)
    private
 
-   public :: acting_t, find_feet, load_family_t, new_load_family, obstacle_motion_t, one_part, parting_t, &
+   public :: acting_t, load_family_t, new_load_family, obstacle_motion_t, one_part, parting_t, &
       tangential_motion
 
    !> Where an obstacle has moved: it turned about the pivot, and then shifted.

@@ -36,7 +36,6 @@ module amontons_contact_operator
       procedure :: copy_dense => contact_operator_copy_dense
       procedure :: copy_stiffness => contact_operator_copy_stiffness
       procedure :: cut => contact_operator_cut
-      procedure :: dense_megabytes => contact_operator_dense_megabytes
       procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
@@ -110,13 +109,6 @@ contains
          kind = merge(sparse_compliance, dense_compliance, self%compliance%is_sparse())
       end if
    end function contact_operator_kind
-
-   !> The memory that a dense matrix of all rows takes [MB].
-   pure real(dp) function contact_operator_dense_megabytes(self) result(megabytes)
-      class(contact_operator_t), intent(in) :: self !! the operator
-
-      megabytes = 8.0e-6_dp*real(self%n, dp)**2
-   end function contact_operator_dense_megabytes
 
    !> Finds the stiffness of the points: the diagonal of S or, in a reduced problem, the reciprocal one of A.
    pure subroutine contact_operator_find_augmentation(self)

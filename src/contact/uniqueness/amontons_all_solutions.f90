@@ -15,7 +15,7 @@ module amontons_all_solutions
    implicit none (type, external)
    private
 
-   public :: all_solutions_t, eliminate, find_all_solutions, has_extent, loose, most_points, no_pivot
+   public :: all_solutions_t, eliminate, find_all_solutions, has_extent, loose, most_points
 
    !> Smaller factors are rounding errors.
    real(dp), parameter :: no_pivot = 1.0e-11_dp

@@ -16,7 +16,7 @@ module amontons_abaqus
    implicit none (type, external)
    private
 
-   public :: finish_materials, finish_temperatures, ignored_keywords_t, read_abaqus, read_model_keyword
+   public :: read_abaqus
 
    !> Keywords that say what the body is made of.
    character(12), parameter :: material_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &

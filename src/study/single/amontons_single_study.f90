@@ -119,7 +119,8 @@ contains
       do i = 1, size(list)
          result%convergence(i)%quantity = list(i)
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
-            rounding*max(maxval(abs(values(i, :))), list(i)%scale))
+            rounding*max(maxval(abs(values(i, :))), list(i)%scale), &
+            list(i)%has_place .or. list(i)%resolution > 0.0_dp)
       end do
    end subroutine judge_meshes
 
