@@ -75,6 +75,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
+      ! Half steps a hundredth as wrong as the forces may be.
+      real(dp), parameter :: half_step_part = 1.0e-2_dp
       ! Iterations that make less of the residual are accelerated.
       integer, parameter :: recent = 10
       real(dp), parameter :: tenth = 0.1_dp
@@ -84,7 +86,7 @@ contains
       type(contact_solution_t) :: best
       real(dp), dimension(2*problem%n_points) :: force, displacement, product, start
       real(dp), allocatable :: place(:)
-      real(dp) :: force_scale, previous
+      real(dp) :: force_scale, previous, accuracy
       integer :: iteration
       logical :: is_exact, may_continue, is_refining
 
@@ -110,11 +112,14 @@ contains
          do iteration = 1, self%max_iterations
             start = force
             place = center%place
+            accuracy = half_step_part*self%tolerance*problem%force_scale(force)
+            ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
+            if (is_refining) accuracy = accuracy*minval(a%reciprocal_diagonal()/problem%augmentation())
             if (is_exact) then
-               call half_steps(self, problem, displacement - problem%reference(), is_refining, force, &
+               call half_steps(self, problem, displacement - problem%reference(), accuracy, force, &
                   solution%effort, error)
             else
-               call printed_half_steps(self, problem, displacement - problem%reference(), &
+               call printed_half_steps(self, problem, displacement - problem%reference(), accuracy, &
                   problem%dual_load(center%place), printed, force, solution%effort, error)
             end if
             if (allocated(error)) return
@@ -142,23 +147,18 @@ contains
    end subroutine splitting_solve
 
    !> The two half steps, each (2.3) with the other forces held: lambda_T within the bounds of lambda_N, then lambda_N.
-   subroutine half_steps(self, problem, distance, is_refining, force, effort, error)
+   subroutine half_steps(self, problem, distance, accuracy, force, effort, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
-      logical, intent(in) :: is_refining !! whether rounding errors of A are taken out
+      real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains theirs
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp), dimension(problem%n_points) :: bound, change, coupled
-      real(dp) :: accuracy
       integer :: m
 
       m = problem%n_points
-      accuracy = half_step_accuracy(self, problem, force)
-      ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
-      if (is_refining) accuracy = accuracy &
-         *minval(problem%matrix%compliance%reciprocal_diagonal()/problem%augmentation())
       ! lambda_T := arg min  1/2 l.A22 l - l.(B2 - A21 lambda_N)  over |l| <= g + phi lambda_N
       bound = problem%bound(force(:m))
       call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
@@ -170,16 +170,6 @@ contains
       call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
          spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort, error)
    end subroutine half_steps
-
-   !> What a half step may be wrong by: a hundredth of what the forces may be [F].
-   pure real(dp) function half_step_accuracy(self, problem, force) result(accuracy)
-      class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp), parameter :: share = 1.0e-2_dp
-
-      accuracy = share*self%tolerance*problem%force_scale(force)
-   end function half_step_accuracy
 
    !> A half step, (2.3) for the forces of one direction alone: min 1/2 l.A l - l.(B - A' l') between bounds, l' the
    !> other forces. It is solved for the change of the forces: its linear term is then the distance, small at last, and
@@ -205,10 +195,11 @@ contains
    end subroutine minimize
 
    !> The half steps of the variants: with `printed` both lines as the paper prints them, with `clip` the second one.
-   subroutine printed_half_steps(self, problem, distance, b, printed, force, effort, error)
+   subroutine printed_half_steps(self, problem, distance, accuracy, b, printed, force, effort, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
+      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(in) :: b(:) !! B (2m) [L]
       type(printed_matrices_t), intent(in) :: printed !! the matrices of the lines
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
@@ -231,8 +222,8 @@ contains
          end associate
          call effort%multiply(quarter)
       else
-         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, &
-            half_step_accuracy(self, problem, force), force(m + 1:), change, effort, error)
+         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
+            change, effort, error)
          if (allocated(error)) return
       end if
       ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
