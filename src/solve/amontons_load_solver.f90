@@ -98,6 +98,8 @@ contains
       if (self%is_auto .and. has_place(solution)) call solve_components(newton_t(tolerance=self%method%tolerance, &
          max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, &
          decrease=decrease), problem, solution, error)
+      ! Where memory has no room for these steps, the deck's method may still do.
+      if (allocated(error)) deallocate (error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
          > self%size_of_body) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
