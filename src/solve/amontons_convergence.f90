@@ -94,7 +94,7 @@ contains
 
       if (abs(last) <= rounding) then
          verdict = unchanged
-      else if (before*last < 0.0_dp) then
+      else if (before*last < 0.0_dp .and. abs(before) > rounding) then
          verdict = oscillating
       else if (abs(last) >= abs(before)) then
          verdict = diverging
