@@ -18,7 +18,8 @@ module amontons_mortar_pair
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
       place_on
    use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
-   use amontons_surface, only: cross_product, meshed_body_t, new_surface, surface_place_t, surface_t
+   use amontons_obstacle, only: cross_product
+   use amontons_surface, only: meshed_body_t, new_surface, surface_place_t, surface_t
    use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private

@@ -6,8 +6,8 @@
 !> integrals over them are those of smooth functions.
 module amontons_mortar_segments
    use amontons_kinds, only: dp
-   use amontons_obstacle, only: steepest_cosine
-   use amontons_surface, only: cross_product, surface_place_t, surface_t
+   use amontons_obstacle, only: cross_product, steepest_cosine
+   use amontons_surface, only: surface_place_t, surface_t
    implicit none (type, external)
    private
 

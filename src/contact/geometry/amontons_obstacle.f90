@@ -12,7 +12,7 @@ module amontons_obstacle
    implicit none (type, external)
    private
 
-   public :: find_self_crossing, obstacle_names, obstacle_t, steepest_cosine, unit_vector
+   public :: cross_product, find_self_crossing, obstacle_names, obstacle_t, steepest_cosine, unit_vector
 
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
@@ -333,7 +333,7 @@ contains
                q => line(:, k), b => line(:, k + 1) - line(:, k))
                if (.not. (separates(p, a, q, q + b) .and. separates(q, b, p, p + a))) cycle
                crosses = .true.
-               place = p + a*crossed(q - p, b)/crossed(a, b)
+               place = p + a*cross_product(q - p, b)/cross_product(a, b)
                return
             end associate
          end do
@@ -350,17 +350,17 @@ contains
       real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: sides(2)
 
-      sides = [crossed(along, a - start), crossed(along, b - start)]
+      sides = [cross_product(along, a - start), cross_product(along, b - start)]
       separates = minval(sides) < 0.0_dp .and. maxval(sides) > 0.0_dp .and. &
          minval(abs(sides)) > rounding*norm2(along)*max(norm2(along), norm2(b - a))
    end function separates
 
-   !> Cross product.
-   pure real(dp) function crossed(a, b)
+   !> The third component of the cross product of two vectors.
+   pure real(dp) function cross_product(a, b)
       real(dp), intent(in) :: a(2) !! the first
       real(dp), intent(in) :: b(2) !! the second
 
-      crossed = a(1)*b(2) - a(2)*b(1)
-   end function crossed
+      cross_product = a(1)*b(2) - a(2)*b(1)
+   end function cross_product
 
 end module amontons_obstacle

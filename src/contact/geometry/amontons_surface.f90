@@ -15,7 +15,7 @@ module amontons_surface
    implicit none (type, external)
    private
 
-   public :: cross_product, join_sides, meshed_body_t, new_surface, side_order, surface_place_t, surface_t
+   public :: join_sides, meshed_body_t, new_surface, side_order, surface_place_t, surface_t
 
    !> A mesh with its materials and supports.
    type :: meshed_body_t
@@ -55,14 +55,6 @@ module amontons_surface
    end type surface_place_t
 
 contains
-
-   !> The third component of the cross product of two vectors.
-   pure real(dp) function cross_product(a, b)
-      real(dp), intent(in) :: a(2) !! the first
-      real(dp), intent(in) :: b(2) !! the second
-
-      cross_product = a(1)*b(2) - a(2)*b(1)
-   end function cross_product
 
    !> The sides in the order of the line.
    pure function side_order(sides, line, n_nodes) result(order)
