@@ -90,7 +90,7 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the way
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
-      logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact, is_soft
+      logical :: is_free(size(b)), was_free(size(b)), is_exact, is_soft
       integer :: i, k, n_trials
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
@@ -114,7 +114,6 @@ contains
          ! A_ff step_f = -gradient_f of the free components; the others stay. A singular A_ff is held softly.
          step = 0.0_dp
          free = pack([(k, k=1, size(b))], is_free)
-         is_newton = .false.
          call allocate_matrix(block, size(free), size(free), 'the forces of a half step', error)
          if (allocated(error)) return
          call a%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
@@ -122,11 +121,10 @@ contains
          call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
          call cholesky_solve(block, right)
          step(free) = right
-         is_newton = .not. is_soft
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
-         is_exact = is_newton .and. all(full > lower .and. full < upper .or. .not. is_free)
+         is_exact = .not. is_soft .and. all(full > lower .and. full < upper .or. .not. is_free)
          was_free = is_free
          if (is_exact) then
             x = full

@@ -71,13 +71,13 @@ contains
          "the pairs of Lemke's method", error)
       if (allocated(error)) return
       call solution%effort%multiply(1.0_dp)
+      if (relation%is_dual) then
+         call dual_pairs(relation, matrix, right)
+      else
+         call primal_pairs(relation, matrix, right)
+      end if
       do trial = 1, min(n_covers, self%max_iterations)
          effort = effort_t()
-         if (relation%is_dual) then
-            call dual_pairs(relation, matrix, right)
-         else
-            call primal_pairs(relation, matrix, right)
-         end if
          call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, error, effort)
          if (allocated(error)) return
          states = states_of(relation%is_dual, is_z_basic)

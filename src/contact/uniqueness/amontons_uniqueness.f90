@@ -36,7 +36,6 @@ module amontons_uniqueness
    !> The blocks of a stiffness that the estimate needs, in the relation's units.
    type :: coupling_t
       real(dp), allocatable :: normal(:, :) !! S_11 (m, m)
-      real(dp), allocatable :: difference(:, :) !! S_21 S_11^+ S_12 (m, m)
       real(dp), allocatable :: factor(:, :) !! Cholesky factor of S_T = S_22 - S_21 S_11^+ S_12 (m, m)
    end type coupling_t
 
@@ -190,7 +189,7 @@ contains
       real(dp) :: gamma
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
-      real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :)
+      real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :), difference(:, :)
       integer :: i, info, m
 
       bound = 0.0_dp
@@ -206,17 +205,17 @@ contains
       cross = s(:m, m + 1:)
       mixed = cross
       call cholesky_solve(factor, mixed)
-      allocate (coupling%difference(m, m))
-      call transposed_product(cross, mixed, coupling%difference)
-      coupling%factor = s(m + 1:, m + 1:) - coupling%difference
+      allocate (difference(m, m))
+      call transposed_product(cross, mixed, difference)
+      coupling%factor = s(m + 1:, m + 1:) - difference
       call cholesky_factor(coupling%factor, info)
       if (info /= 0) return
       if (.not. all([(coupling%factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])) return
-      ! L^-1 X L^-T of the difference X
-      call triangular_solve(coupling%factor, coupling%difference)
-      coupling%difference = transpose(coupling%difference)
-      call triangular_solve(coupling%factor, coupling%difference)
-      gamma = sqrt(largest_eigenvalue(coupling%difference))
+      ! L^-1 S_21 S_11^+ S_12 L^-T
+      call triangular_solve(coupling%factor, difference)
+      difference = transpose(difference)
+      call triangular_solve(coupling%factor, difference)
+      gamma = sqrt(largest_eigenvalue(difference))
       gamma = max(gamma, rounding)
       bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
    end function estimated_bound
