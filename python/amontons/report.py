@@ -125,14 +125,15 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
     measured = [key for key in labels if key not in ("case", "verdict")
                 and any(isinstance(found.get(key), (int, float)) for found in numbers)]
     results = [key for key in (*SHOWN, *keys) if key in measured]
-    over = next((key for key in (*common, *inputs) if key in inputs and key in measured), measured[-1])
+    # Cases without a solution have no results.
+    over = [key for key in (*common, *inputs) if key in inputs and key in measured] or measured[-1:]
     data = json.dumps({"labels": labels, "cases": values, "colors": COLORS,
-                       "chart": [over, results[0]]}).replace("<", "\\u003c")
+                       "chart": [*over[:1], *results[:1]]}).replace("<", "\\u003c")
     axes = "".join(f'<option value="{html.escape(key)}">{html.escape(labels[key])}</option>' for key in measured)
     chart = f"""<details class="chart" open><summary>Chart</summary><div class="tools">
 <label>Over <select id="over">{axes}</select></label> <label>draw <select id="drawn">{axes}</select></label></div>
 <svg id="chart" viewBox="0 0 720 360" role="img" aria-label="chart of the cases"></svg></details>
-""" if len(cases) > 1 else ""
+""" if len(cases) > 1 and results else ""
     return f"""<div class="tools"><label>Search <input type="search" id="find" placeholder="name, title, value"></label>
 <span id="count" role="status"></span><label>Sort by <select id="by">{choice}</select></label>
 <label><input type="checkbox" id="down"> largest first</label></div>

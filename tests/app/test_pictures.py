@@ -190,6 +190,15 @@ class Pictures(ProgramTest):
         self.assertIn('<p class="verdict amber"><b>lifted</b><span>no equilibrium: contact and friction cannot balance '
                       "the loads;", page)
 
+    def test_a_page_of_cases_without_equilibrium_alone_has_no_chart(self):
+        for i in (1, 2):
+            self.write(f"lifted{i}.nml", block(SUPPORT, CONTACT, f"load set = 'top'  traction = 0.0, {i}.0"))
+            self.run_program("--quiet", "--output", "lifted", f"lifted{i}.nml", status=2)
+            self.script("report", "lifted")
+            page = (self.directory / "lifted" / "report.html").read_text(encoding="utf-8")
+            self.assertIn(f"{i} without equilibrium.", page)
+            self.assertNotIn('id="chart"', page)
+
     def test_a_history_that_ends_early_shows_what_it_reached(self):
         deck = block(PRESSURE, CONTACT, "load name = 'push'  set = 'left'  traction = 1.0, 0.0",
                      "history times = 0.0, 1.0", "steps load = 'push'  factor = {}, 1.0")
