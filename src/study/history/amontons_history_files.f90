@@ -1,12 +1,9 @@
-!> The files that grow with the steps of a history: its table, that of the contact points, that of the states from which
-!> it can go on, the grids of some steps.
+!> The files that grow with the steps of a history: NAME.history.csv has a row for each step, NAME.points.csv one for
+!> each contact point of some, NAME.states.csv one with all that a history needs to go on behind a step,
+!> NAME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
 !>
 !> The tables are those of a checkpoint: a history that dies goes on behind the rows that it noted last. How far it is,
 !> is a line of numbers, from which another history can start, too.
-!>
-!> he tables that grow with the steps of a history: NAME.history.csv has a row for each step, NAME.points.csv one for
-!> ach contact point of some, NAME.states.csv one with all that a history needs to go on behind a step,
-!> AME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
 module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
