@@ -28,7 +28,7 @@ module amontons_report
    private
 
    public :: add_head, case_documents, certificate_member, commit_case, effort_members, last_members, member, &
-      member_value, new_summary, quantities_member, size_counts, status_counts, study_files_t, uniqueness_member, &
+      member_value, new_summary, quantities_member, size_counts, status_members, study_files_t, uniqueness_member, &
       write_documents, write_report
 
    !> The files that a study of several steps adds to those of the last one.
@@ -106,13 +106,13 @@ contains
    end function size_counts
 
    !> How many points are open, stick and slip, for the member `counts`.
-   pure function status_counts(status) result(text)
+   pure function status_members(status) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       character(:), allocatable :: text
 
       text = '"open": '//to_text(count(status == open_point))//', "stick": '//to_text(count(status == stick_point)) &
          //', "slip": '//to_text(count(status == slip_plus .or. status == slip_minus))
-   end function status_counts
+   end function status_members
 
    !> Quantities as a member.
    pure function quantities_member(name, quantities) result(text)
@@ -199,7 +199,7 @@ contains
             certificate%energies()), [1.0_dp, scales([certificate%violations(), certificate%energies()])])
          call summary%record(uniqueness_member(result%uniqueness))
          call summary%add(quantities_member('key_results', result%key_results), scales(result%key_results))
-         call summary%add(member('counts', '{'//size_counts(body)//', '//status_counts(solution%status)//'}'))
+         call summary%add(member('counts', '{'//size_counts(body)//', '//status_members(solution%status)//'}'))
          call summary%record(member('factor', '{"entries": '//to_text(result%factor%n_entries)//', "flops": '// &
             to_text(nint(result%factor%n_flops, int64))//'}'))
          call summary%add(quantities_member('lengths', result%lengths%quantities()))

@@ -13,8 +13,8 @@ module amontons_reduced_study
    use amontons_output_file, only: output_file_t
    use amontons_quantity, only: quantity_t, scales
    use amontons_reduced_system, only: reduced_system_t
-   use amontons_report, only: add_head, certificate_member, commit_case, count_members => status_counts, &
-      effort_members, last_members, member, quantities_member, uniqueness_member, write_documents
+   use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, &
+      member, quantities_member, status_members, uniqueness_member, write_documents
    use amontons_result, only: certificate_limit, solution_word
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t
@@ -218,7 +218,7 @@ contains
             no_quantities), [1.0_dp])
          call summary%record(uniqueness_member(result%uniqueness))
          call summary%add(member('counts', '{"contact_points": '//to_text(system%n_contacts)//', '// &
-            count_members(solution%status)//'}'))
+            status_members(solution%status)//'}'))
          call summary%add(quantities_member('resultants', sums), scales(sums))
          call summary%record(last_members(result%timings))
       end associate
