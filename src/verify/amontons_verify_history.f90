@@ -66,11 +66,7 @@ contains
       solved = case%config
       if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       call prepare_history(cache, solved, again%model, again%result%last, error)
-      if (.not. allocated(error)) then
-         call new_history_walk(again%result%walk, again%model, cache%body)
-         again%entries = ''
-         if (again%model%history%has_start()) call start_history(again%result%walk, cache, again%model, start, error)
-      end if
+      if (.not. allocated(error)) call start_history(again%result, cache, again%model, start, error)
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
          return
@@ -84,6 +80,7 @@ contains
             return
          end if
          n_faults = case%faults%n
+         again%entries = ''
          ! Reads the tables, and finds what their numbers are measured by.
          call history_tables(tables, again%model, cache%body, size(again%result%walk%watch%noted()))
          allocate (again%tables(size(tables)))

@@ -239,6 +239,13 @@ class History(HistoryTest):
         self.assertIn("bar.states.csv", self.text("bar.lst"))
         self.run_program("--quiet", "--verify", "out")
 
+    def test_a_start_at_the_last_time_leaves_no_steps_and_verifies(self):
+        self.walk(BAR + "&output states_every = 20 /\n")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        self.walk(BAR.replace("&history", "&history start = 'bar.states.csv'"))
+        self.assertEqual(len(self.text("bar.history.csv").splitlines()), 1)
+        self.run_program("--quiet", "--verify", "out")
+
     def test_start_that_does_not_fit_is_refused(self):
         self.walk(BAR + "&output states_every = 20 /\n")
         shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)

@@ -32,15 +32,15 @@ module amontons_history_files
       read_start, step_numbers, table_rows
 
    !> What a table has: the steps.
-   integer, parameter, public :: of_steps = 1
+   integer, parameter :: of_steps = 1
    !> What a table has: the contact points of steps.
-   integer, parameter, public :: of_points = 2
+   integer, parameter :: of_points = 2
    !> What a table has: the states at the end of steps.
    integer, parameter, public :: of_states = 3
    !> What a table has: the grids of steps.
    integer, parameter, public :: of_grids = 4
    !> What a table has: the cycles.
-   integer, parameter, public :: of_cycles = 5
+   integer, parameter :: of_cycles = 5
 
    !> A kind of number: one that is measured by itself, or by 1.
    integer, parameter, public :: number_alone = 1

@@ -113,13 +113,11 @@ contains
       type(history_milestone_t) :: milestone
       character(:), allocatable :: key
 
-      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
-      call new_history_walk(result%walk, model, cache%body)
       key = '! Amontons '//version//', a history under way; contact problem '// &
          model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
-      if (config%history%has_start()) then
-         call start_history(result%walk, cache, model, milestone%numbers, error)
-         if (allocated(error)) return
+      call start_history(result, cache, model, milestone%numbers, error)
+      if (allocated(error)) return
+      if (allocated(milestone%numbers)) then
          key = key//milestone%text()//newline
          deallocate (milestone%numbers)
       end if
@@ -129,23 +127,26 @@ contains
          result, error)
    end subroutine begin_history
 
-   !> Goes to the state that the deck names, which must be in equilibrium with the deck: numbers of another body or of
-   !> other loads would give or take energy that no load has.
-   subroutine start_history(walk, cache, model, numbers, error)
-      type(history_walk_t), intent(inout) :: walk !! the way, new
+   !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck:
+   !> numbers of another body or of other loads would give or take energy that no load has.
+   subroutine start_history(result, cache, model, numbers, error)
+      type(history_result_t), intent(inout) :: result !! gains the way, and no steps
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
       type(history_model_t), intent(in) :: model !! the history
-      real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state
+      real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state; not allocated where none is named
       type(error_t), allocatable, intent(out) :: error !! there is no such state, or it is none of this deck
       ! Of a sound step that was not certified, rounding in an ill-conditioned body may leave more than the limit.
       real(dp), parameter :: least_limit = 1.0e-6_dp
       type(result_t) :: step
       real(dp) :: violation
 
+      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
+      call new_history_walk(result%walk, model, cache%body)
+      if (.not. model%history%has_start()) return
       call read_start(numbers, model%history, error)
       if (allocated(error)) return
-      call walk%restore(model, cache%body, cache%problem, numbers, error)
-      if (.not. allocated(error)) call new_step_result(step, cache, model, walk, error)
+      call result%walk%restore(model, cache%body, cache%problem, numbers, error)
+      if (.not. allocated(error)) call new_step_result(step, cache, model, result%walk, error)
       if (.not. allocated(error)) then
          associate (certificate => step%certificate)
             violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
@@ -153,9 +154,9 @@ contains
                certificate%wrong_dissipation)
          end associate
          if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
-            walk%state%solution%residual)))) call new_error(error, input_refused, &
+            result%walk%state%solution%residual)))) call new_error(error, input_refused, &
             'it is not in equilibrium with the body and what acts on it at the time '// &
-            to_text(walk%state%instant%time)//' (violation '//scientific(violation)//'): mesh, materials, '// &
+            to_text(result%walk%state%instant%time)//' (violation '//scientific(violation)//'): mesh, materials, '// &
             'supports, friction and loads at that time must be those of the history that left it')
       end if
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
@@ -305,7 +306,6 @@ contains
       type(lengths_t) :: lengths
       logical :: is_warned(n_case_warnings)
 
-      if (.not. allocated(self%reached)) allocate (self%reached(n_reached_numbers, 0), self%cycles(n_cycle_numbers, 0))
       associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
          if (walk%is_jump) self%n_jumps = self%n_jumps + 1
          if (walk%is_jump) call self%jump%note(state%indicator, walk%n_steps)
