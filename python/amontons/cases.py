@@ -83,6 +83,11 @@ class Case:
         return "load_history" in self.summary
 
     @property
+    def has_steps(self) -> bool:
+        """Whether it is a load history that took steps: one that starts at its last time has none."""
+        return self.is_history and bool(self.table("history"))
+
+    @property
     def kind(self) -> str:
         """What it is: 'body', 'sweep' or 'reduced'."""
         return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")

@@ -135,8 +135,8 @@ def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Seq
     """The figure of a load history: a loop of two columns of NAME.history.csv, the zones over the pseudo-time, and the
     dissipation along the contact line."""
     case = Case(case) if isinstance(case, (str, os.PathLike)) else case
-    if not case.is_history:
-        raise CaseFault(f"{case.path}: a loop is only for a load history")
+    if not case.has_steps:
+        raise CaseFault(f"{case.path}: a loop is only for a load history that has steps")
     with plt.rc_context(STYLE):
         drawn = draw_steps(case, [length / INCH for length in size or SIZES["steps"]], loop)
         drawn.suptitle(plain(case.heading))
@@ -222,7 +222,7 @@ def main(arguments: Sequence[str]) -> int:
             drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)
             save(drawn, path, options.format)
-            if case.is_history or options.loop:
+            if case.has_steps or options.loop:
                 save(figure_of_steps(case, options.loop, size=options.size), f"{path}.steps", options.format)
     except OSError as error:
         sys.exit(f"plot: {error.filename}: {error.strerror}")

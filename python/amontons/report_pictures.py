@@ -61,7 +61,7 @@ def _body(case: Case, name: str, label: str) -> Iterator[str]:
         box = Box(sheet.axes[0], sheet.size)
         texts = box.frame()
         yield sheet.picture(f"{name}d", f"{label}: closed zone", box.image(f"{name}di")[0] + texts)
-    if case.is_history and sets:
+    if case.has_steps and sets:
         yield inline_svg(draw_steps(case, (2 * WIDTH, 3.0)), f"{name}t", f"{label}: load history")
     if not case.summary["converged"]:
         figure, axes = plt.subplots(figsize=(WIDTH, 2.0), gridspec_kw=HISTORY)

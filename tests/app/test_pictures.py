@@ -101,6 +101,17 @@ class Pictures(ProgramTest):
         page = (self.directory / "out" / "report.html").read_text(encoding="utf-8")
         self.assertIn("load history", page)
 
+    def test_a_history_without_steps_is_drawn_as_a_case(self):
+        deck = block(SUPPORT, PRESSURE, CONTACT, "load name = 'F'  set = 'right'  traction = 1.0, 0.0",
+                     "history times = 0.0, 1.0{}", "steps load = 'F'  factor = 0.0, 1.0", "output states_every = 1")
+        self.write("first.nml", deck.format(""))
+        self.run_program("--quiet", "--output", "first", "first.nml")
+        self.write("last.nml", deck.format("  start = 'first/first.states.csv'"))
+        self.run_program("--quiet", "--output", "last", "last.nml")
+        self.assertEqual(self.script("plot", "last", "--format", "png").stdout, "last/last.png\n")
+        self.script("report", "last")
+        self.assertIn("1 green", (self.directory / "last" / "report.html").read_text(encoding="utf-8"))
+
     def test_the_loop_is_over_what_turns_back_and_not_over_the_preload(self):
         self.write("clamped.nml", block(
             SUPPORT, PRESSURE.replace("load", "load name = 'preload' "), CONTACT,
