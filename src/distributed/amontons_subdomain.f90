@@ -1,7 +1,7 @@
 !> Subdomains, the elements of a body that one rank owns by its share of the order of elimination, and what assembly
 !> needs of them. The order is found on the mesh: no matrix is needed.
 module amontons_subdomain
-   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t, substitution_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int64

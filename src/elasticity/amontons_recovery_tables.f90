@@ -356,7 +356,7 @@ contains
       scale = matmul(reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2]), scale)
    end subroutine turn_frame
 
-   !> Sums the normal equations of the samples of a patch; of no stresses without any.
+   !> Sums the normal equations of the samples of a patch; without stresses, their right-hand sides are 0.
    pure subroutine sum_samples(normal, right, frame, samples, elements, n_near, stress)
       real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
       real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]

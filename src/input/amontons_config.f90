@@ -10,12 +10,11 @@ module amontons_config
       output_group, problem_group, reduced_source_t, require_expansion, support_group, tie_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_deck, only: apply_settings, deck_t, read_deck, read_deck_text, read_settings, setting_t
+   use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
    use amontons_deck_contents, only: suggestion
-   use amontons_deck_visitor, only: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, &
-      is_filled, key_t
+   use amontons_deck_visitor, only: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, key_t
    use amontons_error, only: error_t, fault_list_t, input_refused, new_error
-   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_model_t, &
+   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_model_t, &
       file_pressure, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
@@ -85,7 +84,7 @@ contains
       call read_file_model(model, part%file, part%is_used, error)
       if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
       if (allocated(error)) return
-      deallocate (supports, loads)
+      deallocate (supports)
       allocate (supports(model%n_supports))
       do i = 1, size(supports)
          supports(i)%set = trim(model%supports(i)%set)

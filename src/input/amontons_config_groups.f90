@@ -3,19 +3,18 @@
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
    use amontons_constraints, only: support_t, supported_components
-   use amontons_contact_set, only: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, &
-      pairing_t, tie_t
+   use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_file_model, only: use_names
-   use amontons_generated_mesh, only: diagonal_names, rectangle_t
+   use amontons_generated_mesh, only: diagonal_names
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_mesh_file, only: mesh_part_t
-   use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_obstacle, only: obstacle_names
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: to_text
    implicit none (type, external)

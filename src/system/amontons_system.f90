@@ -1,7 +1,6 @@
 !> What the program asks of the operating system: directories, renaming, memory, time; and checksums of files and texts,
 !> by which an accidental change is found: the number that `cksum` of POSIX prints, a cyclic redundancy check of 32 bits
-!> over the bytes and their number. It grows with what it is of: at any moment it is the checksum of all that was added
-!> so far.
+!> over the bytes and their number. A checksum is at any moment that of all that was added to it so far.
 module amontons_system
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int32_t, c_int64_t, c_long, c_long_long, c_null_char, &
       c_null_ptr, c_ptr
