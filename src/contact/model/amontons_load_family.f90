@@ -18,7 +18,6 @@ module amontons_load_family
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, load_case_t, prescribed_slip, set_obstacles
    use amontons_loads, only: load_t, load_vector, sum_thermal_strain
-   use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: obstacle_t
    use amontons_system, only: checksum_t
    use amontons_text, only: to_text
