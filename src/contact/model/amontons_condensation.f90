@@ -421,6 +421,10 @@ contains
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows are dependent, or leave another part of S's kernel free
+      ! Of a row that depends on others rounding leaves no more of its square.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh: make '// &
+         'their cells larger'
       real(dp), allocatable :: flexibility(:, :), gram(:, :)
       real(dp) :: rho, trace
       integer :: i, info
@@ -431,6 +435,15 @@ contains
          'the cells', error)
       if (.not. allocated(error)) call allocate_matrix(gram, size(rows, 1), size(rows, 1), 'the cells', error)
       if (allocated(error)) return
+      ! Whether the rows are independent is asked of themselves: behind S, whose condition is large, rounding decides.
+      gram(:, :) = matmul(rows, transpose(rows))
+      call cholesky_factor(gram, info)
+      if (info == 0) info = findloc([(gram(i, i)**2 <= negligible*sum(rows(i, :)**2), i=1, size(rows, 1))], .true., &
+         dim=1)
+      if (info /= 0) then
+         call new_error(error, numerical_failure, dependent)
+         return
+      end if
       rho = 0.0_dp
       condensation%factor(:, :) = stiffness
       condensation%rows = rows
@@ -456,8 +469,7 @@ contains
       gram(:, :) = 0.5_dp*(gram + transpose(gram))
       call cholesky_factor(gram, info)
       if (info /= 0) then
-         call new_error(error, numerical_failure, 'the constant multipliers are not independent on this mesh: make '// &
-            'their cells larger')
+         call new_error(error, numerical_failure, dependent)
          return
       end if
       condensation%lifting(:, :) = transpose(flexibility)
