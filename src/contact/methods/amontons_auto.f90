@@ -7,7 +7,7 @@
 !> step is a problem of nearly independent points; the body creeps. Springs become softer where steps are solved, and
 !> stiffer where one is not. Where steps vanish, springs have no effect.
 module amontons_auto
-   use amontons_contact_operator, only: band_stiffness, contact_operator_t, sparse_compliance
+   use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t
@@ -80,7 +80,7 @@ contains
       end if
       call new_contact_solution(solution, problem%n_points)
       call stages%run(newton_t(max_iterations=n_first_steps), problem, solution)
-      if (problem%matrix%kind() == band_stiffness) call follow_fronts(stages, problem)
+      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
       if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
          tolerance=coarse)
       call take_rounds(stages, problem)
@@ -207,7 +207,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, parameter :: most_dense_points = 1500
 
-      is_long = problem%matrix%kind() == band_stiffness .and. problem%n_points > most_dense_points
+      is_long = allocated(problem%matrix%band) .and. problem%n_points > most_dense_points
    end function is_long
 
    !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
@@ -215,7 +215,9 @@ contains
    pure logical function suits_splitting(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      suits_splitting = .not. is_long(problem) .and. problem%matrix%kind() /= sparse_compliance
+      suits_splitting = .not. is_long(problem)
+      if (allocated(problem%matrix%compliance)) suits_splitting = suits_splitting .and. &
+         .not. problem%matrix%compliance%is_sparse()
    end function suits_splitting
 
    !> Takes proximal steps from where a solution is, and keeps the best pair.

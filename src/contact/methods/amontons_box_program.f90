@@ -20,7 +20,7 @@ module amontons_box_program
    implicit none (type, external)
    private
 
-   public :: box_names, box_violation, mprgp, solve_box_program
+   public :: box_names, box_violation, solve_box_program
 
    !> The solvers, as a deck writes them.
    character(6), parameter :: box_names(3) = [character(6) :: 'auto', 'newton', 'mprgp']
@@ -28,26 +28,11 @@ module amontons_box_program
    !> More steps than any program seen needs; a degenerate one, whose bounds flicker by rounding, stops here.
    integer, parameter :: max_steps = 200
 
-   !> A program and the point that the way has come to, all scaled to a unit diagonal.
-   type :: way_t
-      real(dp), allocatable :: scale(:) !! what components are multiplied by to have their unit back (n)
-      real(dp), allocatable :: linear(:) !! the linear term (n)
-      real(dp), allocatable :: low(:) !! lower bounds (n)
-      real(dp), allocatable :: high(:) !! upper bounds (n)
-      real(dp), allocatable :: y(:) !! the point (n)
-      real(dp), allocatable :: gradient(:) !! gradient of the objective there (n)
-      real(dp), allocatable :: direction(:) !! conjugate direction, to be taken backwards (n)
-      real(dp), allocatable :: image(:) !! product of the matrix with the direction measured last (n)
-      real(dp) :: curvature = 0.0_dp !! of the objective along it
-      integer :: n_products = 0 !! products done
-      real(dp) :: norm = 1.0_dp !! largest curvature seen, per length squared
-   end type way_t
-
 contains
 
    !> Solves a box program from a starting point.
    ! allow(S902): a program alone has six parts
-   pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort, error)
+   subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort, error)
       character(*), intent(in) :: kind !! one of `box_names`
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
@@ -56,7 +41,7 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
       real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
-      type(effort_t), intent(inout) :: effort !! gains that of the way
+      type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: rho(size(b)), reachable
       logical :: is_pressed(size(b))
@@ -87,7 +72,7 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough for a point not known to be exact
       real(dp), intent(inout) :: x(:) !! the point, and the minimizer (n)
-      type(effort_t), intent(inout) :: effort !! gains that of the way
+      type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
       logical :: is_free(size(b)), was_free(size(b)), is_exact, is_soft
@@ -105,7 +90,8 @@ contains
          call a%part_multiply(rows, rows, x, gradient)
          call effort%multiply(share)
          gradient = gradient - b
-         is_free = may_move(x, gradient, lower, upper)
+         ! Off its bounds, or on its way down from one.
+         is_free = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
          if (is_exact) then
             if (all(is_free .eqv. was_free)) return
          else
@@ -144,19 +130,9 @@ contains
       end do
    end subroutine projected_newton
 
-   !> Whether a component is off its bounds, or leaves its bound on the way down.
-   elemental logical function may_move(x, gradient, lower, upper)
-      real(dp), intent(in) :: x !! the component
-      real(dp), intent(in) :: gradient !! derivative of the objective
-      real(dp), intent(in) :: lower !! lower bound
-      real(dp), intent(in) :: upper !! upper bound
-
-      may_move = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
-   end function may_move
-
    !> Minimizes 1/2 x^T A x - b^T x on lower <= x <= upper from a starting point, for a part of the rows of A. If the
-   !> program has no minimum (A singular and the box open there), the way ends where that is found.
-   pure subroutine mprgp(a, rows, b, lower, upper, accuracy, x, effort)
+   !> program has no minimum (A singular and the box open there), the descent ends where that is found.
+   subroutine mprgp(a, rows, b, lower, upper, accuracy, x, effort)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
       real(dp), intent(in) :: b(:) !! the linear term (n)
@@ -164,123 +140,128 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough
       real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
-      type(effort_t), intent(inout) :: effort !! gains that of the way
-      type(way_t) :: way
-      real(dp) :: face(size(b)), chopped(size(b))
+      type(effort_t), intent(inout) :: effort !! gains that of the descent
+      ! All scaled to a unit diagonal: what has its unit back by the scale, bounds, the point with the gradient there,
+      ! and the conjugate direction, to be taken backwards.
+      real(dp), dimension(size(b)) :: scale, low, high, y, gradient, direction
+      real(dp), dimension(size(b)) :: free, chopped, reduced
+      ! The largest curvature seen, per length squared.
+      real(dp) :: norm
       logical :: is_bounded
-      integer :: step
+      integer :: step, n_products
 
       associate (rho => a%reciprocal_diagonal())
-         way%scale = sqrt(rho(rows(1):rows(2)))
+         scale = sqrt(rho(rows(1):rows(2)))
       end associate
-      way%linear = way%scale*b
       ! A bound that is none must not overflow.
-      way%low = max(lower, -huge(1.0_dp)*min(1.0_dp, way%scale))/way%scale
-      way%high = min(upper, huge(1.0_dp)*min(1.0_dp, way%scale))/way%scale
-      way%y = min(max(x/way%scale, way%low), way%high)
-      call refresh_gradient(a, rows, way)
-      way%direction = free_part(way)
+      low = max(lower, -huge(1.0_dp)*min(1.0_dp, scale))/scale
+      high = min(upper, huge(1.0_dp)*min(1.0_dp, scale))/scale
+      y = min(max(x/scale, low), high)
+      norm = 1.0_dp
+      n_products = 0
+      call refresh_gradient()
+      direction = free_part()
       do step = 1, 1000 + 10*size(b)
-         if (violation_of(way) <= accuracy) then
+         if (box_violation(y, gradient, low, high, scale) <= accuracy) then
             ! The gradient at hand was carried from step to step: believe a fresh one only.
-            call refresh_gradient(a, rows, way)
-            if (violation_of(way) <= accuracy) exit
-            way%direction = free_part(way)
+            call refresh_gradient()
+            if (box_violation(y, gradient, low, high, scale) <= accuracy) exit
+            direction = free_part()
          end if
-         face = free_part(way)
-         chopped = chopped_part(way)
-         if (dot_product(chopped, chopped) <= &
-            dot_product(reduced_part(way, face), face)) then
-            call take_step(a, rows, way, is_bounded)
+         free = free_part()
+         ! The gradient of the components that would leave their bound inwards.
+         chopped = 0.0_dp
+         where (y <= low .and. y < high) chopped = min(0.0_dp, gradient)
+         where (y >= high .and. y > low) chopped = max(0.0_dp, gradient)
+         ! The free gradient, as far as a step of length 1/norm against it stays in the box.
+         reduced = free
+         where (free > 0.0_dp) reduced = min(free, norm*min(y - low, huge(1.0_dp)/norm))
+         where (free < 0.0_dp) reduced = max(free, norm*max(y - high, -huge(1.0_dp)/norm))
+         if (dot_product(chopped, chopped) <= dot_product(reduced, free)) then
+            call take_step()
          else
-            way%direction = chopped
-            call take_step(a, rows, way, is_bounded)
-            way%direction = free_part(way)
+            direction = chopped
+            call take_step()
+            direction = free_part()
          end if
          if (.not. is_bounded) exit
       end do
-      call effort%multiply(way%n_products*(real(size(b), dp)/a%n)**2)
-      x = min(max(way%scale*way%y, lower), upper)
-   end subroutine mprgp
+      call effort%multiply(n_products*(real(size(b), dp)/a%n)**2)
+      x = min(max(scale*y, lower), upper)
 
-   !> Steps along the direction to the least objective, and makes the next direction conjugate; or to the end of the
-   !> box, and expands the face met there.
-   pure subroutine take_step(a, rows, way, is_bounded)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      type(way_t), intent(inout) :: way !! program and point
-      logical, intent(out) :: is_bounded !! false if the objective falls without end; the point then stays
-      real(dp) :: image(size(way%y)), length, room
-      real(dp), dimension(size(way%y)) :: free, old, old_gradient, move
-      real(dp) :: used
+   contains
 
-      call multiply(a, rows, way, way%direction, image)
-      way%image = image
-      way%curvature = dot_product(way%direction, way%image)
-      way%norm = max(way%norm, norm2(way%image)/max(norm2(way%direction), tiny(1.0_dp)))
-      length = huge(length)
-      ! A curvature that rounding may have left is none.
-      if (way%curvature > 10.0_dp*epsilon(1.0_dp)*way%norm*dot_product(way%direction, way%direction)) then
-         length = dot_product(way%gradient, way%direction)/way%curvature
-      end if
-      room = least_room(way)
-      is_bounded = min(length, room) < huge(length)
-      if (.not. is_bounded) return
-      way%y = min(max(way%y - min(length, room)*way%direction, way%low), way%high)
-      way%gradient = way%gradient - min(length, room)*way%image
-      if (length <= room) then
-         associate (face => free_part(way))
-            way%direction = face - dot_product(face, way%image)/way%curvature*way%direction
-         end associate
-      else
+      !> Steps along the direction to the least objective, and makes the next direction conjugate; or to the end of the
+      !> box, and expands the face met there. A point from which the objective falls without end stays.
+      subroutine take_step()
+         ! A bound beyond this was not meant as one.
+         real(dp), parameter :: far = sqrt(huge(1.0_dp))
+         real(dp), dimension(size(b)) :: image, old, old_gradient, move
+         real(dp) :: curvature, length, room, used
+         integer :: i
+
+         call multiply(direction, image)
+         curvature = dot_product(direction, image)
+         norm = max(norm, norm2(image)/max(norm2(direction), tiny(1.0_dp)))
+         length = huge(length)
+         ! A curvature that rounding may have left is none.
+         if (curvature > 10.0_dp*epsilon(1.0_dp)*norm*dot_product(direction, direction)) then
+            length = dot_product(gradient, direction)/curvature
+         end if
+         ! The longest step that stays in the box.
+         room = huge(room)
+         do i = 1, size(y)
+            if (direction(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/direction(i))
+            if (direction(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/direction(i))
+         end do
+         is_bounded = min(length, room) < huge(length)
+         if (.not. is_bounded) return
+         y = min(max(y - min(length, room)*direction, low), high)
+         gradient = gradient - min(length, room)*image
+         free = free_part()
+         if (length <= room) then
+            direction = free - dot_product(free, image)/curvature*direction
+            return
+         end if
          ! A projected gradient step on the face, as long as the largest curvature seen allows; taken anew where a move
          ! meets one of more than twice that.
-         free = free_part(way)
-         old = way%y
-         old_gradient = way%gradient
+         old = y
+         old_gradient = gradient
          do
-            used = way%norm
-            way%y = min(max(old - free/used, way%low), way%high)
-            call refresh_gradient(a, rows, way)
-            move = way%y - old
-            way%norm = max(way%norm, dot_product(move, way%gradient - old_gradient)/ &
-               max(dot_product(move, move), tiny(1.0_dp)))
-            if (.not. way%norm > 2.0_dp*used) exit
+            used = norm
+            y = min(max(old - free/used, low), high)
+            call refresh_gradient()
+            move = y - old
+            norm = max(norm, dot_product(move, gradient - old_gradient)/max(dot_product(move, move), tiny(1.0_dp)))
+            if (.not. norm > 2.0_dp*used) exit
          end do
-         way%direction = free_part(way)
-      end if
-   end subroutine take_step
+         direction = free_part()
+      end subroutine take_step
 
-   !> The product of the matrix, scaled to a unit diagonal, with a vector.
-   pure subroutine multiply(a, rows, way, vector, product)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      type(way_t), intent(inout) :: way !! counts the product
-      real(dp), intent(in) :: vector(:) !! the vector (n)
-      real(dp), intent(out) :: product(:) !! the product (n)
+      !> The product of the matrix, scaled to a unit diagonal, with a vector.
+      subroutine multiply(vector, product)
+         real(dp), intent(in) :: vector(:) !! the vector (n)
+         real(dp), intent(out) :: product(:) !! the product (n)
 
-      call a%part_multiply(rows, rows, way%scale*vector, product)
-      product = way%scale*product
-      way%n_products = way%n_products + 1
-   end subroutine multiply
+         call a%part_multiply(rows, rows, scale*vector, product)
+         product = scale*product
+         n_products = n_products + 1
+      end subroutine multiply
 
-   !> Computes the gradient at the point at hand anew.
-   pure subroutine refresh_gradient(a, rows, way)
-      type(symmetric_matrix_t), intent(in) :: a !! the matrix
-      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      type(way_t), intent(inout) :: way !! program and point
-      real(dp) :: product(size(way%y))
+      !> Computes the gradient at the point at hand anew.
+      subroutine refresh_gradient()
+         call multiply(y, gradient)
+         gradient = gradient - scale*b
+      end subroutine refresh_gradient
 
-      call multiply(a, rows, way, way%y, product)
-      way%gradient = product - way%linear
-   end subroutine refresh_gradient
+      !> The gradient of the components off their bounds (n).
+      function free_part()
+         real(dp) :: free_part(size(b))
 
-   !> The violation of the point at hand.
-   pure real(dp) function violation_of(way)
-      type(way_t), intent(in) :: way !! program and point
+         free_part = merge(gradient, 0.0_dp, y > low .and. y < high)
+      end function free_part
 
-      violation_of = box_violation(way%y, way%gradient, way%low, way%high, way%scale)
-   end function violation_of
+   end subroutine mprgp
 
    !> How far a point is from the minimizer: the largest move of a component that a step down its own parabola makes.
    pure real(dp) function box_violation(y, gradient, low, high, scale) result(violation)
@@ -293,54 +274,5 @@ contains
       violation = 0.0_dp
       if (size(y) > 0) violation = maxval(scale*abs(y - min(max(y - gradient, low), high)))
    end function box_violation
-
-   !> The gradient of the components off their bounds (n).
-   pure function free_part(way) result(free)
-      type(way_t), intent(in) :: way !! program and point
-      real(dp) :: free(size(way%y))
-
-      free = merge(way%gradient, 0.0_dp, way%y > way%low .and. way%y < way%high)
-   end function free_part
-
-   !> The gradient of the components that would leave their bound inwards (n).
-   pure function chopped_part(way) result(chopped)
-      type(way_t), intent(in) :: way !! program and point
-      real(dp) :: chopped(size(way%y))
-
-      associate (y => way%y, low => way%low, high => way%high, gradient => way%gradient)
-         chopped = 0.0_dp
-         where (y <= low .and. y < high) chopped = min(0.0_dp, gradient)
-         where (y >= high .and. y > low) chopped = max(0.0_dp, gradient)
-      end associate
-   end function chopped_part
-
-   !> The free gradient, as far as a step of length 1/norm against it stays in the box (n).
-   pure function reduced_part(way, face) result(reduced)
-      type(way_t), intent(in) :: way !! program and point
-      real(dp), intent(in) :: face(:) !! the free gradient (n)
-      real(dp) :: reduced(size(face))
-
-      associate (y => way%y, norm => way%norm)
-         reduced = face
-         where (face > 0.0_dp) reduced = min(face, norm*min(y - way%low, huge(1.0_dp)/norm))
-         where (face < 0.0_dp) reduced = max(face, norm*max(y - way%high, -huge(1.0_dp)/norm))
-      end associate
-   end function reduced_part
-
-   !> The longest step against the direction that stays in the box; the largest number if none ends it.
-   pure real(dp) function least_room(way) result(room)
-      type(way_t), intent(in) :: way !! program and point
-      ! A bound beyond this was not meant as one.
-      real(dp), parameter :: far = sqrt(huge(1.0_dp))
-      integer :: i
-
-      room = huge(room)
-      associate (y => way%y, low => way%low, high => way%high, along => way%direction)
-         do i = 1, size(y)
-            if (along(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/along(i))
-            if (along(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/along(i))
-         end do
-      end associate
-   end function least_room
 
 end module amontons_box_program

@@ -8,7 +8,7 @@
 !> diagonal of A, so that no unit matters.
 module amontons_extragradient
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
+   use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -17,24 +17,12 @@ module amontons_extragradient
    public :: extragradient_t
 
    !> The extragradient method.
-   type, extends(contact_method_t) :: extragradient_t
+   type, extends(dual_method_t) :: extragradient_t
    contains
-      procedure :: prepare => extragradient_prepare
       procedure :: solve => extragradient_solve
    end type extragradient_t
 
 contains
-
-   !> Makes the compliance.
-   subroutine extragradient_prepare(self, problem, error)
-      class(extragradient_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
-
-      associate (unused => self)
-      end associate
-      call problem%matrix%prepare_compliance(error)
-   end subroutine extragradient_prepare
 
    !> Iterates until the residual is small. The residual that the method knows without a product is computed
    !> independently where it is small enough, and at the end.

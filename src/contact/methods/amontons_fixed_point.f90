@@ -6,7 +6,7 @@
 module amontons_fixed_point
    use amontons_box_program, only: solve_box_program
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_method_t, contact_solution_t
+   use amontons_contact_solution, only: contact_solution_t, dual_method_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -15,24 +15,12 @@ module amontons_fixed_point
    public :: fixed_point_t
 
    !> The fixed-point method.
-   type, extends(contact_method_t) :: fixed_point_t
+   type, extends(dual_method_t) :: fixed_point_t
    contains
-      procedure :: prepare => fixed_point_prepare
       procedure :: solve => fixed_point_solve
    end type fixed_point_t
 
 contains
-
-   !> Makes the compliance.
-   subroutine fixed_point_prepare(self, problem, error)
-      class(fixed_point_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
-
-      associate (unused => self)
-      end associate
-      call problem%matrix%prepare_compliance(error)
-   end subroutine fixed_point_prepare
 
    !> Solves Tresca problems until the residual of the Coulomb problem is small.
    subroutine fixed_point_solve(self, problem, solution, error)

@@ -8,14 +8,12 @@
 !> cycle, single points change (after Murty's principal pivoting, which changes the last index that is infeasible and
 !> ends for every P-matrix).
 module amontons_newton
-   use amontons_contact_operator, only: band_stiffness, contact_operator_t, dense_compliance, dense_stiffness
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp, int64
-   use amontons_newton_system, only: band_stiffness_system_t, compliance_system_t, newton_system_t, &
-      sparse_compliance_system_t, stiffness_system_t
+   use amontons_newton_system, only: newton_system_t
    implicit none (type, external)
    private
 
@@ -57,17 +55,16 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      class(newton_system_t), allocatable :: system
+      type(newton_system_t) :: system
       type(active_set_t) :: active_set, last
       type(visited_sets_t) :: visited
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho, before
-      real(dp) :: scale, regularization, min_regularization, residual, previous, imbalance
+      real(dp) :: scale, regularization, min_regularization, least, residual, previous, imbalance
       integer :: info
       logical :: is_repeated, may_continue
-      real(dp), parameter :: travels = 2.0_dp
+      real(dp), parameter :: travels = 2.0_dp, least_in_forces = 1.0e-5_dp, least_of_loose_body = 1.0e-9_dp
 
       call solution%reset()
-      call new_newton_system(system, problem%matrix)
       rho = problem%augmentation()
       scale = problem%force_scale()
       displacement = solution%displacement
@@ -77,8 +74,16 @@ contains
       if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
          call active_set%assume_stick(problem, rho, scale)
       end if
-      regularization = system%first_regularization
-      min_regularization = system%min_regularization
+      ! In the displacements a regularization slows the motions that move all points together, so there is none as long
+      ! as all goes well; in the forces it costs nothing, and makes the active sets of semidefinite problems settle.
+      if (problem%matrix%has_stiffness()) then
+         least = merge(0.0_dp, least_of_loose_body, problem%matrix%is_held)
+         regularization = least
+      else
+         least = least_in_forces
+         regularization = 1.0_dp
+      end if
+      min_regularization = least
       previous = huge(previous)
       do while (solution%n_iterations < self%max_iterations)
          before = displacement
@@ -119,7 +124,7 @@ contains
          if (residual/previous > merge(travels, 1.0_dp, active_set%equals(last))) then
             call grow(regularization, self%max_regularization)
          else if (.not. active_set%equals(last)) then
-            min_regularization = system%min_regularization
+            min_regularization = least
             regularization = max(min_regularization, regularization/reduction)
          else
             ! The statuses are found, and only the regularization stands between them and their forces.
@@ -133,31 +138,6 @@ contains
       ! A residual still at its first value, the largest number, means that there was no step.
       if (solution%residual < huge(solution%residual)) call solution%measure(problem)
    end subroutine newton_solve
-
-   !> The linear systems of Newton's steps that fit the kind of an operator.
-   subroutine new_newton_system(system, matrix)
-      class(newton_system_t), allocatable, intent(out) :: system !! the systems, regularized as far as the kind needs it
-      type(contact_operator_t), intent(in) :: matrix !! the operator
-
-      ! In the displacements a regularization slows the motions that move all points together, so there is none as long
-      ! as all goes well; in the forces it costs nothing, and makes the active sets of semidefinite problems settle.
-      select case (matrix%kind())
-      case (band_stiffness)
-         allocate (band_stiffness_system_t :: system)
-      case (dense_stiffness)
-         allocate (stiffness_system_t :: system)
-      case (dense_compliance)
-         allocate (compliance_system_t :: system)
-      case default
-         allocate (sparse_compliance_system_t :: system)
-      end select
-      if (.not. matrix%has_stiffness()) then
-         system%min_regularization = 1.0e-5_dp
-      else
-         if (.not. matrix%is_held) system%min_regularization = 1.0e-9_dp
-         system%first_regularization = system%min_regularization
-      end if
-   end subroutine new_newton_system
 
    !> Ends a step of a loose body that its active set lets slide or fly, held by the regularization alone, much longer
    !> than forces of this size deform a body, where the contact law would end it: where the forces of springs between

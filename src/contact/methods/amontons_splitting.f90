@@ -24,7 +24,7 @@ module amontons_splitting
    use amontons_acceleration, only: accelerate, acceleration_t, new_acceleration, proximal_center_t
    use amontons_box_program, only: solve_box_program
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
+   use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
@@ -41,9 +41,8 @@ module amontons_splitting
    real(dp), parameter :: quarter = 0.25_dp
 
    !> The splitting method.
-   type, extends(contact_method_t) :: splitting_t
+   type, extends(dual_method_t) :: splitting_t
    contains
-      procedure :: prepare => splitting_prepare
       procedure :: solve => splitting_solve
    end type splitting_t
 
@@ -54,17 +53,6 @@ module amontons_splitting
    end type printed_matrices_t
 
 contains
-
-   !> Makes the compliance.
-   subroutine splitting_prepare(self, problem, error)
-      class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
-
-      associate (unused => self)
-      end associate
-      call problem%matrix%prepare_compliance(error)
-   end subroutine splitting_prepare
 
    !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest;
    !> keeps the best pair where none is the solution.

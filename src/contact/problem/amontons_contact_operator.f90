@@ -12,8 +12,7 @@ module amontons_contact_operator
    implicit none (type, external)
    private
 
-   public :: band_stiffness, contact_operator_t, dense_compliance, dense_stiffness, new_band_operator, &
-      new_compliance_operator, new_stiffness_operator, sparse_compliance
+   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_stiffness_operator
 
    !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
    type :: contact_operator_t
@@ -39,15 +38,11 @@ module amontons_contact_operator
       procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
-      procedure :: kind => contact_operator_kind
       procedure :: multiply_stiffness => contact_operator_multiply_stiffness
       procedure :: prepare_compliance => contact_operator_prepare_compliance
       procedure :: prepare_stiffness => contact_operator_prepare_stiffness
       procedure :: set_springs => contact_operator_set_springs
    end type contact_operator_t
-
-   !> Kinds of operators: the stiffness as the band matrix of a whole body or dense, the compliance dense or sparse.
-   integer, parameter :: band_stiffness = 1, dense_stiffness = 2, dense_compliance = 3, sparse_compliance = 4
 
    !> A part with fewer rows has a dense compliance, which all methods take.
    integer, parameter :: least_sparse_rows = 200
@@ -95,20 +90,6 @@ contains
 
       has_stiffness = allocated(self%stiffness) .or. allocated(self%band)
    end function contact_operator_has_stiffness
-
-   !> The form in which the matrix is known: `band_stiffness`, `dense_stiffness`, `dense_compliance` or
-   !> `sparse_compliance`.
-   pure integer function contact_operator_kind(self) result(kind)
-      class(contact_operator_t), intent(in) :: self !! the operator
-
-      if (allocated(self%band)) then
-         kind = band_stiffness
-      else if (allocated(self%stiffness)) then
-         kind = dense_stiffness
-      else
-         kind = merge(sparse_compliance, dense_compliance, self%compliance%is_sparse())
-      end if
-   end function contact_operator_kind
 
    !> Finds the stiffness of the points: the diagonal of S or, in a reduced problem, the reciprocal one of A.
    pure subroutine contact_operator_find_augmentation(self)
@@ -280,83 +261,57 @@ contains
       integer, intent(in) :: n_points !! number m of points; row i is one of point 1 + mod(i - 1, m)
       integer, allocatable, intent(out) :: part(:) !! number of the part of each point (m)
       integer, intent(out) :: n_parts !! number of parts
-      integer, allocatable :: parent(:)
-      integer :: i
 
-      if (allocated(self%band)) then
-         allocate (part(n_points), source=1)
-         n_parts = 1
-         return
-      end if
-      parent = [(i, i=1, n_points)]
+      allocate (part(n_points), source=1)
+      n_parts = 1
+      if (allocated(self%band)) return
       if (allocated(self%stiffness)) then
-         call join_coupled(parent, self%stiffness)
+         call number_parts(self%stiffness, part, n_parts)
       else
-         call join_coupled(parent, self%compliance)
+         call number_parts(self%compliance, part, n_parts)
       end if
-      allocate (part(n_points))
-      n_parts = 0
-      do i = 1, n_points
-         if (parent(i) == i) then
-            n_parts = n_parts + 1
-            part(i) = n_parts
-         else
-            part(i) = part(root_of(parent, i))
-         end if
-      end do
    end subroutine contact_operator_find_parts
 
-   !> Joins the parts of points that a matrix couples.
-   pure subroutine join_coupled(parent, matrix)
-      integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
-      type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (n, n)
-      integer :: i, j, m
+   !> Numbers the parts of a matrix, each from its first point on to all that are reached from it.
+   pure subroutine number_parts(matrix, part, n_parts)
+      type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (2m, 2m)
+      integer, intent(out) :: part(:) !! number of the part of each point (m)
+      integer, intent(out) :: n_parts !! number of parts
+      integer, allocatable :: rows(:)
+      integer :: reached(size(part)), n_reached, n_followed, first, column, point, i, m
 
-      m = size(parent)
-      if (m > 0 .and. .not. matrix%is_sparse()) then
-         ! A body in one piece couples all points with the first.
-         if (all(abs(matrix%values(:m, 1)) > 0.0_dp .or. abs(matrix%values(m + 1:, 1)) > 0.0_dp)) then
-            parent = 1
-            return
-         end if
-      end if
-      do j = 1, matrix%n
-         if (matrix%is_sparse()) then
-            do i = matrix%first(j), matrix%first(j + 1) - 1
-               if (abs(matrix%entry(i)) > 0.0_dp) call join(parent, matrix%row(i), j)
+      m = size(part)
+      part = 0
+      n_parts = 0
+      n_reached = 0
+      n_followed = 0
+      do first = 1, m
+         if (part(first) > 0) cycle
+         n_parts = n_parts + 1
+         part(first) = n_parts
+         n_reached = n_reached + 1
+         reached(n_reached) = first
+         do while (n_followed < n_reached .and. n_reached < m)
+            n_followed = n_followed + 1
+            do column = reached(n_followed), matrix%n, m
+               if (matrix%is_sparse()) then
+                  associate (begin => matrix%first(column), last => matrix%first(column + 1) - 1)
+                     rows = pack(matrix%row(begin:last), abs(matrix%entry(begin:last)) > 0.0_dp)
+                  end associate
+               else
+                  rows = pack([(i, i=1, matrix%n)], abs(matrix%values(:, column)) > 0.0_dp)
+               end if
+               do i = 1, size(rows)
+                  point = 1 + mod(rows(i) - 1, m)
+                  if (part(point) > 0) cycle
+                  part(point) = n_parts
+                  n_reached = n_reached + 1
+                  reached(n_reached) = point
+               end do
             end do
-         else
-            do i = j + 1, matrix%n
-               if (abs(matrix%values(i, j)) > 0.0_dp) call join(parent, i, j)
-            end do
-            if (all(parent == 1)) return
-         end if
+         end do
       end do
-   end subroutine join_coupled
-
-   !> Joins the parts of the points of two rows.
-   pure subroutine join(parent, row, column)
-      integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
-      integer, intent(in) :: row !! a row
-      integer, intent(in) :: column !! another one
-      integer :: points(2), roots(2)
-
-      points = 1 + mod([row, column] - 1, size(parent))
-      roots = [root_of(parent, points(1)), root_of(parent, points(2))]
-      parent(maxval(roots)) = minval(roots)
-      parent(points) = minval(roots)
-   end subroutine join
-
-   !> The first point of the part of a point.
-   pure integer function root_of(parent, point) result(root)
-      integer, intent(in) :: parent(:) !! a point of the same part, of a lower number or the same (m)
-      integer, intent(in) :: point !! the point
-
-      root = point
-      do while (parent(root) /= root)
-         root = parent(root)
-      end do
-   end function root_of
+   end subroutine number_parts
 
    !> Makes the operator of a part.
    subroutine contact_operator_cut(self, rows, part, error)

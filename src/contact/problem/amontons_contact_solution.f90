@@ -9,7 +9,7 @@ module amontons_contact_solution
    implicit none (type, external)
    private
 
-   public :: contact_method_t, contact_solution_t, effort_t, method_options_t, new_contact_solution
+   public :: contact_method_t, contact_solution_t, dual_method_t, effort_t, method_options_t, new_contact_solution
 
    !> The effort that a method has spent: products with matrices, and factorizations. A product with a part of S or A
    !> counts by the size of the part, so does an update by a few of its columns; triangular solves are not counted.
@@ -64,6 +64,12 @@ module amontons_contact_solution
       procedure :: prepare => contact_method_prepare
       procedure(solve_interface), deferred :: solve
    end type contact_method_t
+
+   !> A method that works on the compliance.
+   type, abstract, extends(contact_method_t) :: dual_method_t
+   contains
+      procedure :: prepare => dual_method_prepare
+   end type dual_method_t
 
    abstract interface
       !> Solves a contact problem from the forces and displacements in `solution`. Not converged is a result, told by
@@ -211,5 +217,16 @@ contains
       associate (unused => self, unused_problem => problem)
       end associate
    end subroutine contact_method_prepare
+
+   !> Makes the compliance.
+   subroutine dual_method_prepare(self, problem, error)
+      class(dual_method_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! a problem on the operator
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
+
+      associate (unused => self)
+      end associate
+      call problem%matrix%prepare_compliance(error)
+   end subroutine dual_method_prepare
 
 end module amontons_contact_solution
