@@ -18,13 +18,11 @@ module amontons_abaqus
 
    public :: read_abaqus
 
-   !> Keywords that say what the body is made of.
-   character(12), parameter :: material_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
-      'solidsection']
-   !> Keywords that hold nodes.
-   character(12), parameter :: support_keywords(*) = [character(12) :: 'boundary']
-   !> Keywords of loads.
-   character(12), parameter :: load_keywords(*) = [character(12) :: 'cload', 'dload', 'dsload', 'temperature']
+   !> Keywords of what may be read beside the mesh.
+   character(12), parameter :: model_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
+      'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
+   !> What each of them is part of: materials, supports or loads.
+   integer, parameter :: model_uses(*) = [spread(use_materials, 1, 5), use_supports, spread(use_loads, 1, 4)]
    !> Other keywords that change what a computation gives.
    character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
@@ -61,82 +59,55 @@ module amontons_abaqus
 
 contains
 
-   !> Reads nodes, elements and sets. Faults go to the input.
+   !> Reads nodes, elements and sets. Faults go to the input. There may be one part, in one instance, not moved.
    pure subroutine read_abaqus(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
       type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
+      logical :: is_moved, is_read
 
       raw%nodes_name_sides = .true.
       raw%ignores_case = .true.
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .or. allocated(input%error)) exit
-         call read_keyword(raw, input, scope, ignored, keyword, line)
+         is_read = .true.
+         select case (keyword)
+         case ('node')
+            is_read = .not. scope%in_assembly
+            if (is_read) call read_nodes(raw, input, scope, line)
+         case ('element')
+            call read_elements(raw, input, scope, line)
+         case ('nset', 'elset')
+            call read_set(raw, input, scope, line, keyword)
+         case ('surface')
+            call read_surface(raw, input, scope, line)
+         case ('part')
+            scope%n_parts = scope%n_parts + 1
+         case ('instance')
+            scope%n_instances = scope%n_instances + 1
+            call next_data_line(input, is_moved)
+            if (is_moved) call input%refuse('an instance that is moved from where its part is')
+         case ('assembly')
+            scope%in_assembly = .true.
+            scope%n_part_groups = raw%n_groups
+         case ('endassembly')
+            scope%in_assembly = .false.
+         case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
+            call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
+         case default
+            call read_model_keyword(raw, input, keyword, line, is_read)
+         end select
+         if (.not. is_read) call ignored%add(keyword, line)
+         if (max(scope%n_parts, scope%n_instances) > 1) call input%refuse( &
+            'a second part or instance: only one body is read', input%position - 1)
       end do
       call ignored%tell(raw)
       if (.not. allocated(input%error)) call resolve_elements(raw, input)
-      if (.not. allocated(input%error)) call finish_materials(raw, input)
-      if (.not. allocated(input%error)) call finish_temperatures(raw, input)
+      if (.not. allocated(input%error)) call finish_model(raw, input)
    end subroutine read_abaqus
-
-   !> Reads a keyword with its data lines.
-   pure subroutine read_keyword(raw, input, scope, ignored, keyword, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(inout) :: scope !! where the file is
-      type(ignored_keywords_t), intent(inout) :: ignored !! gains the keyword if it is not read
-      character(*), intent(in) :: keyword !! the keyword in small letters
-      character(*), intent(in) :: line !! the keyword line
-      logical :: is_read
-
-      select case (keyword)
-      case ('node')
-         if (scope%in_assembly) call ignored%add(keyword, line)
-         if (.not. scope%in_assembly) call read_nodes(raw, input, scope, line)
-      case ('element')
-         call read_elements(raw, input, scope, line)
-      case ('nset', 'elset')
-         call read_set(raw, input, scope, line, keyword)
-      case ('surface')
-         call read_surface(raw, input, scope, line)
-      case ('part', 'instance', 'assembly', 'endassembly')
-         call enter_scope(scope, raw, input, keyword)
-      case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
-         call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
-      case default
-         call read_model_keyword(raw, input, keyword, line, is_read)
-         if (.not. is_read) call ignored%add(keyword, line)
-      end select
-   end subroutine read_keyword
-
-   !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
-   !> moved.
-   pure subroutine enter_scope(scope, raw, input, keyword)
-      type(abaqus_scope_t), intent(inout) :: scope !! where the file is
-      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
-      type(input_file_t), intent(inout) :: input !! the file
-      character(*), intent(in) :: keyword !! the keyword in small letters
-      logical :: is_moved
-
-      select case (keyword)
-      case ('part')
-         scope%n_parts = scope%n_parts + 1
-      case ('instance')
-         scope%n_instances = scope%n_instances + 1
-         call next_data_line(input, is_moved)
-         if (is_moved) call input%refuse('an instance that is moved from where its part is')
-      case ('assembly')
-         scope%in_assembly = .true.
-         scope%n_part_groups = raw%n_groups
-      case default
-         scope%in_assembly = .false.
-      end select
-      if (max(scope%n_parts, scope%n_instances) > 1) call input%refuse( &
-         'a second part or instance: only one body is read', input%position - 1)
-   end subroutine enter_scope
 
    !> Reads nodes: number and up to three coordinates, absent ones being 0.
    pure subroutine read_nodes(raw, input, scope, line)
@@ -271,7 +242,7 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name
-      integer :: last
+      integer :: last, place
 
       if (.not. allocated(self%keys)) then
          self%keys = achar(10)
@@ -287,11 +258,9 @@ contains
       if (keyword == 'step' .or. keyword == 'initialconditions') last = len(line)
       name = ', *'//capitals(printable(trim(line(:min(longest_shown, last)))))
       self%names = self%names//name
-      self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
-      self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)
-      self%is_readable(use_loads) = self%is_readable(use_loads) .or. any(load_keywords == keyword)
-      if (any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. any(load_keywords == keyword) &
-         .or. any(other_keywords == keyword)) self%warned = self%warned//name
+      place = findloc(model_keywords == keyword, .true., dim=1)
+      if (place > 0) self%is_readable(model_uses(place)) = .true.
+      if (place > 0 .or. any(other_keywords == keyword)) self%warned = self%warned//name
    end subroutine ignored_keywords_add
 
    !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
@@ -324,7 +293,8 @@ contains
       end do
    end function capitals
 
-   !> Reads a keyword of a material, or the section that says which region it fills, and its thickness.
+   !> Reads a keyword of a material, whose constants must not depend on the temperature, or the section that says which
+   !> region it fills, and its thickness.
    pure subroutine read_material_keyword(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -333,7 +303,8 @@ contains
       type(file_material_t) :: section
       character(:), allocatable :: name, region
       character(longest_name) :: fields(most_fields)
-      integer :: group, n
+      real(dp) :: values(2)
+      integer :: group, i, last, n, n_values
       logical :: is_there
 
       if (.not. allocated(raw%model%definitions)) allocate (raw%model%definitions(0), raw%model%materials(0))
@@ -362,77 +333,33 @@ contains
          end if
          raw%model%materials = [raw%model%materials, section]
       case default
-         call read_constants(raw, input, keyword, line)
+         call refuse_parameters(input, line)
+         last = size(raw%model%definitions)
+         if (last == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
+         n_values = merge(2, 1, keyword == 'elastic')
+         call next_data_line(input, is_there)
+         n = 0
+         if (is_there) call take_fields(input, fields, n)
+         if (n < n_values) call input%refuse('*'//keyword//': expected '//counted(n_values, 'number'), &
+            input%position - 1)
+         do i = 1, min(n, n_values)
+            call take_number(input, fields(i), values(i))
+         end do
+         call next_data_line(input, is_there)
+         if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
+         if (allocated(input%error)) return
+         associate (material => raw%model%definitions(last))
+            if (keyword == 'elastic') then
+               material%young = values(1)
+               material%poisson = values(2)
+            else if (keyword == 'density') then
+               material%density = values(1)
+            else
+               material%expansion = values(1)
+            end if
+         end associate
       end select
    end subroutine read_material_keyword
-
-   !> Reads constants of the last material, which must not depend on the temperature.
-   pure subroutine read_constants(raw, input, keyword, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: keyword !! 'elastic', 'density' or 'expansion'
-      character(*), intent(in) :: line !! the keyword line
-      character(longest_name) :: fields(most_fields)
-      real(dp) :: values(2)
-      integer :: i, n, n_values, last
-      logical :: is_there
-
-      call refuse_parameters(input, line)
-      last = size(raw%model%definitions)
-      if (last == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
-      n_values = merge(2, 1, keyword == 'elastic')
-      call next_data_line(input, is_there)
-      n = 0
-      if (is_there) call take_fields(input, fields, n)
-      if (n < n_values) call input%refuse('*'//keyword//': expected '//counted(n_values, 'number'), input%position - 1)
-      do i = 1, min(n, n_values)
-         call take_number(input, fields(i), values(i))
-      end do
-      call next_data_line(input, is_there)
-      if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
-      if (allocated(input%error)) return
-      associate (material => raw%model%definitions(last))
-         select case (keyword)
-         case ('elastic')
-            material%young = values(1)
-            material%poisson = values(2)
-         case ('density')
-            material%density = values(1)
-         case default
-            material%expansion = values(1)
-         end select
-      end associate
-   end subroutine read_constants
-
-   !> Gives each section its material, once the file is read.
-   pure subroutine finish_materials(raw, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, at its end
-      integer :: i, k
-
-      associate (model => raw%model)
-         model%hypothesis = raw%hypothesis
-         if (.not. model%is_used(use_materials)) return
-         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
-         do i = 1, size(model%materials)
-            associate (section => model%materials(i))
-               do k = 1, size(model%definitions)
-                  if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
-               end do
-               if (k > size(model%definitions)) then
-                  call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
-               else if (.not. model%definitions(k)%young > 0.0_dp) then
-                  call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
-               end if
-               if (allocated(input%error)) return
-               section%young = model%definitions(k)%young
-               section%poisson = model%definitions(k)%poisson
-               section%density = model%definitions(k)%density
-               section%expansion = model%definitions(k)%expansion
-            end associate
-         end do
-      end associate
-   end subroutine finish_materials
 
    !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. Of
    !> two lines for one node the later one counts.
@@ -520,15 +447,35 @@ contains
       end do
    end subroutine find_nodes
 
-   !> Makes a load of the temperatures of the step, once the file and its materials are read: their difference from
-   !> the initial ones, which nodes without a temperature keep.
-   pure subroutine finish_temperatures(raw, input)
+   !> Gives each section its material, and makes a load of the temperatures of the step, once the file is read: their
+   !> difference from the initial ones, which nodes without a temperature keep.
+   pure subroutine finish_model(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its end
+      integer :: i, k
 
-      if (raw%model%temperatures%line == 0) return
-      call expect_nodes(raw%model%temperatures, raw%node_tag%items())
       associate (model => raw%model, temperatures => raw%model%temperatures)
+         model%hypothesis = raw%hypothesis
+         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
+         do i = 1, size(model%materials)
+            associate (section => model%materials(i))
+               do k = 1, size(model%definitions)
+                  if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
+               end do
+               if (k > size(model%definitions)) then
+                  call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
+               else if (.not. model%definitions(k)%young > 0.0_dp) then
+                  call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
+               end if
+               if (allocated(input%error)) return
+               section%young = model%definitions(k)%young
+               section%poisson = model%definitions(k)%poisson
+               section%density = model%definitions(k)%density
+               section%expansion = model%definitions(k)%expansion
+            end associate
+         end do
+         if (temperatures%line == 0) return
+         call expect_nodes(temperatures, raw%node_tag%items())
          allocate (temperatures%table(2, raw%node_tag%n))
          temperatures%table(1, :) = raw%node_tag%items()
          temperatures%table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
@@ -538,7 +485,7 @@ contains
          if (.not. any(abs(model%materials%expansion) > 0.0_dp)) call input%refuse( &
             '*TEMPERATURE has no effect: no *SOLID SECTION has a material with *EXPANSION')
       end associate
-   end subroutine finish_temperatures
+   end subroutine finish_model
 
    !> Reads a keyword with its data lines if it is one of those that are to be used.
    pure subroutine read_model_keyword(raw, input, keyword, line, is_read)
@@ -548,53 +495,49 @@ contains
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it was one; of a step: whether displacements are small
       character(:), allocatable :: value
+      integer :: place
       logical :: is_there
 
+      place = findloc(model_keywords == keyword, .true., dim=1)
       associate (is_used => raw%model%is_used)
-         select case (keyword)
-         case ('material', 'elastic', 'density', 'expansion', 'solidsection')
-            is_read = is_used(use_materials)
-            if (is_read) call read_material_keyword(raw, input, keyword, line)
-         case ('boundary')
-            is_read = is_used(use_supports)
-            if (is_read) call read_boundary(raw, input, line)
-         case ('cload')
-            is_read = is_used(use_loads)
-            if (is_read) call read_cload(raw, input, line)
-         case ('dload', 'dsload')
-            is_read = is_used(use_loads)
-            if (is_read) call read_dload(raw, input, keyword, line)
-         case ('temperature', 'initialconditions')
-            is_read = is_used(use_loads)
-            if (is_read) call read_temperatures(raw, input, keyword, line, is_read)
-         case ('step')
-            is_read = is_used(use_supports) .or. is_used(use_loads)
-            if (is_read) then
-               raw%model%n_steps = raw%model%n_steps + 1
-               if (raw%model%n_steps > 1) call input%refuse( &
-                  'a second *STEP: the supports and loads of one step can be used', input%position - 1)
-               call find_parameter(line, 'nlgeom', value, is_there)
-               is_read = .not. is_there .or. lower_case(value) == 'no'
-            end if
-         case ('transform')
-            is_read = is_used(use_supports) .or. is_used(use_loads)
-            if (is_read) call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', &
-               input%position - 1)
-         case default
-            is_read = .false.
-         end select
+         is_read = any(is_used([use_supports, use_loads]))
+         if (place > 0) is_read = is_used(model_uses(place))
+         if (keyword == 'initialconditions') is_read = is_used(use_loads)
       end associate
+      if (.not. is_read) return
+      select case (keyword)
+      case ('material', 'elastic', 'density', 'expansion', 'solidsection')
+         call read_material_keyword(raw, input, keyword, line)
+      case ('boundary')
+         call read_boundary(raw, input, line)
+      case ('cload')
+         call read_cload(raw, input, line)
+      case ('dload', 'dsload')
+         call read_dload(raw, input, keyword, line)
+      case ('temperature', 'initialconditions')
+         call read_temperatures(raw, input, keyword, line, is_read)
+      case ('step')
+         raw%model%n_steps = raw%model%n_steps + 1
+         if (raw%model%n_steps > 1) call input%refuse( &
+            'a second *STEP: the supports and loads of one step can be used', input%position - 1)
+         call find_parameter(line, 'nlgeom', value, is_there)
+         is_read = .not. is_there .or. lower_case(value) == 'no'
+      case ('transform')
+         call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', input%position - 1)
+      case default
+         is_read = .false.
+      end select
    end subroutine read_model_keyword
 
-   !> Reads prescribed displacements: nodes, first and last component, value.
+   !> Reads prescribed displacements: nodes, first and last component or a word for them, value.
    pure subroutine read_boundary(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
       type(file_support_t) :: support, before
-      integer :: n
-      logical :: is_there
+      integer :: ends(2), i, n
+      logical :: is_there, ok
 
       call refuse_parameters(input, line)
       do
@@ -604,7 +547,23 @@ contains
          call take_fields(input, fields, n)
          if (allocated(input%error)) return
          support%value = 0.0_dp
-         call find_components(input, fields(2:3), support%is_held)
+         select case (lower_case(fields(2)))
+         case ('encastre', 'pinned')
+            support%is_held = .true.
+         case ('xsymm')
+            support%is_held = [.true., .false.]
+         case ('ysymm')
+            support%is_held = [.false., .true.]
+         case default
+            ! The numbers of the first component and of the last.
+            if (fields(3) == '') fields(3) = fields(2)
+            do i = 1, 2
+               call read_integer(trim(fields(i + 1)), ends(i), ok)
+               if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
+                  trim(fields(i + 1))//"'", input%position - 1)
+            end do
+            support%is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
+         end select
          if (n > 3) call take_number(input, fields(4), support%value)
          if (.not. any(support%is_held)) cycle
          ! Numbers of nodes that follow each other are one set, if the same holds for them.
@@ -617,33 +576,6 @@ contains
          if (support%set(1:1) /= '*') before%set = ''
       end do
    end subroutine read_boundary
-
-   !> Finds which components a support holds: numbers of the first and the last, or a word.
-   pure subroutine find_components(input, fields, is_held)
-      type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: fields(2) !! the fields of the components
-      logical, intent(out) :: is_held(2) !! whether x and y are among them
-      integer :: ends(2), i
-      logical :: ok
-
-      select case (lower_case(fields(1)))
-      case ('encastre', 'pinned')
-         is_held = .true.
-      case ('xsymm')
-         is_held = [.true., .false.]
-      case ('ysymm')
-         is_held = [.false., .true.]
-      case default
-         do i = 1, 2
-            ends(i) = ends(1)
-            if (i == 2 .and. fields(i) == '') exit
-            call read_integer(trim(fields(i)), ends(i), ok)
-            if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
-               trim(fields(i))//"'", input%position - 1)
-         end do
-         is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
-      end select
-   end subroutine find_components
 
    !> Reads forces on nodes: nodes, component, value.
    pure subroutine read_cload(raw, input, line)

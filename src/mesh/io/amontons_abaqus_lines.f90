@@ -2,7 +2,7 @@
 !> define first: sets of nodes and elements, and surfaces.
 module amontons_abaqus_lines
    use amontons_element, only: n_corners
-   use amontons_file_model, only: longest_name, raw_group_t, raw_mesh_t
+   use amontons_file_model, only: longest_name, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
@@ -256,97 +256,65 @@ contains
       call raw%get_group(input, name, group)
    end subroutine get_set
 
-   !> Reads a set of nodes or elements.
+   !> Reads a surface: lines of an element, or a set, and a side of it; of a surface of nodes, nodes. One of anything
+   !> else is left out.
    pure subroutine read_set(raw, input, scope, line, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
-      character(:), allocatable :: value
+      character(:), allocatable :: field, value
       type(integer_list_t) :: members
-      integer :: group
-      logical :: has_elements, is_in_instance, is_range
+      integer :: first, group, i, increment, last, n
+      logical :: has_elements, is_in_instance, is_range, is_there
 
       call find_parameter(line, 'elset', value, has_elements)
       call find_parameter(line, 'instance', value, is_in_instance)
       call find_parameter(line, 'generate', value, is_range)
       if (keyword == 'nset' .and. has_elements) then
          call raw%add_note('a set of the nodes of an element set left out: '//line)
+         return
       else if (scope%in_assembly .and. .not. is_in_instance) then
          call raw%add_note('a set outside the instance left out: '//line)
+         return
+      end if
+      call get_set(raw, input, scope, line, keyword, group)
+      if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         if (is_range) then
+            call input%take_integer(first, 'the first number of a range')
+            call take_comma(input, is_there)
+            call input%take_integer(last, 'the last number of a range')
+            call take_comma(input, is_there)
+            increment = 1
+            if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
+            call take_comma(input, is_there)
+            if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
+               'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+            n = (last - first)/max(1, increment)
+            call raw%expect_members(input, n)
+            call input%end_line()
+            if (.not. allocated(input%error)) call members%append_all([(first + i*increment, i=0, n)])
+         else
+            do
+               call take_field(input, field)
+               call add_members(raw, input, keyword == 'nset', field, members)
+               call take_comma(input, is_there)
+               if (is_at_line_end(input) .or. allocated(input%error)) exit
+            end do
+         end if
+      end do
+      if (allocated(input%error)) return
+      if (keyword == 'nset') then
+         call raw%groups(group)%node%append_all(members%items())
       else
-         call get_set(raw, input, scope, line, keyword, group)
-         if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
-         if (is_range) call take_ranges(raw, input, members)
-         if (.not. is_range) call take_members(raw, input, keyword == 'nset', members)
-         if (group > 0) call put(raw%groups(group), keyword == 'nset', members%items(), spread(0, 1, members%n))
+         call raw%groups(group)%cell%append_all(members%items())
+         call raw%groups(group)%side%append_all(spread(0, 1, members%n))
       end if
    end subroutine read_set
-
-   !> Puts nodes, or elements and sides, into a set.
-   pure subroutine put(group, of_nodes, members, sides)
-      type(raw_group_t), intent(inout) :: group !! the set
-      logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
-      integer, intent(in) :: members(:) !! their numbers in the file
-      integer, intent(in) :: sides(:) !! side of each element, 0 for the element itself
-
-      if (of_nodes) then
-         call group%node%append_all(members)
-      else
-         call group%cell%append_all(members)
-         call group%side%append_all(sides)
-      end if
-   end subroutine put
-
-   !> Takes ranges: first number, last number, and an increment that is 1 where it is absent.
-   pure subroutine take_ranges(raw, input, members)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file
-      type(integer_list_t), intent(inout) :: members !! the numbers in the ranges
-      integer :: first, i, increment, last, n
-      logical :: is_there
-
-      do
-         call next_data_line(input, is_there)
-         if (.not. is_there) exit
-         call input%take_integer(first, 'the first number of a range')
-         call take_comma(input, is_there)
-         call input%take_integer(last, 'the last number of a range')
-         call take_comma(input, is_there)
-         increment = 1
-         if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
-         call take_comma(input, is_there)
-         if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
-            'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
-         n = (last - first)/max(1, increment)
-         call raw%expect_members(input, n)
-         call input%end_line()
-         if (allocated(input%error)) exit
-         call members%append_all([(first + i*increment, i=0, n)])
-      end do
-   end subroutine take_ranges
-
-   !> Takes the members of a set: numbers and names of sets above.
-   pure subroutine take_members(raw, input, of_nodes, members)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file
-      logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
-      type(integer_list_t), intent(inout) :: members !! their numbers
-      character(:), allocatable :: field
-      logical :: is_there
-
-      do
-         call next_data_line(input, is_there)
-         if (.not. is_there) exit
-         do
-            call take_field(input, field)
-            call add_members(raw, input, of_nodes, field, members)
-            call take_comma(input, is_there)
-            if (is_at_line_end(input) .or. allocated(input%error)) exit
-         end do
-      end do
-   end subroutine take_members
 
    !> The set that a field names, 0 for none: that of the assembly, if there is one.
    pure integer function named_group(raw, field) result(group)
@@ -389,16 +357,17 @@ contains
       end if
    end subroutine add_members
 
-   !> Reads a surface: sides of elements, or nodes. One that names anything else is left out.
+   !> Reads a surface: lines of an element, or a set, and a side of it; of a surface of nodes, nodes. One that names
+   !> anything else is left out.
    pure subroutine read_surface(raw, input, scope, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: type, value
-      type(integer_list_t) :: members, sides
-      integer :: group
-      logical :: is_combined, is_typed, of_nodes
+      character(:), allocatable :: field, type, value
+      type(integer_list_t) :: members
+      integer :: group, n, side
+      logical :: is_combined, is_there, is_typed, of_nodes
 
       call find_parameter(line, 'type', type, is_typed)
       call find_parameter(line, 'combine', value, is_combined)
@@ -409,39 +378,26 @@ contains
       end if
       call get_set(raw, input, scope, line, 'name', group)
       if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
-      call take_sides(raw, input, of_nodes, members, sides)
-      if (allocated(input%error)) return
-      call put(raw%groups(group), of_nodes, members%items(), sides%items())
-   end subroutine read_surface
-
-   !> Takes the lines of a surface: an element, or a set, and a side of it; of a surface of nodes, nodes.
-   pure subroutine take_sides(raw, input, of_nodes, members, sides)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file
-      logical, intent(in) :: of_nodes !! whether the surface is one of nodes
-      type(integer_list_t), intent(inout) :: members !! numbers of the elements or nodes
-      type(integer_list_t), intent(inout) :: sides !! side of each element, 0 for nodes
-      character(:), allocatable :: field
-      integer :: side
-      logical :: is_there
-
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
+         n = members%n
          call take_field(input, field)
          call add_members(raw, input, of_nodes, field, members)
          call take_comma(input, is_there)
          call take_field(input, field)
-         side = 0
+         side = findloc(side_names == lower_case(field), .true., dim=1)
          if (.not. of_nodes) then
-            side = findloc(side_names, lower_case(field), dim=1)
             if (side == 0) call input%refuse("expected one of the sides S1 to S4, found '"//field//"'")
+            call raw%groups(group)%side%append_all(spread(side, 1, members%n - n))
          end if
-         call sides%append_all(spread(side, 1, members%n - sides%n))
          call take_comma(input, is_there)
          call input%end_line()
       end do
-   end subroutine take_sides
+      if (allocated(input%error)) return
+      if (of_nodes) call raw%groups(group)%node%append_all(members%items())
+      if (.not. of_nodes) call raw%groups(group)%cell%append_all(members%items())
+   end subroutine read_surface
 
    !> Replaces the numbers of elements in the sets by places in the list of cells.
    pure subroutine resolve_elements(raw, input)

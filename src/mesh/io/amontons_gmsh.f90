@@ -31,11 +31,6 @@ module amontons_gmsh
    type :: gmsh_groups_t
       logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
       type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
-      integer :: last_group = 0 !! physical group of the element read last, 0 for none
-      integer :: n_doubled = 0 !! number of elements that are the one before once more, in the same physical group
-   contains
-      procedure :: add_run => gmsh_groups_add_run
-      procedure :: put => gmsh_groups_put
    end type gmsh_groups_t
 
    !> Bytes that a number of version 4.1 takes at least: in text a digit and a blank, in a binary file more.
@@ -53,57 +48,55 @@ module amontons_gmsh
    !> More tags of an element are refused: physical group, entity and partitions are a few.
    integer, parameter :: most_tags = 1000
 
-   !> What precedes the elements in a binary file, and each of them in a text.
-   type :: element_header_t
-      integer :: kind = 0 !! kind of the cell
-      integer :: n_tags = 0 !! number of tags
-      integer :: n_left = 0 !! number of elements that the header still holds for
-   end type element_header_t
-
 contains
 
    !> Notes that consecutive cells belong to an entity or a group.
-   pure subroutine gmsh_groups_add_run(self, dimension, owner, first, last)
-      class(gmsh_groups_t), intent(inout) :: self !! the groups
-      integer, intent(in) :: dimension !! dimension of the cells
+   pure subroutine add_run(groups, owner, first, last)
+      type(dimension_t), intent(inout) :: groups !! the groups of the dimension of the cells
       integer, intent(in) :: owner !! number of the entity or of the physical group
       integer, intent(in) :: first !! first of the cells
       integer, intent(in) :: last !! last of the cells
 
-      associate (all => self%of_dimension(dimension))
-         if (all%run_last%n > 0) then
-            if (all%run_last%item(all%run_last%n) == first - 1 .and. all%run_owner%item(all%run_owner%n) == owner) then
-               all%run_last%item(all%run_last%n) = last
+      associate (n => groups%run_last%n)
+         if (n > 0) then
+            if (groups%run_last%item(n) == first - 1 .and. groups%run_owner%item(n) == owner) then
+               groups%run_last%item(n) = last
                return
             end if
          end if
-         call all%run_owner%append(owner)
-         call all%run_first%append(first)
-         call all%run_last%append(last)
       end associate
-   end subroutine gmsh_groups_add_run
+      call groups%run_owner%append(owner)
+      call groups%run_first%append(first)
+      call groups%run_last%append(last)
+   end subroutine add_run
 
-   !> Makes the groups sets of a raw mesh. Where there are physical surfaces, the body consists of them.
-   pure subroutine gmsh_groups_put(self, raw, input)
-      class(gmsh_groups_t), intent(inout) :: self !! the groups
+   !> Makes the groups sets of a raw mesh. Where there are physical surfaces, the body consists of them: the elements
+   !> that belong to none are taken out.
+   pure subroutine put_groups(groups, raw, input)
+      type(gmsh_groups_t), intent(in) :: groups !! the groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
       type(input_file_t), intent(inout) :: input !! the file
-      integer :: dimension
+      logical, allocatable :: is_kept(:)
       logical :: has_surfaces
+      integer :: dimension, n_dropped
 
-      has_surfaces = .false.
+      is_kept = raw%cell_kind%items() < 0
       do dimension = 0, 2
-         call put_dimension(self%of_dimension(dimension), self%has_entities, raw, input, has_surfaces)
+         call put_dimension(groups%of_dimension(dimension), groups%has_entities, raw, input, is_kept, has_surfaces)
       end do
-      if (has_surfaces) call drop_others(raw)
-   end subroutine gmsh_groups_put
+      n_dropped = count(.not. is_kept)
+      if (.not. has_surfaces .or. n_dropped == 0) return
+      where (.not. is_kept) raw%cell_kind%item(:raw%cell_kind%n) = no_cell
+      call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
+   end subroutine put_groups
 
    !> Makes the groups of one dimension sets of a raw mesh.
-   pure subroutine put_dimension(groups, has_entities, raw, input, has_any)
+   pure subroutine put_dimension(groups, has_entities, raw, input, is_kept, has_any)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
+      logical, intent(inout) :: is_kept(:) !! becomes true for the cells in groups
       logical, intent(out) :: has_any !! whether any cell belongs to a group; false after a fault
       type(integer_list_t) :: tag, run
       type(tag_map_t) :: entities, map, names
@@ -143,28 +136,10 @@ contains
          do cell = groups%run_first%item(i), groups%run_last%item(i)
             call raw%groups(group)%cell%append(cell)
             call raw%groups(group)%side%append(0)
+            is_kept(cell) = .true.
          end do
       end do
    end subroutine put_dimension
-
-   !> Takes the elements that belong to no set out of the body.
-   pure subroutine drop_others(raw)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      logical, allocatable :: is_kept(:)
-      integer :: cell, group, n_dropped
-
-      allocate (is_kept(raw%cell_kind%n), source=.false.)
-      do group = 1, raw%n_groups
-         is_kept(raw%groups(group)%cell%items()) = .true.
-      end do
-      n_dropped = 0
-      do cell = 1, size(is_kept)
-         if (is_kept(cell) .or. raw%cell_kind%item(cell) < 0) cycle
-         raw%cell_kind%item(cell) = no_cell
-         n_dropped = n_dropped + 1
-      end do
-      if (n_dropped > 0) call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
-   end subroutine drop_others
 
    !> Takes the type of an element; refuses those that are not read.
    pure subroutine take_cell_kind(input, kind)
@@ -296,7 +271,8 @@ contains
             call raw%add_node(tags(node), places(node), x(:3))
          end do
       end do
-      call check_none_left(input, n_left, 'nodes')
+      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer nodes than announced', &
+         input%position - 1)
    end subroutine read_nodes_4
 
    !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things.
@@ -316,16 +292,6 @@ contains
       call input%check_count(n, 2*least_bytes, things)
       call input%end_record()
    end subroutine take_section_header
-
-   !> Refuses a section whose blocks hold fewer things than it announced.
-   pure subroutine check_none_left(input, n_left, things)
-      type(input_file_t), intent(inout) :: input !! the file, behind the section
-      integer, intent(in) :: n_left !! number of things announced that no block held
-      character(*), intent(in) :: things !! what the things are
-
-      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer '//things//' than announced', &
-         input%position - 1)
-   end subroutine check_none_left
 
    !> Takes the number of things in a block, the last of its header.
    pure subroutine take_block_size(input, n, n_left, things)
@@ -371,9 +337,10 @@ contains
             call raw%add_cell(kind, tag, place, nodes(:n_cell_nodes(kind)))
          end do
          if (allocated(input%error)) return
-         if (n > 0) call groups%add_run(dimension, entity, first, raw%cell_tag%n)
+         if (n > 0) call add_run(groups%of_dimension(dimension), entity, first, raw%cell_tag%n)
       end do
-      call check_none_left(input, n_left, 'elements')
+      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer elements than announced', &
+         input%position - 1)
    end subroutine read_elements_4
 
    !> Reads the section of the nodes.
@@ -414,30 +381,41 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of elements
-      type(element_header_t) :: header
-      integer :: cell, element, group, i, n, nodes(max_nodes), place, tag, tag_of_element
+      integer :: at, cell, element, group, i, kind, last_group, n, n_alike, n_tags, nodes(max_nodes), place, tag, &
+         tag_of_element
 
       call input%take_count(n, 'elements')
       call input%check_count(n, least_element, 'elements')
-      if (allocated(input%error)) return
+      n_alike = 0
+      last_group = 0
       do element = 1, n
+         if (allocated(input%error)) return
          call input%start_record()
          place = input%position
-         if (input%is_binary) then
-            if (header%n_left == 0) call take_header(input, header, n - element + 1)
-            call input%take_integer(tag, 'the number of an element')
-         else
-            call input%take_integer(tag, 'the number of an element')
-            call take_header(input, header, n - element + 1)
+         if (.not. input%is_binary) call input%take_integer(tag, 'the number of an element')
+         ! The type and the number of tags precede all elements of a kind in a binary file, each of them in a text.
+         if (n_alike == 0) then
+            call take_cell_kind(input, kind)
+            n_alike = 1
+            at = input%position
+            if (input%is_binary) call input%take_integer(n_alike, 'the number of elements of a type')
+            if (n_alike < 1 .or. n_alike > n - element + 1) call input%refuse( &
+               'the elements of this type are more than those announced, or none', at)
+            at = input%position
+            call input%take_integer(n_tags, 'the number of tags of an element')
+            if (n_tags < 0 .or. n_tags > most_tags) call input%refuse( &
+               'the number of tags of an element is out of range', at)
+            if (allocated(input%error)) return
          end if
-         header%n_left = header%n_left - 1
+         n_alike = n_alike - 1
+         if (input%is_binary) call input%take_integer(tag, 'the number of an element')
          group = 0
-         do i = 1, header%n_tags
+         do i = 1, n_tags
             call input%take_integer(tag_of_element, 'a tag of an element')
             ! The first is its physical group; reversed ones have a minus.
             if (i == 1) group = abs(tag_of_element)
          end do
-         associate (kind => header%kind, own => nodes(:n_cell_nodes(header%kind)))
+         associate (own => nodes(:n_cell_nodes(kind)))
             do i = 1, size(own)
                call input%take_integer(own(i), 'a node of an element')
             end do
@@ -446,37 +424,15 @@ contains
             if (.not. is_twin(raw, cell, kind, own)) then
                cell = cell + 1
                call raw%add_cell(kind, tag, place, own)
-            else if (group == groups%last_group) then
-               groups%n_doubled = groups%n_doubled + 1
+            else if (group == last_group) then
+               raw%n_doubled = raw%n_doubled + 1
             end if
-            groups%last_group = group
-            if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
          end associate
+         last_group = group
+         if (group > 0) call add_run(groups%of_dimension(dimension_of(kind)), group, cell, cell)
          call input%end_record()
-         if (allocated(input%error)) return
       end do
-      if (groups%n_doubled > 0) call raw%add_note(counted(groups%n_doubled, 'doubled element')//' left out')
    end subroutine read_elements_2
-
-   !> Takes the type, in a binary file the number of elements of it, and the number of tags.
-   pure subroutine take_header(input, header, n_left)
-      type(input_file_t), intent(inout) :: input !! the file
-      type(element_header_t), intent(inout) :: header !! the header
-      integer, intent(in) :: n_left !! number of elements that are still to come
-      integer :: place
-
-      call take_cell_kind(input, header%kind)
-      header%n_left = 1
-      place = input%position
-      if (input%is_binary) call input%take_integer(header%n_left, 'the number of elements of a type')
-      if (header%n_left < 1 .or. header%n_left > n_left) call input%refuse( &
-         'the elements of this type are more than those announced, or none', place)
-      place = input%position
-      call input%take_integer(header%n_tags, 'the number of tags of an element')
-      if (header%n_tags < 0 .or. header%n_tags > most_tags) call input%refuse( &
-         'the number of tags of an element is out of range', place)
-      if (allocated(input%error)) header%n_tags = 0
-   end subroutine take_header
 
    !> Whether an element is the one before once more: the format repeats it for every physical group it belongs to.
    pure logical function is_twin(raw, cell, kind, nodes)
@@ -502,15 +458,23 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first section
       type(gmsh_groups_t) :: groups
+      integer, parameter :: longest_name = 80
       character(:), allocatable :: name, seen
-      integer :: version
+      integer :: at, last, version
 
       version = 0
       seen = ' '
       do
          call input%skip_white()
          if (input%position > len(input%text) .or. allocated(input%error)) exit
-         call take_section_name(input, name)
+         last = input%position
+         do while (.not. ends_word(input%text, last + 1) .and. last < input%position + longest_name)
+            last = last + 1
+         end do
+         name = input%text(input%position + 1:last)
+         if (input%text(input%position:input%position) /= '$') call input%refuse( &
+            'expected a section such as $Nodes, found '//input%word())
+         input%position = last + 1
          ! Older versions of the format begin otherwise.
          if (version == 0 .and. name /= 'MeshFormat' .and. name /= 'Comments') call input%refuse( &
             'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
@@ -538,32 +502,19 @@ contains
          case ('PartitionedEntities')
             call input%refuse('a partitioned mesh; save it as one')
          case default
-            call skip_section(input, name)
+            ! What it holds does not matter here.
+            at = index(input%text(input%position:), new_line('a')//'$End'//name)
+            if (at == 0) call input%refuse('the section $'//name//' has no end $End'//name)
+            input%position = input%position + at
+            call end_section(input, name)
          end select
       end do
       if (raw%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
       if (raw%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
       if (all(raw%cell_kind%items() < 0)) call input%refuse( &
          'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
-      if (.not. allocated(input%error)) call groups%put(raw, input)
+      if (.not. allocated(input%error)) call put_groups(groups, raw, input)
    end subroutine read_gmsh
-
-   !> Takes the name of a section.
-   pure subroutine take_section_name(input, name)
-      type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
-      character(:), allocatable, intent(out) :: name !! the name, without its `$`
-      integer, parameter :: longest_name = 80
-      integer :: last
-
-      last = input%position
-      do while (.not. ends_word(input%text, last + 1) .and. last < input%position + longest_name)
-         last = last + 1
-      end do
-      name = input%text(input%position + 1:last)
-      if (input%text(input%position:input%position) /= '$') call input%refuse( &
-         'expected a section such as $Nodes, found '//input%word())
-      input%position = last + 1
-   end subroutine take_section_name
 
    !> Moves behind the end of a section.
    pure subroutine end_section(input, name)
@@ -581,22 +532,6 @@ contains
          call input%refuse('expected $End'//name//' after the numbers announced, found '//input%word())
       end if
    end subroutine end_section
-
-   !> Moves behind the end of a section that does not matter here.
-   pure subroutine skip_section(input, name)
-      type(input_file_t), intent(inout) :: input !! the file, behind the name of the section
-      character(*), intent(in) :: name !! name of the section
-      integer :: at
-
-      if (allocated(input%error)) return
-      at = index(input%text(input%position:), new_line('a')//'$End'//name)
-      if (at == 0) then
-         call input%refuse('the section $'//name//' has no end $End'//name)
-      else
-         input%position = input%position + at
-         call end_section(input, name)
-      end if
-   end subroutine skip_section
 
    !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
    pure subroutine read_format(input, version)

@@ -1,15 +1,17 @@
-!> Makes a mesh of a raw mesh: harmless defects are repaired, with a note; the rest is refused.
+!> Makes a mesh of a raw mesh: harmless defects are repaired, with a note; the rest is refused. The file's groups become
+!> its named sets: boundary sets, sets of nodes, regions.
 !>
 !> A mesh comes apart at slits and at hanging nodes, which lie in the side of an element without belonging to it. At a
 !> hanging node the elements on both sides have the ends of the long side in common, and nothing holds the nodes
 !> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
-   use amontons_file_model, only: n_cell_nodes, name_sets, raw_mesh_t, renumbering_t
+   use amontons_file_model, only: n_cell_nodes, point1, raw_mesh_t
    use amontons_input_file, only: input_file_t
-   use amontons_integer_list, only: new_tag_map, tag_map_t
+   use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, new_side_table, number_pieces, side_element, side_place, side_table_t
+   use amontons_mesh, only: boundary_set_t, mesh_t, new_side_table, node_set_t, number_pieces, region_t, side_element, &
+      side_place, side_table_t, sides_per_element
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
@@ -23,6 +25,20 @@ module amontons_mesh_cleanup
       integer, allocatable :: last(:) !! last side filed at each corner, 0 for none (nodes)
    end type incoming_sides_t
 
+   !> From the things of a raw mesh to those of a mesh.
+   type :: renumbering_t
+      type(tag_map_t) :: place !! from the number of a node in the file to its place in the raw mesh
+      integer, allocatable :: node(:) !! node of the mesh of each node of the raw mesh, 0 for none
+      integer, allocatable :: element(:) !! element of each cell of the raw mesh, 0 for none
+      logical, allocatable :: is_turned(:) !! whether an element runs round the other way than its cell (n_elements)
+   end type renumbering_t
+
+   !> Things of a set that is being collected: every one once, in the order found.
+   type :: collection_t
+      integer, allocatable :: stamp(:) !! last set that each thing was put into
+      type(integer_list_t) :: members !! the things
+   end type collection_t
+
    !> The body may leave its plane by this much of its size, as rounding does.
    real(dp), parameter :: flatness = 1.0e-9_dp
    !> Larger coordinates are refused: their products overflow.
@@ -30,46 +46,18 @@ module amontons_mesh_cleanup
 
 contains
 
-   !> Finds an element with a hanging node in one of its sides: shorter sides lead from one end of that side to the
-   !> other along it. A slit, with nodes on both faces, is none, nor is its tip.
-   pure subroutine find_hanging_node(mesh, table, element, node)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(side_table_t), intent(in) :: table !! the sides of its elements
-      integer, intent(out) :: element !! the first element with a hanging node, 0 where there is none
-      integer, intent(out) :: node !! the node, 0 for none
-      type(incoming_sides_t) :: incoming
-      integer :: corners(3), number, side
-
-      call collect_incoming(incoming, mesh, table)
-      do side = 1, table%n_sides
-         number = table%boundary(side)
-         if (number == 0) cycle
-         corners = mesh%side(side_element(number), side_place(number))
-         call follow(incoming, mesh%coordinates, corners(1), corners(2), node)
-         if (node == 0) cycle
-         element = side_element(number)
-         return
-      end do
-      element = 0
-      node = 0
-   end subroutine find_hanging_node
-
-   !> Counts the ends of slits: nodes from which on two sides of the boundary run along each other, the body left and
+   !> Warns of the ends of slits: nodes from which on two sides of the boundary run along each other, the body left and
    !> right of them. A crack is a slit; so is the line between parts that touch without having their nodes in common.
-   pure subroutine find_slits(mesh, table, n_ends, node)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+   pure subroutine warn_of_slits(mesh, table, incoming)
+      type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
       type(side_table_t), intent(in) :: table !! the sides of its elements
-      integer, intent(out) :: n_ends !! number of the ends
-      integer, intent(out) :: node !! the first of them, 0 for none
+      type(incoming_sides_t), intent(in) :: incoming !! those of the boundary
       ! Directions that differ by no more than this angle are one; less is left of them by the digits of a file [-].
       real(dp), parameter :: same = 1.0e-4_dp
-      type(incoming_sides_t) :: incoming
-      integer :: corners(3), number, other, side
+      integer :: corners(3), n_ends, node, number, other, side
       real(dp) :: along(2), way(2)
 
-      call collect_incoming(incoming, mesh, table)
       n_ends = 0
-      node = 0
       do side = 1, table%n_sides
          number = table%boundary(side)
          if (number == 0) cycle
@@ -81,10 +69,13 @@ contains
             other = incoming%before(other)
             if (abs(way(1)*along(2) - way(2)*along(1)) > same*dot_product(way, along)) cycle
             n_ends = n_ends + 1
-            if (node == 0) node = corners(1)
+            if (n_ends == 1) node = corners(1)
          end do
       end do
-   end subroutine find_slits
+      if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
+         to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
+         ': from there on, elements touch without sharing their nodes')
+   end subroutine warn_of_slits
 
    !> Files the sides of the boundary by the corner they lead to.
    pure subroutine collect_incoming(incoming, mesh, table)
@@ -143,14 +134,15 @@ contains
    end subroutine follow
 
    !> Makes a mesh of a raw mesh. Faults go to the input, notes to the raw mesh.
-   pure subroutine new_clean_mesh(mesh, raw, input)
+   subroutine new_clean_mesh(mesh, raw, input)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; its cells name their nodes by place on return
       type(input_file_t), intent(inout) :: input !! the file
       type(renumbering_t) :: renumbering
       type(side_table_t) :: table
+      type(incoming_sides_t) :: incoming
       integer, allocatable :: cell_of(:), piece(:)
-      integer :: element, n_ends, n_pieces, node
+      integer :: element, n_pieces
 
       call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
@@ -164,14 +156,11 @@ contains
       if (allocated(input%error)) return
       call turn_elements(mesh, raw, input, cell_of, renumbering%is_turned)
       if (allocated(input%error)) return
-      call check_neighbors(mesh, raw, input, cell_of, table)
+      call check_neighbors(mesh, raw, input, cell_of, table, incoming)
       if (allocated(input%error)) return
       call number_pieces(mesh, piece, n_pieces)
       mesh%has_pieces = n_pieces > 1
-      call find_slits(mesh, table, n_ends, node)
-      if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
-         to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
-         ': from there on, elements touch without sharing their nodes')
+      call warn_of_slits(mesh, table, incoming)
       allocate (renumbering%element(raw%cell_tag%n), source=0)
       renumbering%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, raw, input, table, renumbering)
@@ -261,14 +250,16 @@ contains
       end do
    end subroutine connect_elements
 
-   !> Keeps the nodes that elements have, which must lie in a plane z = constant.
+   !> Keeps the nodes that elements have. Refuses those that are out of range or out of the plane z = constant of the
+   !> first.
    pure subroutine place_nodes(mesh, raw, input, node_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the raw mesh, 0 for none
       integer, allocatable :: kept(:)
-      integer :: node
+      real(dp) :: lowest(3), highest(3), x(3), allowed
+      integer :: i, node
 
       allocate (node_of(raw%node_tag%n), source=0)
       node_of(mesh%node) = 1
@@ -278,39 +269,26 @@ contains
          counted(size(node_of) - mesh%n_nodes, 'node')//' without an element left out')
       node_of(kept) = [(node, node=1, mesh%n_nodes)]
       mesh%node = node_of(mesh%node)
-      call check_plane(raw, kept, input)
       mesh%coordinates = raw%coordinates(:2, kept)
       mesh%node_tag = raw%node_tag%item(kept)
-   end subroutine place_nodes
-
-   !> Refuses nodes that are out of range or out of the plane of the first.
-   pure subroutine check_plane(raw, kept, input)
-      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
-      integer, intent(in) :: kept(:) !! the nodes to look at
-      type(input_file_t), intent(inout) :: input !! the file
-      real(dp) :: lowest(3), highest(3), x(3), allowed
-      integer :: i, node
-
       lowest = largest_coordinate
       highest = -largest_coordinate
       do i = 1, size(kept)
          x = raw%coordinates(:, kept(i))
-         if (any(abs(x) > largest_coordinate)) then
-            call input%refuse('the coordinates of node '//to_text(raw%node_tag%item(kept(i)))//' are out of range', &
-               raw%node_place%item(kept(i)))
-            return
-         end if
+         if (any(abs(x) > largest_coordinate)) call input%refuse('the coordinates of node '// &
+            to_text(mesh%node_tag(i))//' are out of range', raw%node_place%item(kept(i)))
+         if (allocated(input%error)) return
          lowest = min(lowest, x)
          highest = max(highest, x)
       end do
       allowed = flatness*maxval(highest(:2) - lowest(:2))
       if (highest(3) - lowest(3) <= allowed) return
       node = findloc(abs(raw%coordinates(3, kept) - raw%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
-      call input%refuse('node '//to_text(raw%node_tag%item(kept(node)))//' lies at z = '// &
-         to_text(raw%coordinates(3, kept(node)))//', node '//to_text(raw%node_tag%item(kept(1)))//' at z = '// &
+      call input%refuse('node '//to_text(mesh%node_tag(node))//' lies at z = '// &
+         to_text(raw%coordinates(3, kept(node)))//', node '//to_text(mesh%node_tag(1))//' at z = '// &
          to_text(raw%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
          raw%node_place%item(kept(node)))
-   end subroutine check_plane
+   end subroutine place_nodes
 
    !> Turns the clockwise elements round; refuses those whose map from the reference element is not one to one.
    pure subroutine turn_elements(mesh, raw, input, cell_of, is_turned)
@@ -330,7 +308,11 @@ contains
          x(:, :n) = mesh%coordinates(:, mesh%node(first:first + n - 1))
          is_turned(element) = doubled_area(x(:, :n)) < 0.0_dp
          if (is_turned(element)) then
-            call turn(mesh%node(first:mesh%node_start(element + 1) - 1), n)
+            ! Round its first corner: side i becomes side n + 1 - i.
+            associate (nodes => mesh%node(first:mesh%node_start(element + 1) - 1))
+               nodes(2:n) = nodes(n:2:-1)
+               if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
+            end associate
             x(:, 2:n) = x(:, n:2:-1)
          end if
          is_sound = doubled_area(x(:, :n)) > 0.0_dp
@@ -371,24 +353,17 @@ contains
       cross = a(1)*b(2) - a(2)*b(1)
    end function cross
 
-   !> Turns an element round its first corner: side i becomes side n + 1 - i.
-   pure subroutine turn(nodes, n)
-      integer, intent(inout) :: nodes(:) !! its nodes: corners, then middles of the sides, then the center
-      integer, intent(in) :: n !! number of its corners
-
-      nodes(2:n) = nodes(n:2:-1)
-      if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
-   end subroutine turn
-
    !> Refuses elements that lie one over the other, hanging nodes, and neighbors that differ about the middle of their
-   !> side.
-   pure subroutine check_neighbors(mesh, raw, input, cell_of, table)
+   !> side. At a hanging node shorter sides lead from one end of an element's side to the other along it; a slit, with
+   !> nodes on both faces, is none, nor is its tip.
+   pure subroutine check_neighbors(mesh, raw, input, cell_of, table, incoming)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
-      integer :: element, elements(2), node, numbers(2), one(3), other(3), overlapping(2), side
+      type(incoming_sides_t), intent(out) :: incoming !! those of the boundary
+      integer :: elements(2), node, number, numbers(2), one(3), other(3), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
@@ -396,13 +371,18 @@ contains
             to_text(raw%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
-      call find_hanging_node(mesh, table, element, node)
-      if (element > 0) then
-         call refuse_cell(input, raw, cell_of(element), 'has a hanging node in one of its sides, at '// &
+      call collect_incoming(incoming, mesh, table)
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         one = mesh%side(side_element(number), side_place(number))
+         call follow(incoming, mesh%coordinates, one(1), one(2), node)
+         if (node == 0) cycle
+         call refuse_cell(input, raw, cell_of(side_element(number)), 'has a hanging node in one of its sides, at '// &
             to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
             ': neighbors must share whole sides')
          return
-      end if
+      end do
       if (all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))) return
       do side = 1, table%n_sides
          if (table%boundary(side) > 0) cycle
@@ -416,5 +396,164 @@ contains
          return
       end do
    end subroutine check_neighbors
+
+   !> Gives a mesh the named sets of a raw mesh. Faults go to the input, notes to the raw mesh.
+   subroutine name_sets(mesh, raw, input, table, renumbering)
+      type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for its sets
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
+      type(boundary_set_t), allocatable :: sets(:)
+      type(node_set_t), allocatable :: node_sets(:)
+      type(region_t), allocatable :: regions(:)
+      type(collection_t) :: sides, nodes_of_set, elements
+      character(:), allocatable :: label
+      ! The last set of each line and point, and the last one with a line or point on each side and at each node.
+      integer, allocatable :: of_cell(:), of_place(:)
+      integer :: group, i, n_sets, n_node_sets, n_regions, n_inside, n_elsewhere, n_unused
+
+      allocate (sides%stamp(sides_per_element*mesh%n_elements), nodes_of_set%stamp(mesh%n_nodes), &
+         elements%stamp(mesh%n_elements), of_cell(raw%cell_tag%n), &
+         of_place(-mesh%n_nodes:sides_per_element*mesh%n_elements), source=0)
+      allocate (sets(raw%n_groups), node_sets(raw%n_groups), regions(raw%n_groups))
+      n_sets = 0
+      n_node_sets = 0
+      n_regions = 0
+      do group = 1, raw%n_groups
+         sides%members%n = 0
+         nodes_of_set%members%n = 0
+         elements%members%n = 0
+         n_inside = 0
+         n_elsewhere = 0
+         n_unused = 0
+         call collect_cells()
+         call collect_nodes()
+         if (allocated(input%error)) return
+         associate (name => raw%groups(group)%name, members => sides%members%items())
+            if (size(members) > 0) then
+               n_sets = n_sets + 1
+               sets(n_sets) = boundary_set_t(name, side_element(members), side_place(members))
+            end if
+            if (nodes_of_set%members%n > 0) then
+               n_node_sets = n_node_sets + 1
+               node_sets(n_node_sets) = node_set_t(name, nodes_of_set%members%items())
+            end if
+            if (elements%members%n > 0) then
+               n_regions = n_regions + 1
+               regions(n_regions) = region_t(name, elements%members%items())
+            end if
+         end associate
+         label = "set '"//raw%groups(group)%name//"'"
+         if (n_inside > 0) call raw%add_note(label//': '//counted(n_inside, 'side')//' inside the body left out')
+         if (n_elsewhere > 0) call raw%add_note(label//': '//counted(n_elsewhere, 'line')// &
+            ' without an element left out')
+         if (n_unused > 0) call raw%add_note(label//': '//counted(n_unused, 'node')//' without an element left out')
+         if (sides%members%n + nodes_of_set%members%n + elements%members%n + n_inside + n_elsewhere + n_unused == 0) &
+            call raw%add_note(label//' left out: it is empty')
+      end do
+      if (raw%n_doubled > 0) call raw%add_note(counted(raw%n_doubled, 'doubled element')//' left out')
+      allocate (mesh%sets, source=sets(:n_sets))
+      if (n_node_sets > 0) allocate (mesh%node_sets, source=node_sets(:n_node_sets))
+      if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
+
+   contains
+
+      !> Collects what the cells of the group, and sides of cells, are in the mesh.
+      subroutine collect_cells()
+         integer :: cell, element, left, n, nodes(3), number, on_side(3), right, side
+
+         do i = 1, raw%groups(group)%cell%n
+            cell = raw%groups(group)%cell%item(i)
+            side = raw%groups(group)%side%item(i)
+            element = renumbering%element(cell)
+            n = n_cell_nodes(raw%cell_kind%item(cell))
+            if (side > 0) then
+               if (renumbering%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
+               nodes = mesh%side(element, side)
+            else
+               if (element > 0) call put(elements, element, group)
+               if (element > 0 .or. of_cell(cell) == group) cycle
+               of_cell(cell) = group
+               associate (first => raw%cell_start%item(cell))
+                  nodes(:n) = renumbering%node(raw%node%item(first:first + n - 1))
+               end associate
+            end if
+            left = 0
+            right = 0
+            if (n /= 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+            number = max(left, right)
+            if (side == 0 .and. n == 1) then
+               call put_node(nodes(1))
+               call count_doubled(-nodes(1))
+            else if (min(left, right) > 0) then
+               n_inside = n_inside + 1
+            else if (number == 0) then
+               n_elsewhere = n_elsewhere + 1
+            else
+               call put(sides, number, group)
+               if (side > 0) cycle
+               call count_doubled(number)
+               on_side = mesh%side(side_element(number), side_place(number))
+               if (n == 3 .and. on_side(3) > 0 .and. nodes(n) /= on_side(n)) call input%refuse('line '// &
+                  to_text(raw%cell_tag%item(cell))//' has another middle node than the element at its side', &
+                  raw%cell_place%item(cell))
+            end if
+         end do
+      end subroutine collect_cells
+
+      !> Counts a line or point that lies where another one of the group does.
+      subroutine count_doubled(place)
+         integer, intent(in) :: place !! number of its side, or that of its node with a minus; 0 for none
+
+         if (place /= 0 .and. of_place(place) == group) raw%n_doubled = raw%n_doubled + 1
+         of_place(place) = group
+      end subroutine count_doubled
+
+      !> Collects the nodes of the group and, if nothing else names sides, the sides of the boundary between them.
+      subroutine collect_nodes()
+         integer :: node, nodes(3), number, place
+
+         do i = 1, raw%groups(group)%node%n
+            node = renumbering%place%find(raw%groups(group)%node%item(i))
+            if (node == 0) call input%refuse("the set '"//raw%groups(group)%name//"' names node "// &
+               to_text(raw%groups(group)%node%item(i))//', which the file does not give', raw%groups(group)%place)
+            if (allocated(input%error)) return
+            call put_node(renumbering%node(node))
+         end do
+         if (.not. raw%nodes_name_sides .or. sides%members%n + n_inside > 0) return
+         do i = 1, nodes_of_set%members%n
+            place = table%last(nodes_of_set%members%item(i))
+            do while (place > 0)
+               number = table%boundary(place)
+               place = table%sides(place)%before
+               if (number == 0) cycle
+               nodes = mesh%side(side_element(number), side_place(number))
+               if (nodes(3) == 0) nodes(3) = nodes(1)
+               if (all(nodes_of_set%stamp(nodes) == group)) call put(sides, number, group)
+            end do
+         end do
+      end subroutine collect_nodes
+
+      !> Puts a node into the set, if elements have it.
+      subroutine put_node(node)
+         integer, intent(in) :: node !! the node, 0 for one that no element has
+
+         if (node > 0) call put(nodes_of_set, node, group)
+         if (node == 0) n_unused = n_unused + 1
+      end subroutine put_node
+
+   end subroutine name_sets
+
+   !> Puts a thing into a set that is being collected, unless it is there already.
+   pure subroutine put(collection, thing, set)
+      type(collection_t), intent(inout) :: collection !! the things of the set
+      integer, intent(in) :: thing !! the thing
+      integer, intent(in) :: set !! number of the set
+
+      if (collection%stamp(thing) == set) return
+      collection%stamp(thing) = set
+      call collection%members%append(thing)
+   end subroutine put
 
 end module amontons_mesh_cleanup
