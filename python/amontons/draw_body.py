@@ -2,20 +2,19 @@
 the same magnification of the gaps between them."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Optional
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import PolyCollection
 from matplotlib.tri import Triangulation
 
 from amontons.cases import Case, CaseFault, dimension_of
+from amontons.draw_line import STATUSES, Canvas
 from amontons.grid import Array, Grid
 from amontons.obstacles import distance, hatching, surface
 
-# Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
-STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
-            ("slip against t", "#56B4E9", "<"))
 UNDEFORMED, OBSTACLE = "#888888", "#707070"
 COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz")}
 # Corners and middle nodes of a cell in their order around it, and the triangles of these that fill it.
@@ -29,6 +28,9 @@ FINE = 2000     # cells: the lines of a finer mesh would hide its colors
 UNIFORM = 1e-6  # a field that varies less, over its largest value, is drawn as uniform
 ROUNDING = 1e-10  # of a strain, over the displacement that has lost its digits
 VISIBLE = 1e-3  # what is smaller over the size of a body is not seen
+FIELD = "von_mises"
+STRAIGHT = 1e-9  # sine of a turn that is rounding
+BREAK = np.full((1, 2), np.nan)  # of a line
 
 
 def fields(mesh: Grid) -> dict[str, Array]:
@@ -56,11 +58,31 @@ def field_of(case: Case, name: str) -> tuple[Array, str]:
 
 
 def boundary(mesh: Grid) -> Array:
-    """The edges that belong to one cell alone (pairs of nodes)."""
+    """The outlines of a mesh, the edges that belong to one cell alone, one outline behind the other as places (n, 2)
+    with a break between; nodes on straight parts are left out."""
     corners = [nodes[:, :3 if kind.startswith("tri") else 4] for kind, nodes in mesh.cells]
     edges = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in corners])
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    found: Array = edges[first[count == 1]]
+    low, high = np.sort(edges, axis=1).T.astype(np.int64)
+    _, first, count = np.unique(low * len(mesh.points) + high, return_index=True, return_counts=True)
+    following: dict[int, list[int]] = {}
+    for start, end in edges[first[count == 1]].tolist():
+        following.setdefault(start, []).append(end)
+    parts = []
+    for start in list(following):
+        way = [start]
+        while following.get(way[-1]):
+            way.append(following[way[-1]].pop())
+        if len(way) > 1:
+            parts += [_corners(mesh.points[way, :2]), BREAK]
+    return np.concatenate(parts)
+
+
+def _corners(line: Array) -> Array:
+    """A line without the points where it goes straight on."""
+    steps = np.diff(line, axis=0)
+    turns = np.abs(steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0])
+    is_corner = turns > STRAIGHT * np.hypot(*steps[:-1].T) * np.hypot(*steps[1:].T)
+    found: Array = line[np.concatenate([[True], is_corner, [True]])]
     return found
 
 
@@ -106,32 +128,57 @@ def round_factor(wanted: float) -> float:
     return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted))
 
 
-def draw_field(axes: Axes, case: Case, factor: float, name: str, has_lines: bool) -> tuple[Any, str, Optional[float]]:
-    """The mesh, its displacements multiplied by a factor, colored by a field; with lines between its cells or not."""
+@dataclass(frozen=True)
+class Field:
+    """A field on a body that has moved."""
+    cells: list[tuple[str, Array]]  # of its mesh
+    places: Array  # of the nodes (n_nodes, 2)
+    values: Array  # on cells or nodes
+    label: str
+    uniform: Optional[float]  # the value, where it has only one
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The values that the colors are between."""
+        if self.uniform is None:
+            return float(self.values.min()), float(self.values.max())
+        return self.uniform - (abs(self.uniform) or 1.0), self.uniform + (abs(self.uniform) or 1.0)
+
+    @property
+    def outlines(self) -> list[Array]:
+        """The corners of the cells of each kind (n_cells, n_corners, 2)."""
+        return [self.places[nodes[:, OUTLINE[kind]]] for kind, nodes in self.cells]
+
+
+def moved_field(case: Case, factor: float, name: str) -> Field:
+    """A field on the mesh, whose displacements are multiplied by a factor."""
     mesh = case.mesh
     values, label = field_of(case, name)
+    if np.abs(values).max() <= rounding(case, name):
+        values = 0.0 * values
+    low, high = float(values.min()), float(values.max())
+    is_uniform = high - low <= UNIFORM * max(abs(low), abs(high))
     moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
-    outlines = [polygon for kind, nodes in mesh.cells for polygon in moved[nodes[:, OUTLINE[kind]]]]
+    return Field(mesh.cells, moved, values, label, (low + high) / 2 if is_uniform else None)
+
+
+def draw_field(axes: Axes, field: Field, has_lines: bool) -> Any:
+    """A field in colors, with lines between the cells or not; returns what a bar is made for."""
+    outlines = [outline for outlines in field.outlines for outline in outlines]
     has_lines = has_lines and len(outlines) <= FINE
-    if len(values) == len(moved):
-        triangles = np.concatenate([nodes[:, TRIANGLES[kind]].reshape(-1, 3) for kind, nodes in mesh.cells])
-        drawn = axes.tripcolor(Triangulation(*moved.T, triangles), values, shading="gouraud", cmap="cividis",
-                               rasterized=True)
+    if len(field.values) == len(field.places):
+        triangles = np.concatenate([nodes[:, TRIANGLES[kind]].reshape(-1, 3) for kind, nodes in field.cells])
+        drawn = axes.tripcolor(Triangulation(*field.places.T, triangles), field.values, shading="gouraud",
+                               cmap="cividis", rasterized=True)
         if has_lines:
             axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors="white", linewidths=0.15,
                                                rasterized=True))
     else:
-        drawn = axes.add_collection(PolyCollection(outlines, array=values, cmap="cividis", linewidths=0.15,
+        drawn = axes.add_collection(PolyCollection(outlines, array=field.values, cmap="cividis", linewidths=0.15,
                                                    edgecolors="white" if has_lines else "face",
                                                    antialiased=has_lines, rasterized=not has_lines))
-    middle = (values.max() + values.min()) / 2
-    if np.abs(values).max() <= rounding(case, name):
-        values, middle = 0.0 * values, 0.0
-        drawn.set_array(values)
-    is_uniform = np.ptp(values) <= UNIFORM * np.abs(values).max()
-    if is_uniform:
-        drawn.set_clim(middle - (abs(middle) or 1.0), middle + (abs(middle) or 1.0))
-    return drawn, label, middle if is_uniform else None
+    drawn.set_clim(*field.limits)
+    return drawn
 
 
 def rounding(case: Case, name: str) -> float:
@@ -146,11 +193,12 @@ def rounding(case: Case, name: str) -> float:
     return float(ROUNDING * young * np.abs(case.mesh.point_data["displacement"]).max() / size)
 
 
-def draw_bar(axes: Axes, drawn: Any, label: str, uniform: Optional[float]) -> None:
+def draw_bar(axes: Axes, drawn: Any, field: Field) -> None:
     """The bar of a field; of a uniform one it has its one value."""
+    uniform = field.uniform
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes([1.03, 0.0, 0.035, 1.0]),
                                ticks=None if uniform is None else [uniform])
-    bar.set_label(label if uniform is None else label + ", uniform")
+    bar.set_label(field.label if uniform is None else field.label + ", uniform")
     bar.outline.set_linewidth(0.4)
     bar.solids.set_rasterized(True)  # as one image: viewers draw seams between the patches of a vector bar
     if uniform is not None:
@@ -183,15 +231,17 @@ def surfaces(case: Case, factor: float, window: Array) -> list[Array]:
     return [one for i, one in enumerate(found) if not any(np.array_equal(one, other) for other in found[:i])]
 
 
-def draw_obstacles(axes: Axes, case: Case, factor: float, window: Array) -> None:
+def draw_obstacles(axes: Canvas, case: Case, factor: float, window: Array) -> None:
     """The surfaces of the obstacles, hatched on their solid side."""
     for line in surfaces(case, factor, window):
         axes.plot(*line.T, color=OBSTACLE, linewidth=1.0, scalex=False, scaley=False, zorder=1.5)
         strokes = hatching(line, window, np.hypot(*np.ptp(window, axis=0)) / 60)
-        axes.add_collection(LineCollection(strokes, colors=OBSTACLE, linewidths=0.4, zorder=1.4), autolim=False)
+        if len(strokes):
+            ways = np.insert(strokes, 2, np.nan, axis=1).reshape(-1, 2)
+            axes.plot(*ways.T, color=OBSTACLE, linewidth=0.4, scalex=False, scaley=False, zorder=1.4)
 
 
-def draw_points(axes: Axes, case: Case, factor: float) -> Array:
+def draw_points(axes: Canvas, case: Case, factor: float) -> Array:
     """The contact points, by status. Returns where they are drawn."""
     line = case.line
     at: Array = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
@@ -223,37 +273,29 @@ def true_or_times(case: Case, factor: float) -> str:
     return f"displacements{' and gaps' if len(case.line.points) else ''} × {factor:g}"
 
 
-def draw_scene(axes: Axes, case: Case, name: str, factor: Optional[float] = None,
-               has_lines: bool = True) -> tuple[Any, str, Optional[float]]:
-    """The body with a field, its shape before, its contact points and the obstacles. Returns what a bar of the field
-    needs: what is drawn, its label, and its value where it is uniform."""
-    mesh = case.mesh
-    if factor is None:
-        factor = magnification(case)
+def draw_scene(axes: Canvas, case: Case, factor: float) -> None:
+    """The shape of the body before, its contact points, the obstacles, and what the axes say."""
     window = window_of(case, factor)
-    field = draw_field(axes, case, factor, name, has_lines)
-    axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors=UNDEFORMED, linestyles="--",
-                                       linewidths=0.5))
+    axes.plot(*boundary(case.mesh).T, color=UNDEFORMED, linestyle="--", linewidth=0.5)
     draw_obstacles(axes, case, factor, window)
     draw_points(axes, case, factor)
     axes.set(aspect="equal", xlabel=case.label("x", "L"), ylabel=case.label("y", "L"), xlim=window[:, 0],
              ylim=window[:, 1], title=true_or_times(case, factor))
-    return field
 
 
-def draw_body(axes: Axes, case: Case, name: str, factor: Optional[float] = None, has_lines: bool = True) -> None:
-    """The body with a field and its bar, its contact points and the obstacles."""
-    draw_bar(axes, *draw_scene(axes, case, name, factor, has_lines))
+def draw_body(axes: Axes, case: Case, name: str, factor: Optional[float] = None) -> None:
+    """The body with a field and its bar, its shape before, its contact points and the obstacles."""
+    factor = magnification(case) if factor is None else factor
+    field = moved_field(case, factor, name)
+    drawn = draw_field(axes, field, has_lines=True)
+    draw_scene(axes, case, factor)
+    draw_bar(axes, drawn, field)
     if len(case.line.points):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 
 
-def draw_detail(axes: Axes, case: Case, name: str, shown: Array, factor: Optional[float] = None,
-                has_lines: bool = True) -> None:
-    """The body once more, near the contact points that are shown."""
-    if factor is None:
-        factor = magnification_at(case, shown)
-    draw_field(axes, case, factor, name, has_lines)
+def draw_zone(axes: Canvas, case: Case, shown: Array, factor: float) -> None:
+    """What is near the contact points that are shown, without the body."""
     at = draw_points(axes, case, factor)[shown]
     half = max(np.ptp(at, axis=0).max(), np.ptp(case.line.points[shown, :2], axis=0).max()) / 2
     inwards = -case.line.point_data["normal"][shown, :2].mean(axis=0)
@@ -261,3 +303,10 @@ def draw_detail(axes: Axes, case: Case, name: str, shown: Array, factor: Optiona
     window = middle + np.array([[-1.0, -0.5], [1.0, 0.5]]) * half
     draw_obstacles(axes, case, factor, window)
     axes.set(aspect="equal", xlim=window[:, 0], ylim=window[:, 1], title="closed zone, " + true_or_times(case, factor))
+
+
+def draw_detail(axes: Axes, case: Case, name: str, shown: Array, factor: Optional[float] = None) -> None:
+    """The body once more, near the contact points that are shown."""
+    factor = magnification_at(case, shown) if factor is None else factor
+    draw_field(axes, moved_field(case, factor, name), has_lines=True)
+    draw_zone(axes, case, shown, factor)

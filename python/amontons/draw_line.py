@@ -2,19 +2,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from amontons.cases import Case
-from amontons.draw_body import STATUSES
 from amontons.grid import Array, Grid
 from amontons.numerals import scientific
+from amontons.svg_axes import SvgAxes
 
+Canvas = Union[Axes, SvgAxes]
+# Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
+STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
+            ("slip against t", "#56B4E9", "<"))
 PRESSURE, SHEAR, BOUND, GAP, SLIP = "black", "#CC79A7", "#E69F00", "#D55E00", "#0072B2"
 ABSCISSAS = ("s", "x", "y")
 ROUNDING = 1e-9  # what is smaller over the largest value or displacement is drawn as 0
+DETAIL = 0.35    # what is smaller over the size of the body is drawn once more
 LARGE_GAP = 6    # times the median gap of the open points: the others would be flattened
 
 
@@ -68,14 +73,26 @@ def points_of(sets: list[Stretch]) -> Array:
     return np.concatenate([one.points for one in sets])
 
 
-def draw_lines(axes: Axes, sets: list[Stretch], values: Array, color: str, label: Optional[str] = None,
+def has_detail(case: Case, sets: list[Stretch], zone: list[Stretch]) -> bool:
+    """Whether the closed zone is a small part of its contact set or of the body."""
+    def extent(points: Array) -> float:
+        return float(np.ptp(points[:, :2], axis=0).max())
+    if not sets:
+        return False
+    points, numbers = points_of(zone), case.line.point_data["set"]
+    width = extent(case.line.points[points])
+    is_part = len(points) < np.sum(numbers == numbers[points[0]])
+    return width > 0.0 and bool(is_part or width < DETAIL * extent(case.mesh.points))
+
+
+def draw_lines(axes: Canvas, sets: list[Stretch], values: Array, color: str, label: Optional[str] = None,
                style: Any = "-") -> None:
     """A quantity along every set."""
     for one in sets:
         axes.plot(one.place, values[one.points], color=color, linestyle=style, label=label if one is sets[0] else None)
 
 
-def set_range(axes: Axes, values: Array, scale: float) -> None:
+def set_range(axes: Canvas, values: Array, scale: float) -> None:
     """The range of the ordinate: zero and all values; rounding errors are not magnified."""
     values = values[np.isfinite(values)]
     low, high = min(values.min(initial=0.0), 0.0), max(values.max(initial=0.0), 0.0)
@@ -87,7 +104,7 @@ def set_range(axes: Axes, values: Array, scale: float) -> None:
     axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
 
 
-def draw_stress(axes: Axes, case: Case, sets: list[Stretch]) -> None:
+def draw_stress(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
     """Pressure, shear and the shear that friction can bear, statuses as markers."""
     data = case.line.point_data
     pressure, shear, bound = (data[name] for name in ("contact_pressure", "contact_shear", "shear_bound"))
@@ -108,7 +125,7 @@ def draw_stress(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=3)
 
 
-def draw_slip(axes: Axes, case: Case, sets: list[Stretch]) -> None:
+def draw_slip(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
     """The slip."""
     slip = case.line.point_data["slip"]
     draw_lines(axes, sets, slip, SLIP)
@@ -117,7 +134,7 @@ def draw_slip(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     axes.set(ylabel=case.label("slip", "L"))
 
 
-def draw_gap(axes: Axes, case: Case, sets: list[Stretch]) -> None:
+def draw_gap(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
     """The gap. Where the body's normal all but misses the obstacle it has no end and would flatten all others: the axis
     then ends at three times the usual gap."""
     gap = case.line.point_data["gap"]
@@ -132,6 +149,9 @@ def draw_gap(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     set_range(axes, np.minimum(shown, 3 * usual) if is_endless else shown,
               np.abs(case.mesh.point_data["displacement"]).max())
     axes.set(ylabel=case.label("gap", "L"))
+
+
+LINE_PANELS = {"stress": draw_stress, "slip": draw_slip, "gap": draw_gap}
 
 
 def abscissa_label(case: Case, abscissa: str, sets: list[Stretch], whole: list[Stretch]) -> str:

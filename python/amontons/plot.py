@@ -20,21 +20,17 @@ from matplotlib.figure import Figure
 
 from amontons.cases import Case, CaseFault, find_cases
 from amontons.commands import Parser
-from amontons.draw_body import draw_body, draw_detail
-from amontons.draw_line import (ABSCISSAS, Stretch, abscissa_label, closed_part, closed_zone, draw_gap, draw_history,
-                                draw_slip, draw_stress, points_of, stretches)
+from amontons.draw_body import FIELD, draw_body, draw_detail
+from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
+                                draw_history, has_detail, points_of, stretches)
 from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
-from amontons.grid import Array
 
 FORMATS = ("png", "svg", "pdf")
 BODY_PANELS = {"body": draw_body, "detail": draw_detail}
-LINE_PANELS = {"stress": draw_stress, "slip": draw_slip, "gap": draw_gap}
 PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
 HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
-FIELD = "von_mises"
 INCH = 25.4  # mm
-DETAIL = 0.35  # what is smaller over the size of the body is drawn once more
 SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140), "steps": (240, 80)}  # mm
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
          "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "savefig.dpi": 200,
@@ -44,18 +40,6 @@ STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lin
 def plain(text: str) -> str:
     """A text as matplotlib shows it unchanged: dollars stand for themselves, not for formulas."""
     return text.replace("$", r"\$")
-
-
-def has_detail(case: Case, sets: list[Stretch], zone: list[Stretch]) -> bool:
-    """Whether the closed zone is a small part of its contact set or of the body."""
-    def extent(points: Array) -> float:
-        return float(np.ptp(points[:, :2], axis=0).max())
-    if not sets:
-        return False
-    points, numbers = points_of(zone), case.line.point_data["set"]
-    width = extent(case.line.points[points])
-    is_part = len(points) < np.sum(numbers == numbers[points[0]])
-    return width > 0.0 and bool(is_part or width < DETAIL * extent(case.mesh.points))
 
 
 def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field: str = FIELD,

@@ -1,30 +1,30 @@
-"""Writes axes of Matplotlib as SVG without drawing them: to lay out their ticks and texts takes Matplotlib a hundred
-times as long as to make their lines. What is under the lines is one image."""
+"""Axes that write SVG: what draws a case draws into them as into those of Matplotlib, whose methods of the same names
+they have. To lay out and draw one figure takes Matplotlib a hundred times as long."""
 from __future__ import annotations
 
-import base64
 import html
-import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, Optional
 
 import numpy as np
-from matplotlib import colors
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
-from PIL import Image
-from matplotlib.axes import Axes
 
 from amontons.grid import Array
+from amontons.raster import N_COLORS, palette, png_text
 
 TICK, GAP = 3.5, 3.0     # length of a tick and the room behind it, in points
 SMALL, MEDIUM = 7, 8     # sizes of texts, in points
 WIDE = 0.6               # of a character of usual width, over the size of its text
 SAMPLE = 14              # length of the sample of a line in a legend, in points
-# Relative paths around a place, of a radius and a diameter.
-MARKERS = {"o": "m-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0", "s": "m-{r}-{r}h{d}v{d}h-{d}z",
-           ">": "m-{r}-{r}l{d} {r}-{d} {r}z", "<": "m{r}-{r}l-{d} {r} {d} {r}z"}
+SEAM = 0.05              # of the range of all lines, on each side
+MOST_TICKS, STEPS = 9, (1, 2, 2.5, 5, 10)
+FINE = 150 / 72          # pixels of an image in a point
+# Relative paths around a place, of a radius and a diameter. Discs and squares are the ends of a line without length.
+MARKERS = {">": "m-{r}-{r}l{d} {r}-{d} {r}z", "<": "m{r}-{r}l-{d} {r} {d} {r}z"}
+CAPS = {"o": "round", ".": "round", "s": "square"}
+DASHES = {"-": (), ":": (1, 1.65), "--": (3.7, 1.6)}  # over the width of the line
 RAISED = str.maketrans("0123456789-−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
 
 
@@ -40,10 +40,9 @@ def plain(text: str) -> str:
     return text.replace(r"\times", "×").replace(r"\$", "\0").replace("$", "").replace("\0", "$")
 
 
-def color_of(color: Any) -> str:
+def color_of(color: str) -> str:
     """A color of the page: black becomes that of its text."""
-    found = colors.to_hex(color)
-    return "currentColor" if found == "#000000" else found
+    return "currentColor" if color == "black" else color
 
 
 def text_at(x: float, y: float, text: str, anchor: str = "middle", size: int = MEDIUM,
@@ -55,137 +54,201 @@ def text_at(x: float, y: float, text: str, anchor: str = "middle", size: int = M
             f"{html.escape(plain(text), quote=False)}</text>")
 
 
-def line_through(x: Any, y: Any) -> str:
+def line_through(x: Array, y: Array) -> str:
     """The path of a line, interrupted where a number is missing."""
-    path, pen = "", "M"
-    for one, other in zip(x, y):
-        if not (np.isfinite(one) and np.isfinite(other)):
-            pen = "M"
-            continue
-        path += f"{pen}{short(one)} {short(other)}"
-        pen = "L"
-    return path
+    path, pen = [], "M"
+    for one, other, is_there in zip(x.tolist(), y.tolist(), (np.isfinite(x) & np.isfinite(y)).tolist()):
+        if is_there:
+            path.append(f"{pen}{one:.5g} {other:.5g}")
+        pen = "L" if is_there else "M"
+    return "".join(path)
 
 
-class Box:
-    """Axes with their place in a picture, in points from its upper left corner."""
+@dataclass(frozen=True)
+class Line:
+    """A line with its markers."""
+    x: Array
+    y: Array
+    color: str
+    linestyle: Any
+    linewidth: float
+    marker: Optional[str]
+    markersize: float
+    markevery: int
+    label: Optional[str]
+    zorder: float
+    is_across: bool  # the abscissas are parts of the width of the axes
 
-    def __init__(self, axes: Axes, size: tuple[float, float]) -> None:
-        """Takes the axes as they are; the size of the picture is in points."""
-        axes.apply_aspect()
-        place = axes.get_position()
-        self.axes = axes
-        self.left, self.right = place.x0 * size[0], place.x1 * size[0]
-        self.top, self.bottom = (1 - place.y1) * size[1], (1 - place.y0) * size[1]
-        self.xlim, self.ylim = axes.get_xlim(), axes.get_ylim()
+    def drawn(self, x: Array, y: Array) -> str:
+        """The line through places in the picture."""
+        color, parts = color_of(self.color), ""
+        if self.linestyle != "none" and len(x) > 1:
+            parts = (f'<path d="{line_through(x, y)}" stroke="{color}" stroke-width="{self.linewidth:g}"'
+                     f"{self._dashes()}/>")
+        if not self.marker or not len(x):
+            return parts
+        x, y = x[::self.markevery], y[::self.markevery]
+        is_there = np.isfinite(x) & np.isfinite(y)
+        places = [f"M{one:.5g} {other:.5g}" for one, other in zip(x[is_there].tolist(), y[is_there].tolist())]
+        radius = (self.markersize + 1.0) / (4 if self.marker == "." else 2)
+        if self.marker in CAPS:
+            return parts + (f'<path d="{"".join(place + "h0" for place in places)}" stroke="{color}" '
+                            f'stroke-width="{2 * radius:g}" stroke-linecap="{CAPS[self.marker]}"/>')
+        form = MARKERS[self.marker].format(r=f"{radius:g}", d=f"{2 * radius:g}")
+        return parts + f'<path d="{"".join(place + form for place in places)}" fill="{color}"/>'
+
+    def _dashes(self) -> str:
+        """The attribute of a dashed line."""
+        numbers = DASHES[self.linestyle] if isinstance(self.linestyle, str) else self.linestyle[1]
+        text = " ".join(f"{number * self.linewidth:g}" for number in numbers)
+        return f' stroke-dasharray="{text}"' if text else ""
+
+
+def ticks_between(limits: tuple[float, float], most: float) -> tuple[list[tuple[float, str]], str]:
+    """Pairs of value and text of ticks, as many as there is room for, and the factor of the texts."""
+    return labels_of(MaxNLocator(int(np.clip(most, 1, MOST_TICKS)), steps=STEPS).tick_values(*limits).tolist(), limits)
+
+
+def labels_of(values: list[float], limits: tuple[float, float]) -> tuple[list[tuple[float, str]], str]:
+    """Pairs of value and text of the ticks that are between limits, and the factor of the texts."""
+    values = [value for value in values if limits[0] <= value <= limits[1]]
+    formatter = ScalarFormatter(useMathText=True)
+    formatter.set_powerlimits((-3, 4))
+    formatter.create_dummy_axis()
+    formatter.axis.set_view_interval(*limits)
+    return list(zip(values, formatter.format_ticks(values))), formatter.get_offset()
+
+
+class SvgAxes:
+    """Axes in a picture, in points from its upper left corner."""
+
+    def __init__(self, left: float, top: float, right: float, bottom: float) -> None:
+        """The axes have this place, a part of it where their aspect is equal."""
+        self.left, self.top, self.right, self.bottom = left, top, right, bottom
+        self.artists: list[Line] = []
+        self.ylim: tuple[float, float] = (0.0, 1.0)
+        self.words = {"title": "", "xlabel": "", "ylabel": ""}
+        self.yticks: Optional[list[float]] = None
+        self._xlim: Optional[tuple[float, float]] = None
+
+    def plot(self, x: Any, y: Any, *, color: str, linestyle: Any = "-", linewidth: float = 1.0,
+             marker: Optional[str] = None, markersize: float = 6.0, markevery: int = 1, label: Optional[str] = None,
+             zorder: float = 2.0, is_across: bool = False, **_: Any) -> None:
+        """Adds a line."""
+        self.artists.append(Line(np.asarray(x, float), np.asarray(y, float), color, linestyle, linewidth, marker,
+                                 markersize, markevery, label, zorder, is_across))
+
+    def axhline(self, y: float, *, color: str, linewidth: float) -> None:
+        """Adds a line across the axes."""
+        self.plot([0.0, 1.0], [y, y], color=color, linewidth=linewidth, is_across=True)
+
+    def set(self, *, xlim: Any = None, ylim: Any = None, aspect: str = "auto", **words: str) -> None:
+        """Sets the range of the axes and their texts. With an equal aspect the axes become lower or narrower."""
+        self.words.update(words)
+        if xlim is not None:
+            self._xlim = (float(xlim[0]), float(xlim[1]))
+        if ylim is not None:
+            self.set_ylim(*ylim)
+        if aspect == "equal":
+            width, height = self.right - self.left, self.bottom - self.top
+            scale = min(width / np.ptp(self.xlim), height / np.ptp(self.ylim))
+            across, down = (width - scale * np.ptp(self.xlim)) / 2, (height - scale * np.ptp(self.ylim)) / 2
+            self.left, self.right, self.top, self.bottom = (self.left + across, self.right - across, self.top + down,
+                                                            self.bottom - down)
+
+    def set_ylim(self, low: float, high: float) -> None:
+        """Sets the range of the ordinate."""
+        self.ylim = (float(low), float(high))
+
+    def set_yticks(self, values: list[float]) -> None:
+        """Sets the ticks of the ordinate."""
+        self.yticks = values
+
+    def ticklabel_format(self, **_: Any) -> None:
+        """Texts of ticks have the one form there is."""
+
+    def legend(self, **_: Any) -> None:
+        """Who writes the picture knows where there is room for a legend."""
+
+    @property
+    def xlim(self) -> tuple[float, float]:
+        """The range of the abscissa: all lines, where none is set."""
+        if self._xlim is not None:
+            return self._xlim
+        along = np.concatenate([line.x for line in self.artists if not line.is_across] or [np.zeros(0)])
+        along = along[np.isfinite(along)]
+        low, high = along.min(initial=np.inf), along.max(initial=-np.inf)
+        if not low < high:
+            middle = float(low) if len(along) else 0.0
+            low, high = middle - (SEAM * abs(middle) or SEAM), middle + (SEAM * abs(middle) or SEAM)
+        return float(low - SEAM * (high - low)), float(high + SEAM * (high - low))
 
     def x(self, values: Any) -> Any:
         """Abscissas in the picture."""
-        return self.left + (np.asarray(values, float) - self.xlim[0]) / np.ptp(self.xlim) * (self.right - self.left)
+        low, high = self.xlim
+        return self.left + (values - low) / (high - low) * (self.right - self.left)
 
     def y(self, values: Any) -> Any:
         """Ordinates in the picture."""
-        return self.bottom - (np.asarray(values, float) - self.ylim[0]) / np.ptp(self.ylim) * (self.bottom - self.top)
+        low, high = self.ylim
+        return self.bottom - (values - low) / (high - low) * (self.bottom - self.top)
 
     def frame(self, has_labels: bool = True) -> str:
         """Frame, ticks, their labels and the texts of the axes; the labels of the abscissa may be left out."""
+        abscissas, x_factor = ticks_between(self.xlim, (self.right - self.left) / (3 * MEDIUM))
+        ordinates, y_factor = ticks_between(self.ylim, (self.bottom - self.top) / (2 * MEDIUM)) \
+            if self.yticks is None else labels_of(self.yticks, self.ylim)
+        strokes = "".join(f"M{short(self.x(value))} {short(self.bottom)}v{TICK}" for value, _ in abscissas) + \
+            "".join(f"M{short(self.left)} {short(self.y(value))}h-{TICK}" for value, _ in ordinates)
         parts = [f'<path d="M{short(self.left)} {short(self.top)}H{short(self.right)}V{short(self.bottom)}'
-                 f'H{short(self.left)}z{self._ticks()}" fill="none" stroke="currentColor" stroke-width="0.5"/>']
-        ordinates, widest = self._labels(self.axes.yaxis, self.ylim), 0.0
-        for value, text in ordinates:
-            parts.append(text_at(self.left - TICK - GAP, self.y(value) + 3, text, "end"))
-            widest = max(widest, WIDE * MEDIUM * len(plain(text)))
+                 f'H{short(self.left)}z{strokes}" fill="none" stroke="currentColor" stroke-width="0.5"/>']
+        parts += [text_at(self.left - TICK - GAP, self.y(value) + 3, text, "end") for value, text in ordinates]
+        middle, below = (self.left + self.right) / 2, self.bottom + TICK + GAP + 18
         if has_labels:
-            for value, text in self._labels(self.axes.xaxis, self.xlim):
-                parts.append(text_at(self.x(value), self.bottom + TICK + GAP + 6, text))
-        parts += self._texts(widest, has_labels)
-        return "".join(parts)
-
-    def _labels(self, axis: Any, limits: tuple[float, float]) -> list[tuple[float, str]]:
-        """Pairs of value and text of the ticks of an axis."""
-        values = [value for value in axis.get_majorticklocs() if limits[0] <= value <= limits[1]]
-        return list(zip(values, axis.get_major_formatter().format_ticks(values)))
-
-    def _ticks(self) -> str:
-        """The path of all ticks."""
-        path = ""
-        for value, _ in self._labels(self.axes.xaxis, self.xlim):
-            path += f"M{short(self.x(value))} {short(self.bottom)}v{TICK}"
-        for value, _ in self._labels(self.axes.yaxis, self.ylim):
-            path += f"M{short(self.left)} {short(self.y(value))}h-{TICK}"
-        return path
-
-    def _texts(self, widest: float, has_labels: bool) -> Iterator[str]:
-        """Title, labels and the factors of the ticks."""
-        middle, center = (self.left + self.right) / 2, (self.top + self.bottom) / 2
-        if self.axes.get_title():
-            yield text_at(middle, self.top - 6, self.axes.get_title())
-        if has_labels and self.axes.get_xlabel():
-            yield text_at(middle, self.bottom + TICK + GAP + 18, self.axes.get_xlabel())
-        if self.axes.get_ylabel():
-            x = self.left - TICK - GAP - widest - 5
-            yield text_at(max(x, MEDIUM), center, self.axes.get_ylabel(), turn=-90)
-        factor = self.axes.yaxis.get_major_formatter().get_offset()
-        if factor:
-            yield text_at(self.left, self.top - 3, factor, "start")
-        factor = self.axes.xaxis.get_major_formatter().get_offset()
-        if factor and has_labels:
-            yield text_at(self.right, self.bottom + TICK + GAP + 18, factor, "end")
+            parts += [text_at(self.x(value), self.bottom + TICK + GAP + 6, text) for value, text in abscissas]
+            parts += [text_at(middle, below, self.words["xlabel"]), text_at(self.right, below, x_factor, "end")]
+        widest = max((WIDE * MEDIUM * len(plain(text)) for _, text in ordinates), default=0.0)
+        parts += [text_at(middle, self.top - 6, self.words["title"]),
+                  text_at(self.left, self.top - 3, y_factor, "start"),
+                  text_at(max(self.left - TICK - GAP - widest - 5, MEDIUM), (self.top + self.bottom) / 2,
+                          self.words["ylabel"], turn=-90)]
+        return "".join(part for part in parts if not part.endswith("></text>"))
 
     def lines(self, name: str) -> str:
         """The lines and markers of the axes, cut off at their frame, which gets the name, unique in the page, for an
         identifier."""
-        parts = [self._line(line) for line in self.axes.lines]
+        width = self.right - self.left
+        parts = [line.drawn(self.left + line.x * width if line.is_across else self.x(line.x), self.y(line.y))
+                 for line in sorted(self.artists, key=lambda line: line.zorder)]
         return (f'<clipPath id="{name}"><rect x="{short(self.left)}" y="{short(self.top)}" '
-                f'width="{short(self.right - self.left)}" height="{short(self.bottom - self.top)}"/></clipPath>'
+                f'width="{short(width)}" height="{short(self.bottom - self.top)}"/></clipPath>'
                 f'<g clip-path="url(#{name})" fill="none">{"".join(parts)}</g>')
 
-    def _line(self, line: Any) -> str:
-        """A line with its markers."""
-        x, y = np.asarray(line.get_xdata(orig=False), float), np.asarray(line.get_ydata(orig=False), float)
-        # A line across the axes has its abscissas in parts of their width.
-        is_across = line.get_transform() != self.axes.transData
-        x = self.left + x * (self.right - self.left) if is_across else self.x(x)
-        y = self.y(y)
-        parts, color = "", color_of(line.get_color())
-        if line.get_linestyle() != "None" and len(x) > 1:
-            parts += (f'<path d="{line_through(x, y)}" stroke="{color}" '
-                      f'stroke-width="{line.get_linewidth():g}"{dashes_of(line)}/>')
-        every = line.get_markevery() or 1
-        if line.get_marker() in MARKERS and len(x):
-            parts += markers(x[::every], y[::every], line)
-        return parts
+    def size_of_image(self) -> tuple[int, int]:
+        """Width and height of an image that fills the axes, in pixels."""
+        return round((self.right - self.left) * FINE), round((self.bottom - self.top) * FINE)
 
-    def image(self, name: str) -> tuple[str, str]:
-        """All that the axes show inside their frame, as an image with an identifier, and a small view of it."""
-        figure, axes = self.axes.figure, self.axes
-        axes.set_axis_off()
-        axes.set_title("", y=1.0)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        axes.set_axis_on()
-        scale = figure.dpi / 72
-        rows = slice(int(np.floor(self.top * scale)), int(np.ceil(self.bottom * scale)))
-        columns = slice(int(np.floor(self.left * scale)), int(np.ceil(self.right * scale)))
-        pixels = np.asarray(canvas.buffer_rgba())[rows, columns]
-        x, y, width, height = (short(number / scale) for number in (columns.start, rows.start, *pixels.shape[1::-1]))
-        return (f'<image id="{name}" x="{x}" y="{y}" width="{width}" height="{height}" '
-                f'href="data:image/png;base64,{encoded(pixels)}"/>',
+    def image(self, name: str, pixels: Array, colors: Array) -> tuple[str, str]:
+        """An image that fills the axes, with an identifier, and a small view of it; see png_text."""
+        x, y, width, height = (short(number) for number in (self.left, self.top, self.right - self.left,
+                                                            self.bottom - self.top))
+        return (f'<image id="{name}" x="{x}" y="{y}" width="{width}" height="{height}" preserveAspectRatio="none" '
+                f'href="{png_text(pixels, colors)}"/>',
                 f'<svg class="thumb" viewBox="{x} {y} {width} {height}" aria-hidden="true"><use href="#{name}"/></svg>')
 
-    def bar(self, name: str, drawn: Any, label: str, uniform: Optional[float]) -> str:
-        """The bar of a field, at the right of the axes; of a uniform one it has its one value. The name becomes the
-        identifier of its colors."""
+    def bar(self, name: str, limits: tuple[float, float], label: str, uniform: Optional[float]) -> str:
+        """The bar of a field between two values, at the right of the axes; of a uniform one it has its one value. The
+        name becomes the identifier of its colors."""
         x, width = self.right + 0.03 * (self.right - self.left), 0.035 * (self.right - self.left)
-        drawn.autoscale_None()
-        low, high = drawn.get_clim()
-        stops = "".join(f'<stop offset="{part:.3g}" stop-color="{colors.to_hex(drawn.cmap(part))}"/>'
-                        for part in np.linspace(0, 1, 17))
+        low, high = limits
+        stops = "".join(f'<stop offset="{number / (N_COLORS - 1):.3g}" stop-color="#{bytes(color).hex()}"/>'
+                        for number, color in list(enumerate(palette("cividis")))[::16])
         parts = [f'<linearGradient id="{name}" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>'
                  f'<rect x="{short(x)}" y="{short(self.top)}" width="{short(width)}" '
                  f'height="{short(self.bottom - self.top)}" fill="url(#{name})" stroke="currentColor" '
                  'stroke-width="0.4"/>']
-        ticks, factor = bar_ticks(low, high, uniform, max(2, int((self.bottom - self.top) / (3 * MEDIUM))))
+        ticks, factor = ([(uniform, f"{uniform:.4g}")], "") if uniform is not None else \
+            ticks_between(limits, (self.bottom - self.top) / (3 * MEDIUM))
         path, widest = "", 0.0
         for value, text in ticks:
             y = self.bottom - (value - low) / (high - low) * (self.bottom - self.top)
@@ -201,59 +264,18 @@ class Box:
         return "".join(parts)
 
 
-def bar_ticks(low: float, high: float, uniform: Optional[float], most: int) -> tuple[list[tuple[float, str]], str]:
-    """Pairs of value and text of the ticks of a bar, and the factor of the texts."""
-    if uniform is not None:
-        return [(uniform, f"{uniform:.4g}")], ""
-    values = [value for value in MaxNLocator(most).tick_values(low, high) if low <= value <= high]
-    formatter = ScalarFormatter(useMathText=True)
-    formatter.set_powerlimits((-3, 4))
-    formatter.create_dummy_axis()
-    formatter.axis.set_view_interval(low, high)
-    return list(zip(values, formatter.format_ticks(values))), formatter.get_offset()
-
-
-def legend(line_entries: list[tuple[Any, str]], x: Any, y: Any, columns: int, is_right: bool = False) -> str:
-    """Samples of lines with their labels, in columns; the place is the upper left corner, or the upper right one."""
-    if not line_entries:
+def legend(lines: Iterable[Line], x: float, y: float, columns: int, is_right: bool = False) -> str:
+    """Samples of the lines that have a label, in columns; the place is the upper left or the upper right corner."""
+    labeled = [line for line in lines if line.label]
+    if not labeled:
         return ""
-    widths = [SAMPLE + 4 + WIDE * SMALL * len(label) + 8 for _, label in line_entries]
-    rows = -(-len(widths) // columns)
+    widths = [SAMPLE + 4 + WIDE * SMALL * len(line.label or "") + 8 for line in labeled]
+    rows = -(-len(widths) // min(columns, len(widths)))
     spans = [max(widths[first:first + rows]) for first in range(0, len(widths), rows)]
-    left = x - sum(spans) if is_right else x
-    parts = ""
-    for number, (line, label) in enumerate(line_entries):
-        at = left + sum(spans[:number // rows])
-        height = y + 10 * (number % rows)
-        if line.get_linestyle() != "None":
-            parts += (f'<path d="M{short(at)} {short(height)}h{SAMPLE}" stroke="{color_of(line.get_color())}" '
-                      f'stroke-width="{line.get_linewidth():g}"{dashes_of(line)}/>')
-        if line.get_marker() in MARKERS:
-            parts += markers([at + SAMPLE / 2], [height], line)
-        parts += text_at(at + SAMPLE + 4, height + 2.5, label, "start", SMALL)
+    left, parts = x - sum(spans) if is_right else x, ""
+    for number, line in enumerate(labeled):
+        at, height = left + sum(spans[:number // rows]), y + 10 * (number % rows)
+        ends = np.array([at, at + SAMPLE] if line.linestyle != "none" else [at + SAMPLE / 2])
+        parts += line.drawn(ends, np.full(len(ends), height))
+        parts += text_at(at + SAMPLE + 4, height + 2.5, line.label or "", "start", SMALL)
     return parts
-
-
-def dashes_of(line: Any) -> str:
-    """The attribute of a dashed line."""
-    style = line.get_linestyle()
-    if style == "-":
-        return ""
-    numbers = {":": (1, 1.65), "--": (6, 1)}[style]
-    return ' stroke-dasharray="' + " ".join(f"{number * line.get_linewidth():g}" for number in numbers) + '"'
-
-
-def markers(x: Any, y: Any, line: Any) -> str:
-    """The markers of a line, as one path."""
-    radius = (line.get_markersize() + line.get_markeredgewidth()) / 2
-    form = MARKERS[line.get_marker()].format(r=f"{radius:g}", d=f"{2 * radius:g}")
-    places = "".join(f"M{short(one)} {short(other)}{form}" for one, other in zip(x, y)
-                     if np.isfinite(one) and np.isfinite(other))
-    return f'<path d="{places}" fill="{color_of(line.get_color())}"/>'
-
-
-def encoded(pixels: Array) -> str:
-    """Pixels as the text of a PNG."""
-    content = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(pixels)).save(content, "png")
-    return base64.b64encode(content.getvalue()).decode("ascii")

@@ -21,6 +21,7 @@ from amontons.cases import Case  # noqa: E402
 from amontons.draw_body import initial_gaps, magnification, surfaces  # noqa: E402
 from amontons.numerals import scientific  # noqa: E402
 from amontons.obstacles import hatching, surface  # noqa: E402
+from amontons.raster import cell_image, color_numbers  # noqa: E402
 # pylint: enable=wrong-import-position
 
 matplotlib.use("Agg")
@@ -102,6 +103,32 @@ class Obstacles(ProgramTest):
             depth = -h if kind == "plane" else np.where(np.sign(radius) > 0, -h - (s**2 + (kind == "circle")*h**2) / (
                 2*radius), np.hypot(s, h + radius) - abs(radius))
             self.assertGreater(depth.min(), 0.0, (kind, radius))
+
+
+class Images(unittest.TestCase):
+    """The images of fields in reports."""
+
+    def test_a_pixel_has_the_color_of_the_cell_that_its_middle_is_in(self):
+        # A square of 7 by 7 pixels, a rotated one that it is cut out of, in four triangles without seams between them.
+        window, size = np.array([[-1.0, -1.0], [1.0, 1.0]]), (7, 7)
+        corners = np.array([[0.9, 0.3], [-0.3, 0.9], [-0.9, -0.3], [0.3, -0.9]])
+        triangles = np.stack([corners, np.roll(corners, -1, axis=0), np.zeros((4, 2))], axis=1)
+        image = cell_image([(triangles, np.array([1, 2, 3, 4]))], window, size)
+        x, y = np.meshgrid((np.arange(7) + 0.5)*2/7 - 1, 1 - (np.arange(7) + 0.5)*2/7)
+        for row, column in np.ndindex(*image.shape):
+            at = np.array([x[row, column], y[row, column]])
+            inside = [i + 1 for i, (a, b, c) in enumerate(triangles) if all(
+                np.cross(q - p, at - p) >= 0.0 for p, q in ((a, b), (b, c), (c, a)))]
+            # A middle on the side between two cells belongs to one of them.
+            self.assertIn(image[row, column], inside or [0], (row, column))
+
+    def test_cells_outside_of_the_window_are_cut_off(self):
+        square = np.array([[[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]])
+        image = cell_image([(square, np.array([5])), (square + 30.0, np.array([6]))], WINDOW, (12, 10))
+        self.assertEqual((image.shape, np.unique(image).tolist()), ((10, 12), [5]))
+
+    def test_colors_are_between_the_limits(self):
+        self.assertEqual(color_numbers(np.array([-1.0, 0.0, 0.5, 1.0, 2.0]), 0.0, 1.0).tolist(), [1, 1, 128, 255, 255])
 
 
 class Figures(ProgramTest):
