@@ -6,6 +6,7 @@ Usage: check_sources.py [ROOT]
 * A line has at most 120 columns, a file 900 lines, a Fortran procedure 150 lines: wide nets, places to look.
 * `!>` stands above every module, program, type, generic interface, procedure and public constant of src/; `!!` stands
   at every dummy argument and component, one per declaration. Interfaces of foreign procedures are exempt.
+* What `use, only` and `import` name is used, and a private procedure is called, in src/.
 * The library neither stops nor prints; nothing passes through a preprocessor.
 """
 import re
@@ -36,6 +37,9 @@ STOP_OR_PRINT = re.compile(
     r"|\bwrite\s*\(\s*(?:[^()]*\bunit\s*=\s*)?(?:\*|[06]\s*[,)]|output_unit|error_unit)")
 # gfortran 14 checks the bounds of a(:, findloc(...)) before findloc has run.
 SEARCH_IN_SECTION = re.compile(r"\([^()]*:[^()]*,\s*(?:find|min|max)loc\s*\(", re.IGNORECASE)
+USE = re.compile(r"(?:use\b[^:]*(?:::)?\s*\w+\s*,\s*only\s*:|import\s*::)(?P<names>.*)")
+# A component, a binding or the name of an argument in a call: not what an import or a procedure of that name is.
+OTHER_NAME = re.compile(r"%\s*\w+|(?<=[(,])\s*\w+\s*=(?![=>])")
 C_STOP_OR_PRINT = re.compile(r"\b(?:printf|fprintf|puts|putchar|perror|exit|abort|assert)\s*\(")
 
 
@@ -168,6 +172,43 @@ def comment_faults(statements):
                     yield s.first, f"one declaration per argument: {', '.join(sorted(named))}"
 
 
+def names_in(code):
+    """Returns the names that a statement uses, kinds of numbers included; not those of components and arguments."""
+    return set(re.findall(r"\b[a-z]\w*|(?<=[0-9.]_)[a-z]\w*", OTHER_NAME.sub("", code)))
+
+
+def import_faults(statements, lines):
+    """Yields line number and text of every name that a file imports and never uses; directives of OpenMP use names."""
+    imports = [(s, match["names"]) for s in statements if (match := USE.match(s.code))]
+    used = names_in(" ".join(line.lower() for line in lines if line.strip().lower().startswith("!$omp")))
+    used = used.union(*(names_in(s.code) for s in statements if not re.match(r"(use|import)\b", s.code)))
+    for s, names in imports:
+        for name in (name.split("=>")[0].strip() for name in names.split(",")):
+            if re.match(r"\w+$", name) and name not in used:
+                yield s.first, f"imported and never used: {name}"
+
+
+def call_faults(statements):
+    """Yields line number and text of every private procedure that nothing but itself calls."""
+    public = public_names(statements)
+    begun, defined, called = [], {}, set()
+    in_interface = False
+    for s in statements:
+        if END_PROCEDURE.match(s.code) and begun:
+            begun.pop()
+        elif INTERFACE.match(s.code) or re.match(r"end\s*interface\b", s.code):
+            in_interface = not s.code.startswith("end")
+        elif (match := PROCEDURE.match(s.code)) and not in_interface:
+            name = re.search(match["kind"] + r"\s+(\w+)", s.code)[1]
+            begun.append(name)
+            if (len(begun) > 1 or public is not None and name not in public) and "bind(" not in s.code:
+                defined[name] = s.first
+        elif not re.match(r"(private|public)\b", s.code):
+            called |= names_in(s.code) - set(begun)
+    for name in defined.keys() - called:
+        yield defined[name], f"a private procedure that nothing calls: {name}"
+
+
 def length_faults(statements):
     """Yields line number and text of every procedure that is too long."""
     begun = []
@@ -204,6 +245,8 @@ def faults_of_file(path, root=ROOT):
             yield s.first, "the result of findloc, minloc, maxloc beside a section: give it a name first"
     if relative.parts[0] == "src":
         yield from comment_faults(statements)
+        yield from import_faults(statements, lines)
+        yield from call_faults(statements)
     if in_library:
         for s in statements:
             if STOP_OR_PRINT.search(s.code):

@@ -2,11 +2,12 @@
 module amontons_command_line
    use amontons_deck, only: new_setting, setting_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_system, only: file_name_t
    use amontons_text, only: nearest_word, read_integer
    implicit none (type, external)
    private
 
-   public :: argument_t, command_line_t, read_command_line
+   public :: command_line_t, read_command_line
 
    !> Options, as they are written.
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
@@ -22,14 +23,9 @@ module amontons_command_line
       '--dry-run --validate', '--silent -s', '--verbose', '--nthreads --jobs -j -n', '', '', '', '', '', '--keys', '', &
       '-v -V']
 
-   !> A word of the command line.
-   type :: argument_t
-      character(:), allocatable :: text !! the word
-   end type argument_t
-
    !> What the command line asks for.
    type :: command_line_t
-      type(argument_t), allocatable :: decks(:) !! names of the decks, in their order
+      type(file_name_t), allocatable :: decks(:) !! names of the decks, in their order
       type(setting_t), allocatable :: settings(:) !! what takes the place of what the decks say
       character(:), allocatable :: output !! output directory
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
@@ -45,17 +41,19 @@ contains
       type(command_line_t), intent(out) :: command_line !! what it asks for
       type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
       character(:), allocatable :: word
-      integer :: i
+      integer :: i, n_decks
       logical :: only_decks
 
-      allocate (command_line%decks(0), command_line%settings(0))
+      allocate (command_line%decks(command_argument_count()), command_line%settings(0))
       only_decks = .false.
+      n_decks = 0
       i = 0
       do while (i < command_argument_count())
          i = i + 1
          word = argument(i)
          if (only_decks .or. index(word, '-') /= 1 .or. word == '-') then
-            call append_argument(command_line%decks, word)
+            n_decks = n_decks + 1
+            command_line%decks(n_decks)%text = word
          else if (word == '--') then
             only_decks = .true.
          else
@@ -63,6 +61,7 @@ contains
             if (allocated(error)) return
          end if
       end do
+      command_line%decks = command_line%decks(:n_decks)
       if (command_line%asks('--help') .or. command_line%asks('--version') .or. command_line%asks('--reference')) return
       call check_decks(command_line, error)
       if (.not. allocated(command_line%output)) command_line%output = '.'
@@ -102,46 +101,28 @@ contains
       character(*), intent(in) :: word !! the option as written
       integer, intent(inout) :: i !! its place on the command line; moved on where the next word is its value
       type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
-      character(:), allocatable :: name
-      integer :: at_equals, option
+      character(:), allocatable :: name, value, expected
+      type(setting_t) :: setting
+      integer :: at_equals, option, n_refinements
+      logical :: ok
 
       at_equals = index(word//'=', '=')
       name = word(:at_equals - 1)
       option = findloc(option_names == name .or. (short_names == name .and. short_names /= ''), .true., dim=1)
       if (option == 0) then
          call new_error(error, input_refused, "amontons: unknown option '"//name//"'"//suggestion(name))
+         return
       else if (all(valued_names /= option_names(option))) then
          command_line%is_given(option) = .true.
          if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
+         return
       else if (at_equals <= len(word)) then
-         call read_value(command_line, option_names(option), name, word(at_equals + 1:), error)
+         value = word(at_equals + 1:)
       else
          i = i + 1
-         call read_value(command_line, option_names(option), name, argument(i), error)
+         value = argument(i)
       end if
-   end subroutine read_option
-
-   !> Whether an option without a value is given.
-   pure logical function command_line_asks(self, option) result(asks)
-      class(command_line_t), intent(in) :: self !! what the command line asks for
-      character(*), intent(in) :: option !! the option
-
-      asks = any(self%is_given .and. option_names == option)
-   end function command_line_asks
-
-   !> Reads the value of an option.
-   subroutine read_value(command_line, option, name, value, error)
-      type(command_line_t), intent(inout) :: command_line !! gains what the option asks for
-      character(*), intent(in) :: option !! the option
-      character(*), intent(in) :: name !! the option as written
-      character(*), intent(in) :: value !! its value
-      type(error_t), allocatable, intent(out) :: error !! it is missing or wrong
-      character(:), allocatable :: expected
-      type(setting_t) :: setting
-      integer :: n_refinements
-      logical :: ok
-
-      select case (option)
+      select case (option_names(option))
       case ('--output')
          expected = 'the name of a directory'
          command_line%output = value
@@ -164,7 +145,15 @@ contains
       end select
       if (.not. ok) call new_error(error, input_refused, 'amontons: '//name//' expects '//expected//", found '"// &
          value//"'")
-   end subroutine read_value
+   end subroutine read_option
+
+   !> Whether an option without a value is given.
+   pure logical function command_line_asks(self, option) result(asks)
+      class(command_line_t), intent(in) :: self !! what the command line asks for
+      character(*), intent(in) :: option !! the option
+
+      asks = any(self%is_given .and. option_names == option)
+   end function command_line_asks
 
    !> What the message about an unknown option adds: the option that other programs call so, one that is near, or the
    !> only one that begins like it.
@@ -187,22 +176,6 @@ contains
          text = '; try amontons --help'
       end if
    end function suggestion
-
-   !> Appends a word to a list.
-   pure subroutine append_argument(list, word)
-      type(argument_t), allocatable, intent(inout) :: list(:) !! the list
-      character(*), intent(in) :: word !! the word
-      type(argument_t), allocatable :: longer(:)
-      integer :: i
-
-      ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
-      allocate (longer(size(list) + 1))
-      do i = 1, size(list)
-         call move_alloc(list(i)%text, longer(i)%text)
-      end do
-      longer(size(longer))%text = word
-      call move_alloc(longer, list)
-   end subroutine append_argument
 
    !> A word of the command line; empty past the end.
    function argument(i) result(word)

@@ -1,14 +1,14 @@
 !> What --help, --version and --reference print: the options, the build, the groups of a deck and their keys.
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
-   use amontons_command_line, only: argument_t
    use amontons_config, only: reference_text
    use amontons_distributed, only: mpi_text
    use amontons_error, only: error_t
    use amontons_messages, only: print_error
    use amontons_suitesparse, only: suitesparse_text
+   use amontons_system, only: file_name_t
    use amontons_terminal, only: print_line, standard_output
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: as_lines, newline, to_text
    use amontons_threads, only: blas_text, n_threads, openmp_date
    use amontons_version, only: build_type, version
    implicit none (type, external)
@@ -16,16 +16,14 @@ module amontons_help
 
    public :: help_text, print_reference, version_text
 
-   !> Most characters of a line of help.
-   integer, parameter :: width = 82
-
 contains
 
-   !> What --help prints.
+   !> What --help prints: usage, files, options, a first deck and what to do with it.
    pure function help_text() result(text)
       character(:), allocatable :: text
+      integer, parameter :: width = 82
 
-      text = joined([character(width) :: &
+      text = as_lines([character(width) :: &
          'amontons: plane contact with Coulomb friction by the dual method', &
          '', &
          'Usage: amontons [options] DECK...', &
@@ -54,22 +52,6 @@ contains
          'Decks whose mesh, material, supports and contact sets agree share one', &
          'factorization when they follow each other.', &
          '', &
-         option_lines(), &
-         '', &
-         example_lines(), &
-         '', &
-         'Exit status: 0 solved; 1 input refused; 2 no equilibrium, or numerical failure;', &
-         '3 cannot write, or an internal fault; 4 not converged or not certified, a case of', &
-         'a sweep or a step of a history included (files are written and marked); 5 a sweep', &
-         'or a history was interrupted (the same command goes on with it). The largest of', &
-         'all decks counts. More: man amontons'])
-   end function help_text
-
-   !> The options.
-   pure function option_lines() result(lines)
-      character(width), allocatable :: lines(:)
-
-      lines = [character(width) :: &
          'Options:', &
          '  --output DIR     where the files go (made if missing; default: the current', &
          '                   directory); -o too', &
@@ -96,14 +78,8 @@ contains
          '                   meaning, or those of groups: amontons --reference mesh contact', &
          '  --help           print this text; -h too', &
          '  --version        print the version and how the program was built', &
-         '  --               what follows are decks']
-   end function option_lines
-
-   !> A first deck, and what to do with it.
-   pure function example_lines() result(lines)
-      character(width), allocatable :: lines(:)
-
-      lines = [character(width) :: &
+         '  --               what follows are decks', &
+         '', &
          'A first deck, block.nml: a block 4 by 2 is pressed on a floor and drawn along it.', &
          '', &
          '  &mesh size = 4.0, 2.0  cells = 16, 8 /', &
@@ -117,15 +93,22 @@ contains
          '  amontons --check block.nml               check it and print its size', &
          '  amontons --output results --quiet *.nml  a batch; only errors are printed', &
          "  sed 's/0.3/0.5/' block.nml | amontons -  a deck from another program: stdin.lst", &
-         '  amontons --write-reduced block.nml       its contact problem for other solvers']
-   end function example_lines
+         '  amontons --write-reduced block.nml       its contact problem for other solvers', &
+         '', &
+         'Exit status: 0 solved; 1 input refused; 2 no equilibrium, or numerical failure;', &
+         '3 cannot write, or an internal fault; 4 not converged or not certified, a case of', &
+         'a sweep or a step of a history included (files are written and marked); 5 a sweep', &
+         'or a history was interrupted (the same command goes on with it). The largest of', &
+         'all decks counts. More: man amontons'])
+      text = text(:len(text) - 1)
+   end function help_text
 
    !> What --version prints: the version and what a report of a fault should say about the build.
    function version_text() result(text)
       character(:), allocatable :: text
       integer, parameter :: build_width = 200
 
-      text = joined([character(build_width) :: &
+      text = as_lines([character(build_width) :: &
          'amontons '//version, &
          'compiler     '//compiler_version(), &
          'build type   '//build_type, &
@@ -133,51 +116,31 @@ contains
          'SuiteSparse  '//suitesparse_text(), &
          'MPI          '//mpi_text(), &
          'OpenMP       '//to_text(openmp_date)//', '//to_text(n_threads())//' threads'])
+      text = text(:len(text) - 1)
    end function version_text
-
-   !> Lines as one text, their trailing blanks cut, without the end of the last one.
-   pure function joined(lines) result(text)
-      character(*), intent(in) :: lines(:) !! the lines
-      character(:), allocatable :: text
-      integer :: i
-
-      text = trim(lines(1))
-      do i = 2, size(lines)
-         text = text//newline//trim(lines(i))
-      end do
-   end function joined
 
    !> Prints the reference of the groups named, or of all groups where none is.
    subroutine print_reference(groups, status, error)
-      type(argument_t), intent(in) :: groups(:) !! names of the groups
+      type(file_name_t), intent(in) :: groups(:) !! names of the groups
       integer, intent(out) :: status !! exit status
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
+      type(error_t), allocatable :: unknown
+      character(:), allocatable :: name, text
       integer :: i
 
       status = 0
-      if (size(groups) == 0) call print_group('', '', status, error)
-      do i = 1, size(groups)
-         call print_group(groups(i)%text, repeat(new_line('a'), merge(1, 0, i > 1)), status, error)
-         if (allocated(error)) return
+      name = ''
+      do i = 1, max(1, size(groups))
+         if (size(groups) > 0) name = groups(i)%text
+         call reference_text(name, text, unknown)
+         if (allocated(unknown)) then
+            call print_error('amontons: '//unknown%message)
+            status = max(status, unknown%kind)
+         else
+            call print_line(standard_output, repeat(newline, merge(1, 0, i > 1))//text, error)
+            if (allocated(error)) return
+         end if
       end do
    end subroutine print_reference
-
-   !> Prints the reference of one group.
-   subroutine print_group(name, before, status, error)
-      character(*), intent(in) :: name !! its name; empty for all groups
-      character(*), intent(in) :: before !! what separates it from the group before
-      integer, intent(inout) :: status !! exit status, raised where there is no such group
-      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
-      type(error_t), allocatable :: unknown
-      character(:), allocatable :: text
-
-      call reference_text(name, text, unknown)
-      if (allocated(unknown)) then
-         call print_error('amontons: '//unknown%message)
-         status = max(status, unknown%kind)
-      else
-         call print_line(standard_output, before//text, error)
-      end if
-   end subroutine print_group
 
 end module amontons_help

@@ -75,20 +75,38 @@ contains
       end associate
    end function progress_is_stopped
 
-   !> Shows how far the study is.
+   !> Shows how far the study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12
+   !> left'.
    subroutine progress_report(self, n_done, n_cases, things)
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
       character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
+      real(dp), parameter :: longest = 3.6e8_dp, hundred = 100.0_dp
+      character(:), allocatable :: text
+      character(8) :: minutes
+      real(dp) :: rate, seconds
+      integer :: left
 
       if (self%n_before < 0) then
          self%n_before = n_done
          self%start = wall_seconds()
          call hold_interrupts()
       end if
-      call note_work(progress_text(n_done, n_cases, things, n_done - self%n_before, wall_seconds() - self%start), &
-         is_timed=.false.)
+      text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
+      seconds = wall_seconds() - self%start
+      if (n_done > self%n_before .and. seconds > 0.0_dp) then
+         rate = (n_done - self%n_before)/seconds
+         left = nint(min(longest, (n_cases - n_done)/rate))
+         write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
+         if (rate >= hundred) then
+            text = text//', '//to_text(nint(rate))
+         else
+            text = text//', '//to_text(real(nint(rate*hundred), dp)/hundred)
+         end if
+         text = text//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
+      end if
+      call note_work(text, is_timed=.false.)
    end subroutine progress_report
 
    !> Shows how far the fields are.
@@ -108,32 +126,5 @@ contains
 
       if (self%n_before >= 0) call release_interrupts()
    end subroutine progress_finish
-
-   !> How far a study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12 left'.
-   pure function progress_text(n_done, n_cases, things, n_timed, seconds) result(text)
-      integer, intent(in) :: n_done !! cases done
-      integer, intent(in) :: n_cases !! all cases
-      character(*), intent(in) :: things !! what they are
-      integer, intent(in) :: n_timed !! those of the cases done that the time counts for
-      real(dp), intent(in) :: seconds !! the time [s]
-      character(:), allocatable :: text
-      real(dp), parameter :: longest = 3.6e8_dp
-      real(dp), parameter :: hundred = 100.0_dp
-      character(8) :: minutes
-      real(dp) :: rate
-      integer :: left
-
-      text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
-      if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
-      left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
-      write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
-      rate = n_timed/seconds
-      if (rate >= hundred) then
-         text = text//', '//to_text(nint(rate))
-      else
-         text = text//', '//to_text(real(nint(rate*hundred), dp)/hundred)
-      end if
-      text = text//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
-   end function progress_text
 
 end module amontons_messages

@@ -21,6 +21,7 @@ contains
       type(command_line_t), intent(in) :: command_line !! the directories, and the options
       integer, intent(out) :: status !! 0 if all are verified and certified
       type(file_name_t), allocatable :: names(:)
+      type(verdict_t) :: verdict
       type(cache_t) :: cache
       type(error_t), allocatable :: error
       type(fault_list_t) :: faults
@@ -32,8 +33,18 @@ contains
             call find_cases(names, directory, error)
             if (.not. allocated(error)) then
                do k = 1, size(names)
-                  call verify_one(command_line, cache, directory, names(k)%text, status, error)
-                  if (allocated(error)) exit
+                  call verify_files(verdict, cache, directory, names(k)%text)
+                  if (verdict%is_verified .and. verdict%is_certified) then
+                     call print_info(command_line, names(k)%text//': verified'//verdict%remark, error)
+                     if (allocated(error)) exit
+                  else
+                     status = max(status, status_not_converged)
+                     if (verdict%is_verified) then
+                        call print_error(names(k)%text//': as it was written, but not converged or not certified')
+                     else
+                        call print_error(names(k)%text//': NOT VERIFIED'//newline//verdict%faults)
+                     end if
+                  end if
                end do
                call check_collection(faults, directory)
                if (faults%n > 0) then
@@ -47,28 +58,5 @@ contains
          status = max(status, error%kind)
       end do
    end subroutine verify_directories
-
-   !> Verifies a case and prints what was found.
-   subroutine verify_one(command_line, cache, directory, name, status, error)
-      type(command_line_t), intent(in) :: command_line !! the options
-      type(cache_t), intent(inout) :: cache !! what cases share
-      character(*), intent(in) :: directory !! the directory
-      character(*), intent(in) :: name !! name of the case
-      integer, intent(inout) :: status !! exit status so far
-      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
-      type(verdict_t) :: verdict
-
-      call verify_files(verdict, cache, directory, name)
-      if (verdict%is_verified .and. verdict%is_certified) then
-         call print_info(command_line, name//': verified'//verdict%remark, error)
-         return
-      end if
-      status = max(status, status_not_converged)
-      if (verdict%is_verified) then
-         call print_error(name//': as it was written, but not converged or not certified')
-      else
-         call print_error(name//': NOT VERIFIED'//newline//verdict%faults)
-      end if
-   end subroutine verify_one
 
 end module amontons_run_verify

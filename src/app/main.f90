@@ -37,7 +37,20 @@ program main
    if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
    call set_threads(command_line%n_threads)
    if (rank == 0) then
-      if (.not. allocated(error)) call obey(command_line, status, error)
+      status = 0
+      if (.not. allocated(error)) then
+         if (command_line%asks('--help')) then
+            call print_line(standard_output, help_text(), error)
+         else if (command_line%asks('--version')) then
+            call print_line(standard_output, version_text(), error)
+         else if (command_line%asks('--reference')) then
+            call print_reference(command_line%decks, status, error)
+         else if (command_line%asks('--verify')) then
+            call verify_directories(command_line, status)
+         else
+            call run_decks(command_line, status)
+         end if
+      end if
       if (allocated(error)) then
          call print_error(error%message)
          status = error%kind
@@ -49,27 +62,5 @@ program main
    end if
    call end_ranks()
    call c_exit(int(status, c_int))
-
-contains
-
-   !> Does what the command line asks for.
-   subroutine obey(command_line, status, error)
-      type(command_line_t), intent(in) :: command_line !! the command line
-      integer, intent(out) :: status !! exit status
-      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
-
-      status = 0
-      if (command_line%asks('--help')) then
-         call print_line(standard_output, help_text(), error)
-      else if (command_line%asks('--version')) then
-         call print_line(standard_output, version_text(), error)
-      else if (command_line%asks('--reference')) then
-         call print_reference(command_line%decks, status, error)
-      else if (command_line%asks('--verify')) then
-         call verify_directories(command_line, status)
-      else
-         call run_decks(command_line, status)
-      end if
-   end subroutine obey
 
 end program main

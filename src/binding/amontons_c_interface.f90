@@ -3,13 +3,16 @@
 !> Calls from several threads wait for each other: gfortran 12 keeps the length of a text that a function returns in one
 !> place for all threads.
 module amontons_c_interface
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
-   use amontons_c_text, only: begin_call, end_call, put_c_text, text_of_c
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
+      c_null_ptr, c_ptr
    use amontons_config, only: config_t, read_config, read_config_text
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_load_stepper, only: load_stepper_t, new_load_stepper
    use amontons_methods, only: method_options_t
    use amontons_new_study, only: new_study
    use amontons_reduced_system, only: new_dense_system, reduced_system_t
+   use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_study, only: find_exit_status, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
@@ -19,12 +22,58 @@ module amontons_c_interface
    implicit none (type, external)
    private
 
+   public :: put_c_text, text_of_c
+
    !> The version as C wants it.
    character(*, c_char), parameter :: version_of_c = version//c_null_char
    character(c_char), target :: version_text(len(version_of_c)) = &
       transfer(version_of_c, [c_null_char], len(version_of_c))
 
+   interface
+      !> Waits until no other call runs, and gives the BLAS one thread.
+      subroutine begin_call() bind(c, name='amontons_begin_call')
+         implicit none (type, external)
+      end subroutine begin_call
+
+      !> Lets the next call run.
+      subroutine end_call() bind(c, name='amontons_end_call')
+         implicit none (type, external)
+      end subroutine end_call
+   end interface
+
 contains
+
+   !> The text that a C program passes.
+   pure function text_of_c(c_text) result(text)
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: c_text(*) !! the characters, up to a zero
+      character(:), allocatable :: text
+      integer :: i, length
+
+      length = 0
+      do while (c_text(length + 1) /= c_null_char)
+         length = length + 1
+      end do
+      allocate (character(length) :: text)
+      do i = 1, length
+         text(i:i) = c_text(i)
+      end do
+   end function text_of_c
+
+   !> Puts a text into the room that a C program offers, cut if need be, with a zero behind it.
+   pure subroutine put_c_text(text, size, c_text)
+      character(*), intent(in) :: text !! the text
+      integer(c_int), intent(in) :: size !! the room, zero included; nothing is written if there is none
+      character(c_char), intent(inout) :: c_text(size) !! takes the text
+      integer :: i, length
+
+      if (size < 1) return
+      length = min(len(text), int(size) - 1)
+      do i = 1, length
+         c_text(i) = text(i:i)
+      end do
+      c_text(length + 1) = c_null_char
+   end subroutine put_c_text
 
    !> The version.
    function amontons_version_text() bind(c, name='amontons_version_text') result(address)
@@ -61,18 +110,32 @@ contains
       character(c_char), intent(inout) :: message(message_size) !! what went wrong
       integer(c_int) :: code
       type(method_options_t) :: options
+      type(reduced_system_t) :: system
       type(reduced_result_t) :: result
       character(:), allocatable :: sentence
       type(error_t), allocatable :: error
+      integer :: exit_status
 
       call begin_call()
       if (present(method)) options%method = text_of_c(method)
-      call choose(options, int(n_contacts), tolerance, int(max_iterations), error)
-      if (.not. allocated(error)) call solve_arrays(w, q, mu, options, result, code, sentence, error)
+      if (n_contacts < 0) then
+         call new_error(error, input_refused, 'n_contacts must be at least 0, found '//to_text(int(n_contacts)))
+      else if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
+         call new_error(error, input_refused, 'tolerance must lie above 0 and below 1, or be 0 for the default')
+      else if (max_iterations < 0) then
+         call new_error(error, input_refused, 'max_iterations must be at least 1, or 0 for the default')
+      end if
+      if (tolerance > 0.0_c_double) options%tolerance = tolerance
+      if (max_iterations > 0) options%max_iterations = int(max_iterations)
+      if (.not. allocated(error)) call new_dense_system(system, w, q, mu, error)
+      if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
       if (allocated(error)) then
          code = int(error%kind, c_int)
          sentence = error%message
       else
+         call find_exit_status(result%solution%is_converged, result%solution%residual, result%check%largest(), &
+            options%tolerance, exit_status, sentence)
+         code = int(exit_status, c_int)
          r = result%system%r
          u = result%system%u
          status = int(result%solution%status, c_int)
@@ -82,46 +145,6 @@ contains
       call put_c_text(sentence, message_size, message)
       call end_call()
    end function amontons_solve_reduced_problem
-
-   !> Solves a reduced problem from arrays and judges the solution.
-   subroutine solve_arrays(w, q, mu, options, result, code, sentence, error)
-      real(c_double), intent(in) :: w(:, :) !! W [L/F]
-      real(c_double), intent(in) :: q(:) !! u without forces [L]
-      real(c_double), intent(in) :: mu(:) !! coefficients of friction [-]
-      type(method_options_t), intent(in) :: options !! the method
-      type(reduced_result_t), intent(out) :: result !! the result
-      integer(c_int), intent(out) :: code !! 0 or `status_not_converged`
-      character(:), allocatable, intent(out) :: sentence !! what the solution lacks; empty if nothing
-      type(error_t), allocatable, intent(out) :: error !! the arrays or the numbers are at fault
-      type(reduced_system_t) :: system
-      integer :: status
-
-      call new_dense_system(system, w, q, mu, error)
-      if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
-      if (allocated(error)) return
-      call find_exit_status(result%solution%is_converged, result%solution%residual, result%check%largest(), &
-         options%tolerance, status, sentence)
-      code = int(status, c_int)
-   end subroutine solve_arrays
-
-   !> Checks single numbers among the arguments, and puts the options of a method in place of the defaults.
-   pure subroutine choose(options, n_contacts, tolerance, max_iterations, error)
-      type(method_options_t), intent(inout) :: options !! the options, with their defaults
-      integer, intent(in) :: n_contacts !! number of contacts
-      real(c_double), intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
-      integer, intent(in) :: max_iterations !! most iterations; 0 for the default
-      type(error_t), allocatable, intent(out) :: error !! an option out of its range
-
-      if (n_contacts < 0) then
-         call new_error(error, input_refused, 'n_contacts must be at least 0, found '//to_text(n_contacts))
-      else if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
-         call new_error(error, input_refused, 'tolerance must lie above 0 and below 1, or be 0 for the default')
-      else if (max_iterations < 0) then
-         call new_error(error, input_refused, 'max_iterations must be at least 1, or 0 for the default')
-      end if
-      if (tolerance > 0.0_c_double) options%tolerance = tolerance
-      if (max_iterations > 0) options%max_iterations = max_iterations
-   end subroutine choose
 
    !> Solves a deck and writes its files.
    function amontons_solve_deck(deck, directory, name, name_size, message, message_size) &
@@ -199,5 +222,101 @@ contains
       options%directory = directory
       call solve_study(study, cache, options, monitor, outcome)
    end subroutine run_deck
+
+   !> Makes a stepper.
+   ! allow(S902): C has no types that would gather these sizes
+   function amontons_new_stepper(text, deck, settings, stepper, n_changes, n_points, n_state, columns, columns_size, &
+      message, message_size) bind(c, name='amontons_new_stepper') result(code)
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: text(*) !! the deck
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: deck(*) !! name of the deck
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: settings(*) !! settings, one a line
+      type(c_ptr), intent(out) :: stepper !! the stepper; null if there is none
+      integer(c_int), intent(out) :: n_changes !! how many numbers change
+      integer(c_int), intent(out) :: n_points !! number of contact points
+      integer(c_int), intent(out) :: n_state !! how many numbers a state has
+      integer(c_int), value, intent(in) :: columns_size !! room in columns
+      character(c_char), intent(inout) :: columns(columns_size) !! names of the numbers of a step
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
+      type(load_stepper_t), pointer :: made
+      type(config_t) :: config
+      type(error_t), allocatable :: error
+
+      call begin_call()
+      stepper = c_null_ptr
+      allocate (made)
+      call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
+      if (.not. allocated(error)) call new_load_stepper(made, config, error)
+      n_changes = int(made%n_changes, c_int)
+      n_points = int(made%n_points, c_int)
+      n_state = int(made%n_state, c_int)
+      if (allocated(error)) then
+         deallocate (made)
+         code = int(error%kind, c_int)
+         call put_c_text(error%message, message_size, message)
+      else
+         code = 0
+         stepper = c_loc(made)
+         call put_c_text(made%columns, columns_size, columns)
+         call put_c_text('', message_size, message)
+      end if
+      call end_call()
+   end function amontons_new_stepper
+
+   !> Takes a step.
+   ! allow(S902): C has no types that would gather these arrays
+   function amontons_step(stepper, time, n_changes, changes, n_state, before, after, n_columns, columns, n_points, &
+      status, message, message_size) bind(c, name='amontons_step') result(code)
+      type(c_ptr), value, intent(in) :: stepper !! the stepper
+      real(c_double), value, intent(in) :: time !! the time at the end of the step [-]
+      integer(c_int), value, intent(in) :: n_changes !! how many numbers change
+      real(c_double), intent(in) :: changes(n_changes) !! the numbers of all `&steps`
+      integer(c_int), value, intent(in) :: n_state !! how many numbers a state has
+      real(c_double), intent(in) :: before(n_state) !! the state at the beginning
+      real(c_double), intent(inout) :: after(n_state) !! the state at the end
+      integer(c_int), value, intent(in) :: n_columns !! how many numbers of the step are wanted
+      real(c_double), intent(inout) :: columns(n_columns) !! the first of them
+      integer(c_int), value, intent(in) :: n_points !! room in status
+      integer(c_int), intent(inout) :: status(n_points) !! status of each contact point
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
+      type(load_stepper_t), pointer :: made
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: state(:), numbers(:)
+      integer, allocatable :: statuses(:)
+      logical :: is_converged
+
+      call begin_call()
+      call c_f_pointer(stepper, made)
+      call made%step(time, changes, before, state, numbers, statuses, is_converged, error)
+      if (allocated(error)) then
+         code = int(error%kind, c_int)
+         call put_c_text(error%message, message_size, message)
+      else
+         after = state
+         associate (n => min(n_columns, size(numbers, kind=c_int)), m => min(n_points, size(statuses, kind=c_int)))
+            columns(:n) = numbers(:n)
+            status(:m) = int(statuses(:m), c_int)
+         end associate
+         code = merge(0_c_int, int(status_not_converged, c_int), is_converged)
+         call put_c_text(trim(merge('              ', 'not converged ', is_converged)), message_size, message)
+      end if
+      call end_call()
+   end function amontons_step
+
+   !> Gives a stepper up.
+   subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')
+      type(c_ptr), value, intent(in) :: stepper !! the stepper; null for none
+      type(load_stepper_t), pointer :: made
+
+      if (.not. c_associated(stepper)) return
+      call c_f_pointer(stepper, made)
+      deallocate (made)
+   end subroutine amontons_free_stepper
 
 end module amontons_c_interface

@@ -2,6 +2,7 @@
 module amontons_csv_table
    use amontons_error, only: error_t
    use amontons_input_file, only: read_text_file
+   use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_text, only: newline, read_real, to_text
    implicit none (type, external)
@@ -15,7 +16,7 @@ module amontons_csv_table
       integer, public :: n_rows = 0 !! number of rows, the header not counted
       character(:), allocatable, public :: header !! its first line
       character(:), allocatable :: text !! the whole file
-      integer, allocatable :: start(:) !! where each row begins in it, and where the file ends (n_rows + 1)
+      type(integer_list_t) :: start !! where each row begins in it, and where the file ends (n_rows + 1)
    contains
       procedure, public :: field => csv_table_field
       procedure, public :: column => csv_table_column
@@ -53,7 +54,10 @@ contains
       if (len(fault) > 0) return
       n = count_commas(table%header) + 1
       if (present(n_columns)) n = n_columns
-      call find_rows(table, len(table%header) + 2)
+      do i = len(table%header) + 1, len(table%text)
+         if (table%text(i:i) == newline) call table%start%append(i + 1)
+      end do
+      table%n_rows = table%start%n - 1
       do i = 1, table%n_rows
          n_commas = count_commas(table%row(i))
          if (n_commas == n - 1) cycle
@@ -61,27 +65,6 @@ contains
          return
       end do
    end subroutine read_csv_table
-
-   !> Finds where the rows begin.
-   pure subroutine find_rows(table, first)
-      type(csv_table_t), intent(inout) :: table !! the table
-      integer, intent(in) :: first !! where the first row begins
-      integer :: i, n
-
-      n = 0
-      do i = first, len(table%text)
-         if (table%text(i:i) == newline) n = n + 1
-      end do
-      table%n_rows = n
-      allocate (table%start(n + 1))
-      table%start(1) = first
-      n = 1
-      do i = first, len(table%text)
-         if (table%text(i:i) /= newline) cycle
-         n = n + 1
-         table%start(n) = i + 1
-      end do
-   end subroutine find_rows
 
    !> Number of commas in a text.
    pure integer function count_commas(text) result(n)
@@ -109,7 +92,7 @@ contains
       integer, intent(in) :: row !! which row
       character(:), allocatable :: text
 
-      text = self%text(self%start(row):self%start(row + 1) - 2)
+      text = self%text(self%start%item(row):self%start%item(row + 1) - 2)
    end function csv_table_row
 
    !> A field.
@@ -120,7 +103,7 @@ contains
       character(:), allocatable :: text
       integer :: first, i
 
-      first = self%start(row)
+      first = self%start%item(row)
       do i = 2, column
          first = first + index(self%text(first:), ',')
       end do

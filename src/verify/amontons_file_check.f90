@@ -3,7 +3,7 @@
 !> written can hand them over to a `vtk_check_t`, which compares.
 module amontons_file_check
    use amontons_config, only: config_t
-   use amontons_document, only: document_t, part_t
+   use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp, int32, int64
@@ -15,7 +15,7 @@ module amontons_file_check
    private
 
    public :: agree, check_collection, compare_collection, compare_line, contradiction, first_disagreement, &
-      new_vtk_check, read_array, read_displacement, verified_case_t, vtk_check_t
+      new_vtk_check, read_array, verified_case_t, vtk_check_t
 
    !> Characters that separate words.
    character(*), parameter :: separators = ' (),;:{}[]'
@@ -27,8 +27,6 @@ module amontons_file_check
 
    !> Bytes that are searched for the markup of an array at a time.
    integer(int64), parameter :: block_size = 65536_int64
-   !> Components of a vector.
-   integer, parameter :: n_space = 3
 
    !> A grid being compared. After a fault in the markup or in the length of an array the rest is not looked at.
    type, extends(vtk_file_t) :: vtk_check_t
@@ -68,9 +66,10 @@ contains
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: stem !! directory and name of the case
       type(document_t), intent(in) :: document !! what should stand in the file
-      character(:), allocatable :: stated, path
+      character(:), allocatable :: stated, path, fault, header, head
       type(error_t), allocatable :: error
-      integer :: at, i, k
+      real(dp) :: least_difference
+      integer :: at, i, k, first, last, last_stated, number
       logical :: is_skipping
 
       path = stem//document%ending
@@ -79,6 +78,10 @@ contains
          call faults%add(path, 'cannot be read')
          return
       end if
+      least_difference = merge(rounding, 0.0_dp, document%ending == '.lst')
+      header = ''
+      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
+         - 1)
       at = 1
       is_skipping = .false.
       do i = 1, document%n
@@ -86,61 +89,46 @@ contains
             is_skipping = is_skipping .or. part%is_recorded
             if (part%is_recorded) cycle
             if (is_skipping) then
-               k = index(stated(max(1, at - 1):), head_of(part%text))
+               head = head_of(part%text)
+               k = index(stated(max(1, at - 1):), head)
                if (k == 0) then
-                  call faults%add(path, "'"//name_of(head_of(part%text))//"' is missing")
+                  ! The head without quotes, blanks and line ends.
+                  head = head(2:len(head) - 1)
+                  if (index(head, '  "') == 1) head = head(4:index(head, '":') - 1)
+                  call faults%add(path, "'"//head//"' is missing")
                   cycle
                end if
                at = max(1, at - 1) + k - 1
                ! The line end before a member belongs to the line before it.
                if (part%text(1:1) /= newline) at = at + 1
             end if
-            call compare_part(faults, path, stated, at, part, document, is_skipping)
+            ! Compares the lines of the part. Where they have other words, the rest of it is passed over.
+            is_skipping = .false.
+            first = 1
+            number = line_number(stated, at)
+            do while (first <= len(part%text) .and. .not. is_skipping)
+               last = line_end(part%text, first)
+               if (at > len(stated)) then
+                  call faults%add(path, "it ends before the line '"//part%text(first:last)//"'")
+                  is_skipping = .true.
+                  cycle
+               end if
+               last_stated = line_end(stated, at)
+               call compare_line(fault, stated(at:last_stated), part%text(first:last), header, part%scales, &
+                  least_difference, is_skipping)
+               if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
+               ! A listing says the same thing several times: the first line of a part is enough.
+               is_skipping = is_skipping .or. (len(fault) > 0 .and. document%ending == '.lst')
+               if (is_skipping) cycle
+               first = last + 2
+               at = last_stated + 2
+               number = number + 1
+            end do
          end associate
       end do
       if (.not. is_skipping .and. at <= len(stated)) call faults%add(path//':'//to_text(line_number(stated, at)), &
          'nothing follows here from the other files')
    end subroutine compare_document
-
-   !> Compares the lines of a part. Where they have other words, the rest of it is passed over.
-   subroutine compare_part(faults, path, stated, at, part, document, is_lost)
-      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
-      character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: stated !! its text
-      integer, intent(inout) :: at !! where the part begins in it; behind the part on return
-      type(part_t), intent(in) :: part !! what should stand there
-      type(document_t), intent(in) :: document !! the whole document
-      logical, intent(out) :: is_lost !! whether the lines do not belong to each other
-      character(:), allocatable :: fault, header
-      real(dp) :: least_difference
-      integer :: first, last, last_stated, number
-
-      least_difference = merge(rounding, 0.0_dp, document%ending == '.lst')
-      is_lost = .false.
-      header = ''
-      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
-         - 1)
-      first = 1
-      number = line_number(stated, at)
-      do while (first <= len(part%text))
-         last = line_end(part%text, first)
-         if (at > len(stated)) then
-            call faults%add(path, "it ends before the line '"//part%text(first:last)//"'")
-            is_lost = .true.
-            return
-         end if
-         last_stated = line_end(stated, at)
-         call compare_line(fault, stated(at:last_stated), part%text(first:last), header, part%scales, &
-            least_difference, is_lost)
-         if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
-         ! A listing says the same thing several times: the first line of a part is enough.
-         is_lost = is_lost .or. (len(fault) > 0 .and. document%ending == '.lst')
-         if (is_lost) return
-         first = last + 2
-         at = last_stated + 2
-         number = number + 1
-      end do
-   end subroutine compare_part
 
    !> Compares two lines.
    pure subroutine compare_line(fault, stated, computed, header, scales, least_difference, is_lost)
@@ -218,10 +206,7 @@ contains
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: shorter
 
-      shorter = text
-      if (len(text) > 0) then
-         if (text(len(text):) == ',') shorter = text(:len(text) - 1)
-      end if
+      shorter = text(:len(text) - merge(1, 0, scan(text, ',', back=.true.) == len(text)))
    end function without_comma
 
    !> The place of the next sign that is no blank; behind the end of the line if there is none.
@@ -296,15 +281,6 @@ contains
       end if
    end function head_of
 
-   !> The head of a part without quotes, blanks and line ends.
-   pure function name_of(head) result(name)
-      character(*), intent(in) :: head !! the head
-      character(:), allocatable :: name
-
-      name = head(2:len(head) - 1)
-      if (index(name, '  "') == 1) name = name(4:index(name, '":') - 1)
-   end function name_of
-
    !> Number of the line that a place of a text is in.
    pure integer function line_number(text, place)
       character(*), intent(in) :: text !! the text
@@ -368,10 +344,12 @@ contains
    subroutine check_collection(faults, directory)
       type(fault_list_t), intent(inout) :: faults !! gains what is wrong
       character(*), intent(in) :: directory !! the directory
-      character(:), allocatable :: path, text, stem
+      character(*), parameter :: before_number = '<DataSet timestep="', &
+         behind_number = '" part="0" name="body" file="', behind_stem = '.vtu"/>'
+      character(:), allocatable :: path, text, stem, entries
       type(error_t), allocatable :: error
-      integer :: at, number, last_number
-      logical :: is_there
+      integer :: at, number, last_number, first, middle, last
+      logical :: is_there, ok
 
       path = directory//'/cases.pvd'
       inquire (file=path, exist=is_there)
@@ -383,11 +361,19 @@ contains
       last_number = 0
       do while (at > 1 .and. at <= len(text))
          if (text(at:) == collection_tail) return
-         call read_case(text, at, number, stem)
-         if (len(stem) == 0 .or. number <= last_number) exit
+         ! Reads the number and the files of the next case.
+         first = at + index(text(at:), before_number) + len(before_number) - 1
+         middle = first + index(text(first:), behind_number) - 1
+         last = middle + index(text(middle + 1:), behind_stem)
+         call read_integer(text(first:middle - 1), number, ok)
+         if (.not. ok .or. number <= last_number .or. last <= middle + len(behind_number)) exit
+         stem = text(middle + len(behind_number):last - 1)
+         stem = replaced(replaced(replaced(stem, '&quot;', '"'), '&lt;', '<'), '&amp;', '&')
+         entries = case_entries(to_text(number), stem)
+         if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) exit
          call expect_file(stem//'.vtu')
          call expect_file(stem//'.contact.vtu')
-         at = at + len(case_entries(to_text(number), stem))
+         at = at + len(entries)
          last_number = number
       end do
       call faults%add(path, 'not as the program writes a collection, from byte '//to_text(at)//' on')
@@ -418,30 +404,6 @@ contains
       if (is_same) is_same = text == collection_head//entries//collection_tail
       if (.not. is_same) call faults%add(path, 'it does not list the grids that it should, in their order')
    end subroutine compare_collection
-
-   !> Reads the number and the files of the next case.
-   pure subroutine read_case(text, at, number, stem)
-      character(*), intent(in) :: text !! the collection
-      integer, intent(in) :: at !! where the case stands
-      integer, intent(out) :: number !! its number
-      character(:), allocatable, intent(out) :: stem !! name of its files without endings; empty if there is no case
-      character(*), parameter :: before_number = '<DataSet timestep="', &
-         behind_number = '" part="0" name="body" file="', behind_stem = '.vtu"/>'
-      character(:), allocatable :: entries
-      integer :: first, middle, last
-      logical :: ok
-
-      stem = ''
-      first = at + index(text(at:), before_number) + len(before_number) - 1
-      middle = first + index(text(first:), behind_number) - 1
-      last = middle + index(text(middle + 1:), behind_stem)
-      call read_integer(text(first:middle - 1), number, ok)
-      if (.not. ok .or. last <= middle) return
-      stem = text(middle + len(behind_number):last - 1)
-      stem = replaced(replaced(replaced(stem, '&quot;', '"'), '&lt;', '<'), '&amp;', '&')
-      entries = case_entries(to_text(number), stem)
-      if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) stem = ''
-   end subroutine read_case
 
    !> Opens a grid.
    subroutine new_vtk_check(check, path, units)
@@ -602,19 +564,6 @@ contains
       if (n_components > 1) name = name//', component '//to_text(modulo(place - 1, n_components) + 1)
    end function entry_name
 
-   !> Reads the displacements from a grid of the body.
-   subroutine read_displacement(path, n_points, displacement, fault)
-      character(*), intent(in) :: path !! name of the file
-      integer, intent(in) :: n_points !! number of points that it should have
-      real(dp), allocatable, intent(out) :: displacement(:, :) !! the displacements (2, n_points) [L]
-      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      real(dp) :: vectors(n_space*n_points)
-
-      call read_array(path, 'displacement', n_space, vectors, fault)
-      if (len(fault) == 0) displacement = reshape([vectors(1::n_space), vectors(2::n_space)], [2, n_points], &
-         order=[2, 1])
-   end subroutine read_displacement
-
    !> Reads an array of reals from a grid.
    subroutine read_array(path, name, n_components, values, fault)
       character(*), intent(in) :: path !! name of the file
@@ -623,8 +572,9 @@ contains
       real(dp), intent(out) :: values(:) !! the values, those of one point together; 0 after a fault
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
       character(:), allocatable :: markup, bytes
-      integer(int64) :: first
-      integer :: unit
+      character(block_size) :: block
+      integer(int64) :: n_bytes, start, first
+      integer :: unit, status, found
       logical :: is_open
 
       values = 0.0_dp
@@ -636,7 +586,16 @@ contains
       markup = '<DataArray type="Float64" Name="'//name//'"'
       if (n_components > 1) markup = markup//' NumberOfComponents="'//to_text(n_components)//'"'
       markup = markup//' format="binary">'
-      first = place_behind(unit, markup)
+      first = 0
+      inquire (unit=unit, size=n_bytes)
+      ! Blocks overlap: the markup may lie across the end of one.
+      do start = 1_int64, n_bytes, block_size - len(markup)
+         block = ''
+         read (unit, pos=start, iostat=status) block(:min(block_size, n_bytes - start + 1))
+         found = index(block, markup)
+         if (found > 0) first = start - 1 + found + len(markup)
+         if (found > 0 .or. status /= 0) exit
+      end do
       if (first == 0) then
          fault = 'no '//name//' stands where it was written'
       else
@@ -646,26 +605,6 @@ contains
       end if
       close (unit)
    end subroutine read_array
-
-   !> The byte behind a piece of markup, from 1; 0 if the file does not hold it.
-   integer(int64) function place_behind(unit, markup) result(place)
-      integer, intent(in) :: unit !! the open file
-      character(*), intent(in) :: markup !! the markup
-      character(block_size) :: text
-      integer(int64) :: n_bytes, start
-      integer :: status, found
-
-      place = 0
-      inquire (unit=unit, size=n_bytes)
-      ! Blocks overlap: the markup may lie across the end of one.
-      do start = 1_int64, n_bytes, block_size - len(markup)
-         text = ''
-         read (unit, pos=start, iostat=status) text(:min(block_size, n_bytes - start + 1))
-         found = index(text, markup)
-         if (found > 0) place = start - 1 + found + len(markup)
-         if (found > 0 .or. status /= 0) return
-      end do
-   end function place_behind
 
    !> Reads the bytes of an array, which stand behind their number.
    subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)

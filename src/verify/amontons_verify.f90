@@ -89,6 +89,7 @@ contains
       character(*), intent(in) :: name !! name of the case
       type(verified_case_t) :: case
       type(manifest_t) :: manifest
+      type(error_t), allocatable :: error
       character(:), allocatable :: fault
 
       case%stem = directory//'/'//name
@@ -104,36 +105,28 @@ contains
                case%value('certificate', 'passed') == 'true'
             verdict%remark = ' by checksums alone; no deck: nothing was recomputed'
          else
-            call verify_contents(case, cache, name)
+            ! Checks the files of a case that comes from a deck against each other.
+            call read_config(case%config, case%stem//'.deck.nml', error)
+            if (allocated(error)) then
+               call case%fault('.deck.nml', error%message)
+            else
+               if (case%config%name /= name) call case%fault('.deck.nml', "it is the deck of case '"// &
+                  case%config%name//"'")
+               if (case%config%reduced%is_given) then
+                  call verify_reduced(case)
+               else if (case%config%history%is_given) then
+                  call verify_history(case, cache)
+               else if (case%config%sweep%is_given()) then
+                  call verify_sweep(case, cache)
+               else
+                  call verify_case(case, cache)
+               end if
+            end if
          end if
       end if
       verdict%is_certified = case%is_certified
       verdict%is_verified = case%faults%n == 0
       verdict%faults = case%faults%text()
    end subroutine verify_files
-
-   !> Checks the files of a case that comes from a deck against each other.
-   subroutine verify_contents(case, cache, name)
-      type(verified_case_t), intent(inout) :: case !! the case; gains its deck, the faults and the verdict
-      type(cache_t), intent(inout) :: cache !! the last body
-      character(*), intent(in) :: name !! name of the case
-      type(error_t), allocatable :: error
-
-      call read_config(case%config, case%stem//'.deck.nml', error)
-      if (allocated(error)) then
-         call case%fault('.deck.nml', error%message)
-         return
-      end if
-      if (case%config%name /= name) call case%fault('.deck.nml', "it is the deck of case '"//case%config%name//"'")
-      if (case%config%reduced%is_given) then
-         call verify_reduced(case)
-      else if (case%config%history%is_given) then
-         call verify_history(case, cache)
-      else if (case%config%sweep%is_given()) then
-         call verify_sweep(case, cache)
-      else
-         call verify_case(case, cache)
-      end if
-   end subroutine verify_contents
 
 end module amontons_verify

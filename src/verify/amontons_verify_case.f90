@@ -7,12 +7,12 @@
 !> displacements, one by one.
 module amontons_verify_case
    use amontons_body, only: body_t
-   use amontons_contact_check, only: check_statuses, contact_state_t, law_scales_t, new_law_scales, read_points
    use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
-   use amontons_file_check, only: agree, new_vtk_check, read_displacement, verified_case_t, vtk_check_t
+   use amontons_file_check, only: agree, new_vtk_check, read_array, verified_case_t, vtk_check_t
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
    use amontons_reduced_study, only: new_reduced_summary, reduced_documents
@@ -27,7 +27,22 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, restore_displacement, verify_answer, verify_case, verify_reduced, verify_result
+   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, restore_displacement, &
+      verify_answer, verify_case, verify_reduced, verify_result
+
+   !> Gaps, slips, forces and statuses of the contact points.
+   type :: contact_state_t
+      real(dp), allocatable :: gap(:) !! distance to the obstacle (m) [L]
+      real(dp), allocatable :: slip(:) !! tangential displacement (m) [L]
+      real(dp), allocatable :: force(:) !! normal forces, then tangential ones along the slip (2m) [F]
+      integer, allocatable :: status(:) !! statuses (m)
+   end type contact_state_t
+
+   !> Lengths and forces that count as zero beside the displacements and the forces of a case.
+   type :: law_scales_t
+      real(dp) :: length = 0.0_dp !! displacements up to this count as none [L]
+      real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
+   end type law_scales_t
 
 contains
 
@@ -96,16 +111,51 @@ contains
          max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(case%config%method%tolerance)
    end subroutine verify_result
 
+   !> Reads forces and statuses from a table of contact points.
+   subroutine read_points(path, n_points, force, status, fault)
+      character(*), intent(in) :: path !! name of the file
+      integer, intent(in) :: n_points !! number of contact points
+      real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (2 n_points) [F]
+      integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
+      character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
+      type(csv_table_t) :: rows
+      integer :: p, columns(3), i
+
+      allocate (force(2*n_points), status(n_points))
+      call read_csv_table(rows, path, fault=fault)
+      if (len(fault) == 0 .and. rows%n_rows /= n_points) fault = to_text(rows%n_rows)//' rows, but there are '// &
+         to_text(n_points)//' contact points'
+      if (len(fault) > 0) return
+      columns = [rows%column('normal_force'), rows%column('tangential_force'), rows%column('status')]
+      if (any(columns == 0)) fault = 'the first line is not the header of this table'
+      do p = 1, n_points
+         if (len(fault) > 0) return
+         call rows%get_number(p, columns(1), force(p), fault)
+         call rows%get_number(p, columns(2), force(n_points + p), fault)
+         ! Each status is one of the known names.
+         status(p) = 0
+         do i = 1, size(status_names)
+            if (rows%field(p, columns(3)) == trim(status_names(i))) status(p) = i
+         end do
+         if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
+            rows%field(p, columns(3))//"'"
+      end do
+   end subroutine read_points
+
    !> Reads the displacements of the nodes, and finds those of the contact points.
    subroutine restore_displacement(result, body, path, fault)
       type(result_t), intent(inout) :: result !! the load case; gains the displacements
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: path !! name of the grid of the body
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      integer, parameter :: n_space = 3
+      real(dp), allocatable :: vectors(:)
       integer :: m
 
-      call read_displacement(path, body%mesh%n_nodes, result%displacement, fault)
+      allocate (vectors(n_space*body%mesh%n_nodes))
+      call read_array(path, 'displacement', n_space, vectors, fault)
       if (len(fault) > 0) return
+      result%displacement = reshape([vectors(1::n_space), vectors(2::n_space)], [2, body%mesh%n_nodes], order=[2, 1])
       m = body%zone%n_points
       result%solution%displacement = body%zone%rows%displacement(result%displacement)
       ! Displacements that supports prescribe are not among the unknowns of the contact problem.
@@ -176,6 +226,45 @@ contains
       call case%faults%append(check%faults)
    end subroutine check_grids
 
+   !> Holds the statuses of a converged case against the contact law, point by point.
+   subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_tangent_fixed, scales)
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: path !! name of the file
+      logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
+      type(contact_state_t), intent(in) :: points !! gaps, slips, forces and statuses
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
+      logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+      character(:), allocatable :: place, wrong
+      real(dp) :: bound, direction, slip
+      integer :: p
+
+      do p = 1, size(points%status)
+         associate (status => points%status(p), gap => points%gap(p), normal => points%force(p), &
+            tangential => points%force(size(points%status) + p))
+            bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
+            slip = merge(0.0_dp, points%slip(p), is_tangent_fixed(p))
+            direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus)
+            ! Conditions on the gap and the normal force come before those on the slip.
+            wrong = ''
+            if (abs(tangential) > bound + scales%force) wrong = 'the tangential force is above its bound'
+            if (status == stick_point .and. abs(slip) > scales%length) wrong = 'it moves along the obstacle'
+            if (direction*slip < -scales%length) wrong = 'it moves the other way'
+            if (abs(direction) > 0.0_dp .and. direction*tangential < bound - scales%force) wrong = &
+               'the tangential force is not at its bound'
+            if (normal < -scales%force) wrong = 'the normal force pulls'
+            if (gap < -scales%length) wrong = 'it is behind the obstacle'
+            if (status == open_point .and. normal > scales%force) wrong = 'it bears a normal force'
+            if (status /= open_point .and. gap > scales%length) wrong = 'there is a gap'
+            if (len(wrong) == 0) cycle
+            place = path
+            if (has_rows) place = path//':'//to_text(p + 1)
+            call faults%add(place, 'point '//to_text(p)//" is '"//trim(status_names(status))//"', but "//wrong)
+         end associate
+      end do
+   end subroutine check_statuses
+
    !> Holds the statuses of a converged case against the contact law.
    subroutine check_law(faults, body, result, path, has_rows)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
@@ -183,16 +272,17 @@ contains
       type(result_t), intent(in) :: result !! the result as it was restored
       character(*), intent(in) :: path !! name of the file that states forces and statuses
       logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
+      real(dp) :: limit
       integer :: m
 
       m = body%zone%n_points
       if (m == 0) return
+      limit = certificate_limit(result%method%tolerance)
       associate (load_case => result%load_case, solution => result%solution)
          call check_statuses(faults, path, has_rows, contact_state_t(load_case%free_gap - solution%displacement(:m), &
-            solution%displacement(m + 1:) - load_case%anchor, solution%force, solution%status), &
-            load_case%friction, load_case%slip_bound, &
-            body%zone%is_tangent_fixed, new_law_scales(certificate_limit(result%method%tolerance), &
-            result%displacement, result%certificate%force_scale))
+            solution%displacement(m + 1:) - load_case%anchor, solution%force, solution%status), load_case%friction, &
+            load_case%slip_bound, body%zone%is_tangent_fixed, law_scales_t(limit*maxval(abs(result%displacement)), &
+            limit*result%certificate%force_scale))
       end associate
    end subroutine check_law
 

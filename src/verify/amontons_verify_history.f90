@@ -2,15 +2,21 @@
 !> step before has left, to the time that its row states. Rows, states, contact points and grids are written again from
 !> these steps; the files of the last one are restored and judged on the full model like those of a case. Where the
 !> history ended early, the step that has no equilibrium is tried again.
+!>
+!> The contact law leaves open, so that another factorization, or another machine, may find it otherwise than the files
+!> state: the status of a point on a bound of the law, and where a body is that no contact force holds. There the files
+!> are followed.
 module amontons_verify_history
+   use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
+   use amontons_contact_problem, only: contact_problem_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
-   use amontons_error, only: error_t
+   use amontons_document, only: read_status_runs
+   use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
    use amontons_history, only: is_shown
-   use amontons_history_files, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
-      number_alone, of_grids, of_states, table_rows
+   use amontons_history_files, only: a_force, a_length, an_energy, history_row, history_table_t, history_tables, &
+      n_kinds, number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_report, only: describe_history
    use amontons_history_walk, only: history_walk_t, new_history_walk
@@ -23,7 +29,8 @@ module amontons_verify_history
       worst_step_t
    use amontons_stepper, only: step_state_t, take_step
    use amontons_text, only: newline, read_reals, to_text
-   use amontons_verify_case, only: check_grids, verify_answer, verify_result
+   use amontons_verify_case, only: check_grids, check_statuses, contact_state_t, law_scales_t, verify_answer, &
+      verify_result
    implicit none (type, external)
    private
 
@@ -206,15 +213,7 @@ contains
             end if
          end associate
       end do
-      call find_rows_beyond(case, again)
-   end subroutine retrace
-
-   !> Compares the collections of grids, and reports rows of tables that belong to no step.
-   subroutine find_rows_beyond(case, again)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(in) :: again !! the history, all its steps taken
-      integer :: i
-
+      ! Compares the collections of grids, and reports rows of tables that belong to no step.
       do i = 2, size(again%tables)
          associate (table => again%tables(i))
             if (table%content == of_grids) then
@@ -224,7 +223,7 @@ contains
             end if
          end associate
       end do
-   end subroutine find_rows_beyond
+   end subroutine retrace
 
    !> Solves a step again, and follows its row where the law leaves it several answers.
    subroutine solve_as_stated(next, fault, again, row, cache)
@@ -257,15 +256,67 @@ contains
       end associate
    end subroutine solve_as_stated
 
-   !> The lengths and forces that count as zero in a step.
+   !> Lengths and forces that count as zero in a step: a share of the largest force of a point, or of the mean of the
+   !> largest force of the history; and of the largest displacement, or of that of all points under the largest force.
+   !> Where a body hovers, any gap may be another one.
    pure type(law_scales_t) function scales_of(again, cache, state) result(scales)
       type(retrace_t), intent(in) :: again !! the history
       type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
       type(step_state_t), intent(in) :: state !! the state at its end
+      real(dp) :: limit, largest_force
 
-      scales = step_scales(certificate_limit(again%model%solver%method%tolerance), again%tables(1)%largest(a_force), &
-         cache%problem, cache%body, state)
+      limit = certificate_limit(again%model%solver%method%tolerance)
+      largest_force = again%tables(1)%largest(a_force)
+      scales%force = limit*max(largest_force/cache%problem%n_points, maxval(abs(state%solution%force)))
+      scales%length = limit*max(largest_force/sum(cache%problem%augmentation()), &
+         maxval(abs(state%solution%displacement)))
+      if (hovers(state, cache%body, scales)) scales%length = huge(scales%length)
    end function scales_of
+
+   !> Whether a body that supports leave free bears no contact force in a state.
+   pure logical function hovers(state, body, scales)
+      type(step_state_t), intent(in) :: state !! the state
+      type(body_t), intent(in) :: body !! the body
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+
+      hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force) <= scales%force)
+   end function hovers
+
+   !> Takes the statuses of a row for those of a step if forces, gaps and slips of the step allow them.
+   subroutine follow_statuses(state, runs, problem, body, scales)
+      type(step_state_t), intent(inout) :: state !! the state at the end of the step
+      character(*), intent(in) :: runs !! the statuses as the row states them
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
+      type(body_t), intent(in) :: body !! the body
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+      type(fault_list_t) :: faults
+      integer :: status(problem%n_points)
+      logical :: is_read
+
+      call read_status_runs(status, runs, is_read)
+      if (.not. is_read) return
+      associate (solution => state%solution, m => problem%n_points)
+         call check_statuses(faults, '', .false., contact_state_t(problem%gap - solution%displacement(:m), state%slip, &
+            solution%force, status), problem%friction, problem%slip_bound, body%zone%is_tangent_fixed, scales)
+         if (faults%n == 0) solution%status = status
+      end associate
+   end subroutine follow_statuses
+
+   !> Takes over from a row how far a body that hovered had to go until it met its obstacle. The loads did half
+   !> as much more or less work on the way, the mean of none and all.
+   subroutine follow_place(state, closing_loss, before, body, scales)
+      type(step_state_t), intent(inout) :: state !! the state at the end of the step
+      real(dp), intent(in) :: closing_loss !! the loss of the step as its row states it [F L]
+      type(step_state_t), intent(in) :: before !! the state at its beginning
+      type(body_t), intent(in) :: body !! the body
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+
+      if (.not. hovers(before, body, scales)) return
+      if (.not. (state%closing_loss > 0.0_dp .and. closing_loss > 0.0_dp)) return
+      state%load_work = state%load_work + 0.5_dp*(closing_loss - state%closing_loss)
+      state%indicator = state%indicator*(closing_loss/state%closing_loss)
+      state%closing_loss = closing_loss
+   end subroutine follow_place
 
    !> Compares the next rows of a table with what they should be.
    subroutine compare_rows(case, table, rows, row)
@@ -292,6 +343,28 @@ contains
          first = last + 2
       end do
    end subroutine compare_rows
+
+   !> Whether two states agree.
+   pure logical function states_agree(found, computed, largest, is_hovering)
+      type(step_state_t), intent(in) :: found !! a state as a file has it
+      type(step_state_t), intent(in) :: computed !! the state that was computed
+      real(dp), intent(in) :: largest(n_kinds) !! the largest number of each kind among the steps
+      logical, intent(in) :: is_hovering !! whether the place of the body is open
+      real(dp) :: length
+
+      length = max(largest(a_length), maxval(abs(computed%solution%displacement)))
+      associate (force => largest(a_force)/size(computed%slip), energy => largest(an_energy))
+         states_agree = first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
+            (is_hovering .or. first_disagreement(found%solution%displacement, computed%solution%displacement, &
+            length) == 0) .and. &
+            first_disagreement(found%instant%anchor, computed%instant%anchor, length) == 0 .and. &
+            first_disagreement(found%accumulated_slip, computed%accumulated_slip, length) == 0 .and. &
+            first_disagreement(found%dissipation, computed%dissipation, energy) == 0 .and. &
+            first_disagreement(found%worn, computed%worn, force*length) == 0 .and. &
+            first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy], &
+            [computed%load_work, computed%support_work, computed%obstacle_work, computed%strain_energy], energy) == 0
+      end associate
+   end function states_agree
 
    !> Compares a state from which a history can go on.
    subroutine compare_state(case, again, number, cache)

@@ -270,6 +270,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(row_t), intent(in) :: row !! the row
       character(:), allocatable :: fault, grid
+      real(dp), allocatable :: pressure(:), shear(:)
       real(dp) :: limit
       type(case_result_t) :: computed
       type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
@@ -280,9 +281,15 @@ contains
       call restore_displacement(result, body, case%stem//grid//'.vtu', fault)
       call case%fault(grid//'.vtu', fault)
       if (len(fault) > 0) return
-      call restore_force(result, body, case%stem//grid//'.contact.vtu', fault)
+      ! Restores the contact forces from the stresses on the contact line.
+      allocate (pressure(n_line_points(body%zone)), shear(n_line_points(body%zone)))
+      call read_array(case%stem//grid//'.contact.vtu', 'contact_pressure', 1, pressure, fault)
+      if (len(fault) == 0) call read_array(case%stem//grid//'.contact.vtu', 'contact_shear', 1, shear, fault)
       call case%fault(grid//'.contact.vtu', fault)
       if (len(fault) > 0) return
+      associate (m => body%zone%n_points)
+         result%solution%force = [pressure(:m), shear(:m)]*[body%zone%area, body%zone%area]
+      end associate
       result%solution%status = row%status
       call evaluate(result, body)
       call check_grids(case, body, result, case%stem//grid)
@@ -302,22 +309,5 @@ contains
          0.0_dp], fault)
       call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
    end subroutine check_fields
-
-   !> Restores the contact forces from the stresses on the contact line.
-   subroutine restore_force(result, body, path, fault)
-      type(result_t), intent(inout) :: result !! gains the forces
-      type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: path !! name of the grid of the contact line
-      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      real(dp), allocatable :: pressure(:), shear(:)
-
-      allocate (pressure(n_line_points(body%zone)), shear(n_line_points(body%zone)))
-      call read_array(path, 'contact_pressure', 1, pressure, fault)
-      if (len(fault) > 0) return
-      call read_array(path, 'contact_shear', 1, shear, fault)
-      associate (m => body%zone%n_points, zone => body%zone)
-         result%solution%force = [pressure(:m), shear(:m)]*[zone%area, zone%area]
-      end associate
-   end subroutine restore_force
 
 end module amontons_verify_sweep

@@ -95,7 +95,40 @@ class Sources(CheckerTest):
         self.assert_refused("procedure and argument", (16, "no !> above this subroutine"),
                             (17, "no !! at this argument: i"), body=(
             "   end subroutine work\n\n   subroutine other(i)\n      integer, intent(in) :: i\n"
-            "   end subroutine other\n\n   !> A last one.\n   subroutine last()"))
+            "   end subroutine other\n\n   !> A last one.\n   subroutine last()"), public="last, other, work")
+
+    def test_unused_import_is_found(self):
+        fault = "imported and never used: sum_of"
+        for body in ("value = 1", "value = 1 ! sum_of", "text = 'sum_of'", "x%sum_of = 1", "call f(sum_of=1)"):
+            self.assert_refused(body, (7, fault), declarations="   use other, only: sum_of", body=body)
+        self.assert_refused("renamed", (7, fault), declarations="   use other, only: sum_of => total", body="x = total")
+        self.assert_refused("continued, of two", (7, fault), body="x = total",
+                            declarations="   use, intrinsic :: other, only: total, &\n      sum_of")
+        self.assert_refused("body of an interface", (10, fault), declarations=(
+            "   interface\n      !> Foreign.\n      subroutine f(n)\n         import :: sum_of\n"
+            "         integer :: n\n      end subroutine f\n   end interface"))
+        for body in ("value = sum_of(1)", "call f(n=sum_of)", "value = 1.0_sum_of", "!$omp parallel if (sum_of(1))"):
+            self.assert_refused(body, declarations="   use other, only: sum_of", body=body)
+
+    def test_private_procedure_that_nothing_calls_is_found(self):
+        def with_other(call, inside="value = 1", heading="subroutine other()", end="subroutine other"):
+            return f"{call}\n   end subroutine work\n\n   !> Another one.\n   {heading}\n{inside}\n   end {end}\n\n" \
+                "   !> A public one.\n   subroutine last()"
+
+        fault = (18, "a private procedure that nothing calls: other")
+        for call in ("value = 1", "call x%other()", "text = 'other' ! other", "call f(other=1)"):
+            self.assert_refused(call, fault, body=with_other(call), public="last, work")
+        self.assert_refused("itself", fault, body=with_other("value = 1", inside="call other()"), public="last, work")
+        self.assert_refused("its result", fault, public="last, work", body=with_other(
+            "value = 1", "other = 1", "integer function other()", "function other"))
+        for call in ("call other()", "call f(other)", "x = 1 + &\n other()"):
+            self.assert_refused(call, body=with_other(call), public="last, work")
+        self.assert_refused("of C", body=with_other("value = 1", heading="subroutine other() bind(c)"),
+                            public="last, work")
+        self.assert_refused("binding", body=with_other("value = 1"), public="last, work", declarations=(
+            "   !> A type.\n   type :: thing_t\n   contains\n      procedure :: act => other\n   end type thing_t"))
+        self.assert_refused("internal", (17, "a private procedure that nothing calls: inner"), body=(
+            "value = 1\n   contains\n!> Inner.\n   subroutine inner()\n   value = 2\n   end subroutine inner"))
 
     def test_lengths_are_limited(self):
         self.assert_refused("line", (14, "a line of 121 columns, at most 120"), body="value = 1 !" + 110*"x")
