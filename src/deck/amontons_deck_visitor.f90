@@ -1,5 +1,5 @@
-!> A visitor of the groups and keys that a deck may hold: it reads a deck and reports all its faults at once, writes
-!> one, or documents what one may hold.
+!> A visitor of the groups and keys that a deck may hold: it reads a deck and reports all its faults at once, or, where
+!> an extension takes its place, writes one or documents what one may hold.
 !>
 !> A group is described once, by a procedure that shows every key to a visitor, together with the variable that holds
 !> its value:
@@ -22,7 +22,7 @@ module amontons_deck_visitor
    implicit none (type, external)
    private
 
-   public :: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
+   public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
 
    !> Most numbers of a list.
    integer, parameter, public :: most_values = 1000000
@@ -59,17 +59,19 @@ module amontons_deck_visitor
       procedure :: range => key_range
    end type key_t
 
-   !> Who visits the groups of a deck.
-   type, abstract :: deck_visitor_t
+   !> Who visits the groups of a deck: a reader, unless an extension replaces what it does at a group or a key.
+   type :: deck_visitor_t
       type(deck_t) :: deck !! the deck that is read; without groups where none is
       type(group_t) :: group !! the group that is visited
       integer :: place = 0 !! which group of the deck it is; 0 where the deck has none
+      type(key_t), allocatable, private :: keys(:) !! the keys of the group visited so far
+      character(:), allocatable, private :: missing !! those of them that the group must have and has not
    contains
-      procedure(open_group), deferred :: open_group
-      procedure(close_group), deferred :: close_group
-      procedure(visit_reals), deferred :: reals
-      procedure(visit_text), deferred :: text
-      procedure(visit_words), deferred :: words
+      procedure :: open_group => visitor_open_group
+      procedure :: close_group => visitor_close_group
+      procedure :: reals => visitor_reals
+      procedure :: text => visitor_text
+      procedure :: words => visitor_words
       procedure :: real => visitor_real
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
@@ -81,58 +83,9 @@ module amontons_deck_visitor
       procedure :: only => visitor_only
       procedure :: require => visitor_require
       procedure :: table => visitor_table
+      procedure, private :: find => visitor_find
+      procedure, private :: judge => visitor_judge
    end type deck_visitor_t
-
-   abstract interface
-      !> Comes to a group.
-      subroutine open_group(self, group)
-         import :: deck_visitor_t, group_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-         type(group_t), intent(in) :: group !! the group; the next one of its name where it is the same as before
-      end subroutine open_group
-
-      !> Leaves the keys of a group; rules about them may follow.
-      subroutine close_group(self)
-         import :: deck_visitor_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-      end subroutine close_group
-
-      !> Visits a fixed number of numbers, whole ones where the key says so.
-      subroutine visit_reals(self, key, values, is_given)
-         import :: deck_visitor_t, dp, key_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-         type(key_t), intent(in) :: key !! the key
-         real(dp), intent(inout) :: values(:)
-            !! the numbers; those that a deck does not give stay as they are; none for a list of any length
-         logical, intent(inout), optional :: is_given
-            !! whether the key is to be written; on return from a reader, whether it stands in the group
-      end subroutine visit_reals
-
-      !> Visits a text.
-      subroutine visit_text(self, key, value, is_given, choices)
-         import :: deck_visitor_t, key_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-         type(key_t), intent(in) :: key !! the key
-         character(:), allocatable, intent(inout) :: value
-            !! the text; an empty one where it is not allocated, and where that is no choice, the first of them
-         logical, intent(inout), optional :: is_given !! as for reals
-         character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
-      end subroutine visit_text
-
-      !> Visits a list of words.
-      subroutine visit_words(self, key, choices, is_chosen)
-         import :: deck_visitor_t, key_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-         type(key_t), intent(in) :: key !! the key
-         character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
-         logical, intent(inout) :: is_chosen(:) !! which of them it has
-      end subroutine visit_words
-   end interface
 
    !> Columns of a line; a single key and its values may be longer.
    integer, parameter :: width = 120
@@ -164,21 +117,6 @@ module amontons_deck_visitor
       procedure, private :: write => documenter_write
       procedure, private :: write_row => documenter_write_row
    end type deck_documenter_t
-
-   !> A deck that is read.
-   type, extends(deck_visitor_t) :: deck_reader_t
-      type(key_t), allocatable, private :: keys(:) !! the keys of the group visited so far
-      character(:), allocatable, private :: missing !! those of them that the group must have and has not
-   contains
-      procedure :: open_group => reader_open_group
-      procedure :: close_group => reader_close_group
-      procedure :: reals => reader_reals
-      procedure :: text => reader_text
-      procedure :: words => reader_words
-      procedure, private :: find => reader_find
-      procedure, private :: judge => reader_judge
-      procedure, private :: refuse_unknown_keys => reader_refuse_unknown_keys
-   end type deck_reader_t
 
 contains
 
@@ -546,10 +484,8 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: choices(:) !! the words it can have
       logical, intent(inout) :: is_chosen(:) !! which of them it has
-      logical :: is_default
 
-      is_default = any(is_chosen)
-      call self%write_row(key, 'texts: one or more of '//joined(choices, "`'", "'`"), '', is_default)
+      call self%write_row(key, 'texts: one or more of '//joined(choices, "`'", "'`"), '', any(is_chosen))
    end subroutine documenter_words
 
    !> Writes a row.
@@ -568,7 +504,8 @@ contains
       if (present(is_given)) is_default = is_default .and. is_given
       shown = trim(key%default)
       if (shown == '' .and. is_default) shown = '`'//default//'`'
-      call self%write(newline//'| '//name//' | '//values//' |'//cell(trim(key%unit))//cell(shown)//' '// &
+      ! A cell that is empty has one blank.
+      call self%write(newline//'| '//name//' | '//values//' |'//trim(' '//key%unit)//' |'//trim(' '//shown)//' | '// &
          trim(key%meaning)//' |')
    end subroutine documenter_write_row
 
@@ -580,19 +517,9 @@ contains
       if (self%wanted == '' .or. self%wanted == self%group%name) self%written = self%written//text
    end subroutine documenter_write
 
-   !> A cell that may be empty, its right border included.
-   pure function cell(content) result(text)
-      character(*), intent(in) :: content !! what stands in it
-      character(:), allocatable :: text
-
-      text = ' '
-      if (len(content) > 0) text = text//content//' '
-      text = text//'|'
-   end function cell
-
-   !> Finds the group in the deck.
-   subroutine reader_open_group(self, group)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   !> Comes to a group: finds it in the deck, the next one of its name where it is the same as before.
+   subroutine visitor_open_group(self, group)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(group_t), intent(in) :: group !! the group
 
       self%place = self%deck%next_group(trim(group%name), merge(self%place, 0, self%group%name == group%name))
@@ -600,24 +527,41 @@ contains
       if (allocated(self%keys)) deallocate (self%keys)
       allocate (self%keys(0))
       self%missing = ''
-   end subroutine reader_open_group
+   end subroutine visitor_open_group
 
-   !> Records the keys that the group cannot have, and that it must have and has not.
-   subroutine reader_close_group(self)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   !> Leaves the keys of a group, and records those that it cannot have, and that it must have and has not. Rules about
+   !> the keys may follow.
+   subroutine visitor_close_group(self)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
 
-      call self%refuse_unknown_keys()
+      integer :: i
+
+      if (self%place > 0) then
+         associate (contents => self%deck%contents, group => self%deck%contents%groups(self%place))
+            do i = group%first_assignment, group%last_judged
+               associate (assignment => contents%assignments(i))
+                  if (any(self%keys%name == assignment%key)) cycle
+                  group%has_unknown_key = .true.
+                  call contents%faults%add(assignment%line, "unknown key '"//excerpt(contents%text( &
+                     assignment%first:assignment%first + len(assignment%key) - 1))//"' in &"//group%name// &
+                     suggestion(assignment%key, self%keys%name, self%keys%also, '', 'keys'))
+               end associate
+            end do
+         end associate
+      end if
       if (len(self%missing) > 0 .and. self%deck%is_understood(self%place)) then
          call self%deck%fault(self%place, '', '&'//trim(self%group%name)//' needs '//self%missing)
       end if
-   end subroutine reader_close_group
+   end subroutine visitor_close_group
 
-   !> Reads numbers.
-   subroutine reader_reals(self, key, values, is_given)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   !> Visits a fixed number of numbers, whole ones where the key says so.
+   subroutine visitor_reals(self, key, values, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
-      logical, intent(inout), optional :: is_given !! whether the key stands in the group
+      real(dp), intent(inout) :: values(:)
+         !! the numbers; those that a deck does not give stay as they are; none for a list of any length
+      logical, intent(inout), optional :: is_given
+         !! whether the key is to be written; on return from a reader, whether it stands in the group
       character(:), allocatable :: word, limits
       integer :: source(size(values)), i, whole, wrong, at_exponent, exponent
       real(dp) :: number, mantissa
@@ -654,14 +598,15 @@ contains
       if (wrong > 0) call self%judge(key, key%range(), key%numbers(values(wrong:wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
-   end subroutine reader_reals
+   end subroutine visitor_reals
 
-   !> Reads a quoted text; one of a list of words in upper or lower case.
-   subroutine reader_text(self, key, value, is_given, choices)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   !> Visits a text, which stands in quotes; one of a list of words in upper or lower case.
+   subroutine visitor_text(self, key, value, is_given, choices)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      character(:), allocatable, intent(inout) :: value !! the text without its quotes, the word as the list has it
-      logical, intent(inout), optional :: is_given !! whether the key stands in the group
+      character(:), allocatable, intent(inout) :: value
+         !! the text; an empty one where it is not allocated, and where that is no choice, the first of them
+      logical, intent(inout), optional :: is_given !! as for reals
       character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
       character(:), allocatable :: text
       integer :: source(1)
@@ -685,11 +630,11 @@ contains
          if (key%is_filled .and. len_trim(text) == 0) call self%judge(key, 'not empty')
          if (key%is_file .and. len_trim(text) > 0) value = self%deck%path_of(self%place, key%name, text)
       end if
-   end subroutine reader_text
+   end subroutine visitor_text
 
-   !> Reads a list of words.
-   subroutine reader_words(self, key, choices, is_chosen)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   !> Visits a list of words.
+   subroutine visitor_words(self, key, choices, is_chosen)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
       logical, intent(inout) :: is_chosen(:) !! which of them it has
@@ -712,11 +657,11 @@ contains
          call refuse_word(self, key, text, choices)
          return
       end do
-   end subroutine reader_words
+   end subroutine visitor_words
 
    !> Finds the values of a key, and notes it as one of the group.
-   subroutine reader_find(self, key, noun, source, is_given)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   subroutine visitor_find(self, key, noun, source, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: noun !! what one value is called
       integer, intent(out) :: source(:) !! which value of the deck each element has, 0 for none
@@ -736,11 +681,11 @@ contains
             noun//'s, found '//to_text(count(source > 0)))
          call mark_faulty(self%deck%contents, self%place, key%name)
       end if
-   end subroutine reader_find
+   end subroutine visitor_find
 
    !> Records that the value of a key is not what it must be.
-   subroutine reader_judge(self, key, rule, found)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+   subroutine visitor_judge(self, key, rule, found)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: rule !! what the value must be
       character(*), intent(in), optional :: found !! what it is
@@ -750,11 +695,11 @@ contains
       if (index(rule, 'not ') == 1) sentence = trim(key%name)//' must not be'//rule(4:)
       if (present(found)) sentence = sentence//', found '//found
       call self%deck%fault(self%place, key%name, sentence)
-   end subroutine reader_judge
+   end subroutine visitor_judge
 
    !> Records that a text is none of the words that a key takes.
    subroutine refuse_word(self, key, text, choices)
-      class(deck_reader_t), intent(inout) :: self !! the reader
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: text !! the text
       character(*), intent(in) :: choices(:) !! the words, in lower case, blank padded
@@ -766,24 +711,5 @@ contains
          joined(choices, "'", "'")//', found '//excerpt(quoted(text))//near)
       call mark_faulty(self%deck%contents, self%place, key%name)
    end subroutine refuse_word
-
-   !> Records the keys that the group cannot have.
-   subroutine reader_refuse_unknown_keys(self)
-      class(deck_reader_t), intent(inout) :: self !! the reader
-      integer :: i
-
-      if (self%place == 0) return
-      associate (contents => self%deck%contents, group => self%deck%contents%groups(self%place))
-         do i = group%first_assignment, group%last_judged
-            associate (assignment => contents%assignments(i))
-               if (any(self%keys%name == assignment%key)) cycle
-               group%has_unknown_key = .true.
-               call contents%faults%add(assignment%line, "unknown key '"//excerpt(contents%text( &
-                  assignment%first:assignment%first + len(assignment%key) - 1))//"' in &"//group%name// &
-                  suggestion(assignment%key, self%keys%name, self%keys%also, '', 'keys'))
-            end associate
-         end do
-      end associate
-   end subroutine reader_refuse_unknown_keys
 
 end module amontons_deck_visitor

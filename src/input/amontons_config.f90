@@ -12,7 +12,7 @@ module amontons_config
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
    use amontons_deck_contents, only: suggestion
-   use amontons_deck_visitor, only: deck_documenter_t, deck_reader_t, deck_visitor_t, deck_writer_t, group_t, key_t
+   use amontons_deck_visitor, only: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, key_t
    use amontons_error, only: error_t, fault_list_t, input_refused, new_error
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_model_t, &
       file_pressure, use_loads, use_materials, use_names, use_supports
@@ -181,7 +181,7 @@ contains
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what it says
-      type(deck_reader_t) :: reader
+      type(deck_visitor_t) :: reader
 
       call read_deck(reader%deck, file, error)
       if (.not. allocated(error)) call read_groups(config, reader, error, settings)
@@ -193,7 +193,7 @@ contains
       character(*), intent(in) :: file !! name of the reduced problem's file
       type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
       type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what the deck says
-      type(deck_reader_t) :: reader
+      type(deck_visitor_t) :: reader
 
       call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
       call read_groups(config, reader, error, settings)
@@ -208,7 +208,7 @@ contains
       character(*), intent(in) :: text !! the deck
       character(*), intent(in) :: settings !! the settings, one a line
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      type(deck_reader_t) :: reader
+      type(deck_visitor_t) :: reader
       type(setting_t), allocatable :: list(:)
 
       call read_settings(list, settings, error)
@@ -220,7 +220,7 @@ contains
    !> Reads the groups of a deck, in which settings take the place of what it says.
    subroutine read_groups(config, reader, error, settings)
       type(config_t), intent(inout) :: config !! the case
-      type(deck_reader_t), intent(inout) :: reader !! the reader, with its deck
+      type(deck_visitor_t), intent(inout) :: reader !! the reader, with its deck
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(setting_t), intent(in), optional :: settings(:) !! the settings
 
