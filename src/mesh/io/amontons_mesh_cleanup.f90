@@ -6,7 +6,7 @@
 !> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
-   use amontons_file_model, only: n_cell_nodes, point1, raw_mesh_t
+   use amontons_file_model, only: n_cell_nodes, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
