@@ -12,7 +12,7 @@ module amontons_constraints
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
+   use amontons_mesh, only: find_named, mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -134,11 +134,11 @@ contains
       type(boundary_line_t) :: line
       integer :: set
 
-      set = mesh%find_node_set(support%set)
+      set = find_named(mesh%node_sets, support%set)
       if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
          call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, error)
          ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
-         if (allocated(error) .or. mesh%find_set(support%set) == 0) return
+         if (allocated(error) .or. find_named(mesh%sets, support%set) == 0) return
       end if
       call new_boundary_line(line, mesh, support%set, error)
       if (.not. allocated(error)) call hold_nodes(constraints, prescribed, mesh, line%node, support, error, line%normal)

@@ -6,7 +6,7 @@ module amontons_generated_mesh
       quad4, quad8, quad9, shape_functions, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_mesh, only: boundary_set_t, mesh_t, new_side_table, parents_t, side_number, side_table_t
+   use amontons_mesh, only: mesh_t, new_side_table, parents_t, side_element, side_number, side_place, side_table_t
    use amontons_system, only: available_memory_mb
    use amontons_text, only: short_text, to_text
    implicit none (type, external)
@@ -133,14 +133,30 @@ contains
       real(dp) :: share(max_nodes, max_nodes, n_parts, size(element_names))
       logical :: is_placed(mesh%n_nodes)
       type(parents_t) :: parents
-      integer :: element, pass, part, i, first, last
+      integer :: element, pass, part, i, first, last, n
 
       share = part_shares()
       allocate (parents%start(mesh%n_nodes + 1))
       do pass = 1, 2
          is_placed = .false.
          is_placed(:parent%n_nodes) = .true.
-         if (pass == 2) call begin_parents(parents, parent)
+         if (pass == 2) then
+            ! Behind those of the mesh before.
+            n = 0
+            parents%start(:parent%n_nodes + 1) = 1
+            if (allocated(parent%parents)) then
+               parents%start(:parent%n_nodes + 1) = parent%parents%start
+               n = size(parent%parents%node)
+            end if
+            do i = parent%n_nodes + 1, mesh%n_nodes
+               parents%start(i + 1) = parents%start(i) + parents%start(i + 1)
+            end do
+            associate (total => parents%start(mesh%n_nodes + 1) - 1)
+               allocate (parents%node(total), parents%weight(total))
+            end associate
+            if (n > 0) parents%node(:n) = parent%parents%node
+            if (n > 0) parents%weight(:n) = parent%parents%weight
+         end if
          do element = 1, parent%n_elements
             associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
                parent%node_start(element + 1) - 1))
@@ -167,29 +183,6 @@ contains
       end do
       mesh%parents = parents
    end subroutine place_new_nodes
-
-   !> Begins the lists of parents with those of the mesh before.
-   pure subroutine begin_parents(parents, parent)
-      type(parents_t), intent(inout) :: parents !! number of parents of each new node, behind it; then where each begins
-      type(mesh_t), intent(in) :: parent !! the mesh before
-      integer :: i, n
-
-      n = 0
-      parents%start(:parent%n_nodes + 1) = 1
-      if (allocated(parent%parents)) then
-         parents%start(:parent%n_nodes + 1) = parent%parents%start
-         n = size(parent%parents%node)
-      end if
-      do i = parent%n_nodes + 1, size(parents%start) - 1
-         parents%start(i + 1) = parents%start(i) + parents%start(i + 1)
-      end do
-      associate (total => parents%start(size(parents%start)) - 1)
-         allocate (parents%node(total), parents%weight(total))
-      end associate
-      if (n == 0) return
-      parents%node(:n) = parent%parents%node
-      parents%weight(:n) = parent%parents%weight
-   end subroutine begin_parents
 
    !> The shape functions of the elements of every kind at the nodes of their parts (shape function, node, part,
    !> kind) [-].
@@ -330,7 +323,7 @@ contains
          to_text(rectangle%cells(1))//' x '//to_text(rectangle%cells(2))//' cells of '//trim(rectangle%element)
       call place_nodes(mesh, rectangle)
       call connect_cells(mesh, rectangle, shape)
-      call name_sides(mesh, rectangle%cells, shape, rectangle%diagonal)
+      call name_sides(mesh, rectangle%cells)
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
 
@@ -380,7 +373,8 @@ contains
             corner(2:4) = corner(1) + [1, rectangle%cells(1) + 2, rectangle%cells(1) + 1]
             if (kind == quad4) then
                mesh%node(4*cell + 1:4*cell + 4) = corner
-            else if (is_right(rectangle%diagonal, i, j)) then
+            else if (rectangle%diagonal == 'right' .or. &
+               (rectangle%diagonal == 'alternating' .and. mod(i + j, 2) == 0)) then
                mesh%node(6*cell + 1:6*cell + 6) = corner([1, 2, 3, 3, 4, 1])
             else
                mesh%node(6*cell + 1:6*cell + 6) = corner([4, 1, 2, 2, 3, 4])
@@ -390,60 +384,31 @@ contains
       end do
    end subroutine connect_cells
 
-   !> Whether the diagonal of a cell runs from its lower left to its upper right corner.
-   pure logical function is_right(diagonal, i, j)
-      character(*), intent(in) :: diagonal !! 'right', 'left' or 'alternating'
-      integer, intent(in) :: i !! column of the cell
-      integer, intent(in) :: j !! row of the cell
-
-      is_right = diagonal == 'right' .or. (diagonal == 'alternating' .and. mod(i + j, 2) == 0)
-   end function is_right
-
    !> Names the four sides; the sides of a set follow each other counter-clockwise around the rectangle.
-   pure subroutine name_sides(mesh, cells, kind, diagonal)
+   pure subroutine name_sides(mesh, cells)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected
       integer, intent(in) :: cells(2) !! number of cells along x and y
-      integer, intent(in) :: kind !! kind of the elements
-      character(*), intent(in) :: diagonal !! how triangles halve a cell
-      integer :: i, j
+      character(6), parameter :: names(4) = [character(6) :: 'left', 'right', 'bottom', 'top']
+      type(side_table_t) :: table
+      integer :: first(4), step(4), overlapping(2), i, k, left, right
 
+      call new_side_table(table, mesh, overlapping)
+      associate (row => cells(1) + 1, n => mesh%n_nodes)
+         first = [n - cells(1), row, 1, n]
+         step = [-row, row, 1, -1]
+      end associate
       allocate (mesh%sets(4))
-      mesh%sets(1) = new_set('left', [(1, j, j=cells(2), 1, -1)], 4)
-      mesh%sets(2) = new_set('right', [(cells(1), j, j=1, cells(2))], 2)
-      mesh%sets(3) = new_set('bottom', [(i, 1, i=1, cells(1))], 1)
-      mesh%sets(4) = new_set('top', [(i, cells(2), i=cells(1), 1, -1)], 3)
-
-   contains
-
-      !> A boundary set of one side of each of the given cells.
-      pure function new_set(name, columns_and_rows, cell_side) result(set)
-         character(*), intent(in) :: name !! name of the set
-         integer, intent(in) :: columns_and_rows(:) !! column and row of each cell, one after the other
-         integer, intent(in) :: cell_side !! side of the cell: 1 bottom, 2 right, 3 top, 4 left
-         type(boundary_set_t) :: set
-         integer :: cell, column, row, k
-
-         set%name = name
-         allocate (set%element(size(columns_and_rows)/2), set%side(size(columns_and_rows)/2))
-         do k = 1, size(set%element)
-            column = columns_and_rows(2*k - 1)
-            row = columns_and_rows(2*k)
-            cell = column + (row - 1)*cells(1)
-            if (kind == quad4) then
-               set%element(k) = cell
-               set%side(k) = cell_side
-            else if (is_right(diagonal, column, row)) then
-               ! first triangle: bottom, right, diagonal; second: top, left, diagonal
-               set%element(k) = 2*cell - merge(1, 0, cell_side < 3)
-               set%side(k) = mod(cell_side - 1, 2) + 1
-            else
-               ! first triangle: left, bottom, diagonal; second: right, top, diagonal
-               set%element(k) = 2*cell - merge(1, 0, cell_side == 1 .or. cell_side == 4)
-               set%side(k) = merge(1, 2, cell_side == 4 .or. cell_side == 2)
-            end if
-         end do
-      end function new_set
-
+      do k = 1, 4
+         associate (set => mesh%sets(k), n => cells(merge(2, 1, k < 3)))
+            set%name = trim(names(k))
+            allocate (set%element(n), set%side(n))
+            do i = 1, n
+               call table%find(first(k) + (i - 1)*step(k), first(k) + i*step(k), left, right)
+               set%element(i) = side_element(left)
+               set%side(i) = side_place(left)
+            end do
+         end associate
+      end do
    end subroutine name_sides
 
 end module amontons_generated_mesh

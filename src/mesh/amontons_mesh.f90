@@ -15,28 +15,17 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: boundary_set_t, coloring_t, element_jacobian, incidence_t, mesh_t, new_coloring, new_incidence, &
-      new_side_table, node_set_t, number_pieces, parents_t, region_t, side_element, side_number, side_place, &
-      side_table_t, sides_per_element, worth_threads
+   public :: coloring_t, element_jacobian, find_named, incidence_t, mesh_t, named_set_t, new_coloring, new_incidence, &
+      new_side_table, number_pieces, parents_t, side_element, side_number, side_place, side_table_t, &
+      sides_per_element, worth_threads
 
-   !> A named part of the boundary: sides of elements.
-   type :: boundary_set_t
+   !> A named set: of sides of elements on the boundary, of nodes, or of elements, which is a region of the body.
+   type :: named_set_t
       character(:), allocatable :: name !! name, as a deck writes it
-      integer, allocatable :: element(:) !! the element of each side
-      integer, allocatable :: side(:) !! the side's number in its element
-   end type boundary_set_t
-
-   !> A named set of nodes.
-   type :: node_set_t
-      character(:), allocatable :: name !! name, as a deck writes it
-      integer, allocatable :: node(:) !! the nodes
-   end type node_set_t
-
-   !> A named part of the body.
-   type :: region_t
-      character(:), allocatable :: name !! name, as a deck writes it
-      integer, allocatable :: element(:) !! its elements
-   end type region_t
+      integer, allocatable :: element(:) !! the elements of a region, or the element of each side
+      integer, allocatable :: side(:) !! the number of each side in its element
+      integer, allocatable :: node(:) !! the nodes of a set of nodes
+   end type named_set_t
 
    !> The nodes that a node of refinement has its place from: it is their weighted mean.
    type :: parents_t
@@ -55,9 +44,9 @@ module amontons_mesh
       integer, allocatable :: element_kind(:) !! kind of each element, see `amontons_element` (n_elements)
       integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
       integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise
-      type(boundary_set_t), allocatable :: sets(:) !! named boundary sets
-      type(node_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
-      type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
+      type(named_set_t), allocatable :: sets(:) !! named boundary sets
+      type(named_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
+      type(named_set_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
       character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of a rectangle
       type(warning_list_t) :: files !! names of the files it was read from
       type(warning_list_t) :: warnings !! what is doubtful about the file it was read from
@@ -65,9 +54,6 @@ module amontons_mesh
       character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains
       procedure :: check => mesh_check
-      procedure :: find_node_set => mesh_find_node_set
-      procedure :: find_region => mesh_find_region
-      procedure :: find_set => mesh_find_set
       procedure :: nearest_node => mesh_nearest_node
       procedure :: region_elements => mesh_region_elements
       procedure :: is_of_refinement => mesh_is_of_refinement
@@ -156,34 +142,24 @@ contains
    pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
-      integer :: kind, corner
+      real(dp) :: xi(2), weight
+      integer :: corner, kind, n_points, point, rule
 
       kind = self%element_kind(element)
-      is_turned_over = .false.
+      is_turned_over = .true.
       do corner = 1, n_corners(kind)
-         is_turned_over = is_turned_over &
-            .or. .not. determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp
+         if (.not. determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp) return
       end do
       ! The Jacobian of a linear element has its least value at a corner.
-      if (n_element_nodes(kind) == n_corners(kind)) return
-      is_turned_over = is_turned_over .or. .not. is_positive(self, element, n_element_points(kind, .false.)) &
-         .or. .not. is_positive(self, element, n_element_points(kind, .true.))
-   end function mesh_is_turned_over
-
-   !> Whether the Jacobian of an element is positive at all points of a quadrature rule.
-   pure logical function is_positive(mesh, element, n_points)
-      class(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: element !! number of the element
-      integer, intent(in) :: n_points !! number of points of the rule
-      real(dp) :: xi(2), weight
-      integer :: point
-
-      is_positive = .true.
-      do point = 1, n_points
-         call quadrature_point(mesh%element_kind(element), n_points, point, xi, weight)
-         is_positive = is_positive .and. determinant(mesh, element, xi) > 0.0_dp
+      do rule = 1, merge(0, 2, n_element_nodes(kind) == n_corners(kind))
+         n_points = n_element_points(kind, rule == 2)
+         do point = 1, n_points
+            call quadrature_point(kind, n_points, point, xi, weight)
+            if (.not. determinant(self, element, xi) > 0.0_dp) return
+         end do
       end do
-   end function is_positive
+      is_turned_over = .false.
+   end function mesh_is_turned_over
 
    !> Determinant of the Jacobian of an element at a reference point [L^2].
    pure real(dp) function determinant(mesh, element, xi)
@@ -216,42 +192,18 @@ contains
       end do
    end function element_jacobian
 
-   !> Number of the boundary set of a name, 0 where there is none.
-   pure integer function mesh_find_set(self, name) result(set)
-      class(mesh_t), intent(in) :: self !! the mesh
-      character(*), intent(in) :: name !! name of the set
+   !> Number of the set of a name, 0 where there is none.
+   pure integer function find_named(sets, name) result(set)
+      type(named_set_t), intent(in), optional :: sets(:) !! the sets; may be not allocated
+      character(*), intent(in) :: name !! the name
 
-      do set = 1, size(self%sets)
-         if (self%sets(set)%name == name) return
-      end do
-      set = 0
-   end function mesh_find_set
-
-   !> Number of the node set of a name, 0 where there is none.
-   pure integer function mesh_find_node_set(self, name) result(set)
-      class(mesh_t), intent(in) :: self !! the mesh
-      character(*), intent(in) :: name !! name of the set
-
-      if (allocated(self%node_sets)) then
-         do set = 1, size(self%node_sets)
-            if (self%node_sets(set)%name == name) return
+      if (present(sets)) then
+         do set = 1, size(sets)
+            if (sets(set)%name == name) return
          end do
       end if
       set = 0
-   end function mesh_find_node_set
-
-   !> Number of the region of a name, 0 where there is none.
-   pure integer function mesh_find_region(self, name) result(region)
-      class(mesh_t), intent(in) :: self !! the mesh
-      character(*), intent(in) :: name !! name of the region
-
-      if (allocated(self%regions)) then
-         do region = 1, size(self%regions)
-            if (self%regions(region)%name == name) return
-         end do
-      end if
-      region = 0
-   end function mesh_find_region
+   end function find_named
 
    !> Whether a node came with a refinement of the mesh.
    pure logical function mesh_is_of_refinement(self, node) result(is_of_refinement)
@@ -272,7 +224,7 @@ contains
       character(:), allocatable :: text, nearest, names(:)
       integer :: set, i
 
-      set = self%find_set(name)
+      set = find_named(self%sets, name)
       if (set > 0) then
          allocate (sides(4, size(self%sets(set)%element)))
          do i = 1, size(sides, 2)
@@ -306,7 +258,7 @@ contains
       logical :: is_met(0:self%n_nodes)
       integer :: set, i
 
-      set = self%find_node_set(name)
+      set = find_named(self%node_sets, name)
       if (set > 0) then
          nodes = self%node_sets(set)%node
          return
@@ -329,7 +281,7 @@ contains
       character(:), allocatable :: text
       integer :: region, i
 
-      region = self%find_region(name)
+      region = find_named(self%regions, name)
       if (len(name) == 0) then
          elements = [(i, i=1, self%n_elements)]
       else if (region > 0) then

@@ -3,7 +3,7 @@ module mesh_files
    use amontons_element, only: max_nodes, n_element_points, quadrature_point, shape_functions
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: boundary_set_t, element_jacobian, mesh_t
+   use amontons_mesh, only: element_jacobian, mesh_t, named_set_t
    use amontons_mesh_file, only: read_mesh_file
    implicit none (type, external)
    private
@@ -91,7 +91,7 @@ contains
    !> Sum of the way from the first to the second corner over all sides of a boundary set.
    function length_of(mesh, set) result(way)
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(boundary_set_t), intent(in) :: set !! the boundary set
+      type(named_set_t), intent(in) :: set !! the boundary set
       real(dp) :: way(2)
       integer :: i, nodes(3)
 

@@ -4,7 +4,7 @@ module sample_meshes
    use amontons_error, only: error_t
    use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
+   use amontons_mesh, only: mesh_t, named_set_t
    implicit none (type, external)
    private
 
@@ -89,7 +89,7 @@ contains
       character(*), intent(in) :: name !! name of the set
       integer, intent(in) :: elements(:) !! element of each side
       integer, intent(in) :: sides(:) !! number of each side in its element
-      type(boundary_set_t), allocatable :: sets(:)
+      type(named_set_t), allocatable :: sets(:)
 
       allocate (sets(size(mesh%sets) + 1))
       sets(:size(mesh%sets)) = mesh%sets
@@ -104,7 +104,7 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the mesh
       character(*), intent(in) :: name !! name of the region
       integer, intent(in) :: elements(:) !! its elements
-      type(region_t), allocatable :: regions(:)
+      type(named_set_t), allocatable :: regions(:)
       integer :: n
 
       n = 0
@@ -123,7 +123,7 @@ contains
       integer, intent(in) :: nodes(:) !! its nodes
 
       allocate (mesh%node_sets(1))
-      mesh%node_sets(1) = node_set_t(name=name, node=nodes)
+      mesh%node_sets(1) = named_set_t(name=name, node=nodes)
    end subroutine add_node_set
 
    !> Whether a node of unturned unit cells lies on the edge of the rectangle.

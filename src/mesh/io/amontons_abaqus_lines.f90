@@ -256,8 +256,8 @@ contains
       call raw%get_group(input, name, group)
    end subroutine get_set
 
-   !> Reads a surface: lines of an element, or a set, and a side of it; of a surface of nodes, nodes. One of anything
-   !> else is left out.
+   !> Reads a set of nodes or elements: numbers and names of sets above; or ranges, each a first number, a last one and
+   !> an increment that is 1 where it is absent.
    pure subroutine read_set(raw, input, scope, line, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -275,7 +275,8 @@ contains
       if (keyword == 'nset' .and. has_elements) then
          call raw%add_note('a set of the nodes of an element set left out: '//line)
          return
-      else if (scope%in_assembly .and. .not. is_in_instance) then
+      end if
+      if (scope%in_assembly .and. .not. is_in_instance) then
          call raw%add_note('a set outside the instance left out: '//line)
          return
       end if

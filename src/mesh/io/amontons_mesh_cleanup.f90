@@ -10,8 +10,8 @@ module amontons_mesh_cleanup
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: boundary_set_t, mesh_t, new_side_table, node_set_t, number_pieces, region_t, side_element, &
-      side_place, side_table_t, sides_per_element
+   use amontons_mesh, only: mesh_t, named_set_t, new_side_table, number_pieces, side_element, side_place, &
+      side_table_t, sides_per_element
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
@@ -36,8 +36,22 @@ module amontons_mesh_cleanup
    !> Things of a set that is being collected: every one once, in the order found.
    type :: collection_t
       integer, allocatable :: stamp(:) !! last set that each thing was put into
-      type(integer_list_t) :: members !! the things
+      type(integer_list_t) :: list !! the things
+   contains
+      procedure :: put => collection_put
    end type collection_t
+
+   !> What a group of a raw mesh has in the mesh.
+   type :: group_members_t
+      type(collection_t) :: sides !! sides of the boundary
+      type(collection_t) :: nodes !! nodes
+      type(collection_t) :: elements !! elements
+      integer, allocatable :: of_cell(:) !! the last group of each line and point (cells)
+      integer, allocatable :: of_place(:) !! the last group with a line on each side, a point at each node (at -node)
+      integer :: n_inside = 0 !! number of its sides inside the body
+      integer :: n_elsewhere = 0 !! number of its lines without an element
+      integer :: n_unused = 0 !! number of its nodes without an element
+   end type group_members_t
 
    !> The body may leave its plane by this much of its size, as rounding does.
    real(dp), parameter :: flatness = 1.0e-9_dp
@@ -404,156 +418,177 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
-      type(boundary_set_t), allocatable :: sets(:)
-      type(node_set_t), allocatable :: node_sets(:)
-      type(region_t), allocatable :: regions(:)
-      type(collection_t) :: sides, nodes_of_set, elements
+      type(named_set_t), allocatable :: sets(:), node_sets(:), regions(:)
+      type(group_members_t) :: members
       character(:), allocatable :: label
-      ! The last set of each line and point, and the last one with a line or point on each side and at each node.
-      integer, allocatable :: of_cell(:), of_place(:)
-      integer :: group, i, n_sets, n_node_sets, n_regions, n_inside, n_elsewhere, n_unused
+      integer :: group, n_sets, n_node_sets, n_regions
 
-      allocate (sides%stamp(sides_per_element*mesh%n_elements), nodes_of_set%stamp(mesh%n_nodes), &
-         elements%stamp(mesh%n_elements), of_cell(raw%cell_tag%n), &
-         of_place(-mesh%n_nodes:sides_per_element*mesh%n_elements), source=0)
+      allocate (members%sides%stamp(sides_per_element*mesh%n_elements), members%nodes%stamp(mesh%n_nodes), &
+         members%elements%stamp(mesh%n_elements), members%of_cell(raw%cell_tag%n), &
+         members%of_place(-mesh%n_nodes:sides_per_element*mesh%n_elements), source=0)
       allocate (sets(raw%n_groups), node_sets(raw%n_groups), regions(raw%n_groups))
       n_sets = 0
       n_node_sets = 0
       n_regions = 0
       do group = 1, raw%n_groups
-         sides%members%n = 0
-         nodes_of_set%members%n = 0
-         elements%members%n = 0
-         n_inside = 0
-         n_elsewhere = 0
-         n_unused = 0
-         call collect_cells()
-         call collect_nodes()
+         members%sides%list%n = 0
+         members%nodes%list%n = 0
+         members%elements%list%n = 0
+         members%n_inside = 0
+         members%n_elsewhere = 0
+         members%n_unused = 0
+         call collect_cells(members, mesh, raw, input, table, renumbering, group)
+         call collect_nodes(members, mesh, raw, input, table, renumbering, group)
          if (allocated(input%error)) return
-         associate (name => raw%groups(group)%name, members => sides%members%items())
-            if (size(members) > 0) then
+         associate (sides => members%sides%list%items())
+            if (size(sides) > 0) then
                n_sets = n_sets + 1
-               sets(n_sets) = boundary_set_t(name, side_element(members), side_place(members))
-            end if
-            if (nodes_of_set%members%n > 0) then
-               n_node_sets = n_node_sets + 1
-               node_sets(n_node_sets) = node_set_t(name, nodes_of_set%members%items())
-            end if
-            if (elements%members%n > 0) then
-               n_regions = n_regions + 1
-               regions(n_regions) = region_t(name, elements%members%items())
+               sets(n_sets)%name = raw%groups(group)%name
+               sets(n_sets)%element = side_element(sides)
+               sets(n_sets)%side = side_place(sides)
             end if
          end associate
+         if (members%nodes%list%n > 0) then
+            n_node_sets = n_node_sets + 1
+            node_sets(n_node_sets)%name = raw%groups(group)%name
+            node_sets(n_node_sets)%node = members%nodes%list%items()
+         end if
+         if (members%elements%list%n > 0) then
+            n_regions = n_regions + 1
+            regions(n_regions)%name = raw%groups(group)%name
+            regions(n_regions)%element = members%elements%list%items()
+         end if
          label = "set '"//raw%groups(group)%name//"'"
-         if (n_inside > 0) call raw%add_note(label//': '//counted(n_inside, 'side')//' inside the body left out')
-         if (n_elsewhere > 0) call raw%add_note(label//': '//counted(n_elsewhere, 'line')// &
-            ' without an element left out')
-         if (n_unused > 0) call raw%add_note(label//': '//counted(n_unused, 'node')//' without an element left out')
-         if (sides%members%n + nodes_of_set%members%n + elements%members%n + n_inside + n_elsewhere + n_unused == 0) &
-            call raw%add_note(label//' left out: it is empty')
+         associate (left_out => [members%n_inside, members%n_elsewhere, members%n_unused])
+            if (left_out(1) > 0) call raw%add_note(label//': '//counted(left_out(1), 'side')// &
+               ' inside the body left out')
+            if (left_out(2) > 0) call raw%add_note(label//': '//counted(left_out(2), 'line')// &
+               ' without an element left out')
+            if (left_out(3) > 0) call raw%add_note(label//': '//counted(left_out(3), 'node')// &
+               ' without an element left out')
+            if (members%sides%list%n + members%nodes%list%n + members%elements%list%n + sum(left_out) == 0) then
+               call raw%add_note(label//' left out: it is empty')
+            end if
+         end associate
       end do
       if (raw%n_doubled > 0) call raw%add_note(counted(raw%n_doubled, 'doubled element')//' left out')
       allocate (mesh%sets, source=sets(:n_sets))
       if (n_node_sets > 0) allocate (mesh%node_sets, source=node_sets(:n_node_sets))
       if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
+   end subroutine name_sets
+
+   !> Collects what the cells of a group, and sides of cells, are in the mesh.
+   subroutine collect_cells(members, mesh, raw, input, table, renumbering, group)
+      type(group_members_t), intent(inout) :: members !! the members of the group; gains those
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; counts what is doubled
+      type(input_file_t), intent(inout) :: input !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
+      integer, intent(in) :: group !! number of the group
+      integer :: cell, element, i, left, n, nodes(3), number, on_side(3), right, side
+
+      do i = 1, raw%groups(group)%cell%n
+         cell = raw%groups(group)%cell%item(i)
+         side = raw%groups(group)%side%item(i)
+         element = renumbering%element(cell)
+         n = n_cell_nodes(raw%cell_kind%item(cell))
+         if (side > 0) then
+            if (renumbering%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
+            nodes = mesh%side(element, side)
+         else
+            if (element > 0) call members%elements%put(element, group)
+            if (element > 0 .or. members%of_cell(cell) == group) cycle
+            members%of_cell(cell) = group
+            associate (first => raw%cell_start%item(cell))
+               nodes(:n) = renumbering%node(raw%node%item(first:first + n - 1))
+            end associate
+         end if
+         left = 0
+         right = 0
+         if (n /= 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+         number = max(left, right)
+         if (side == 0 .and. n == 1) then
+            call put_node(members, nodes(1), group)
+            call count_doubled(-nodes(1))
+         else if (min(left, right) > 0) then
+            members%n_inside = members%n_inside + 1
+         else if (number == 0) then
+            members%n_elsewhere = members%n_elsewhere + 1
+         else
+            call members%sides%put(number, group)
+            if (side > 0) cycle
+            call count_doubled(number)
+            on_side = mesh%side(side_element(number), side_place(number))
+            if (n == 3 .and. on_side(3) > 0 .and. nodes(n) /= on_side(n)) call input%refuse('line '// &
+               to_text(raw%cell_tag%item(cell))//' has another middle node than the element at its side', &
+               raw%cell_place%item(cell))
+         end if
+      end do
 
    contains
-
-      !> Collects what the cells of the group, and sides of cells, are in the mesh.
-      subroutine collect_cells()
-         integer :: cell, element, left, n, nodes(3), number, on_side(3), right, side
-
-         do i = 1, raw%groups(group)%cell%n
-            cell = raw%groups(group)%cell%item(i)
-            side = raw%groups(group)%side%item(i)
-            element = renumbering%element(cell)
-            n = n_cell_nodes(raw%cell_kind%item(cell))
-            if (side > 0) then
-               if (renumbering%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
-               nodes = mesh%side(element, side)
-            else
-               if (element > 0) call put(elements, element, group)
-               if (element > 0 .or. of_cell(cell) == group) cycle
-               of_cell(cell) = group
-               associate (first => raw%cell_start%item(cell))
-                  nodes(:n) = renumbering%node(raw%node%item(first:first + n - 1))
-               end associate
-            end if
-            left = 0
-            right = 0
-            if (n /= 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
-            number = max(left, right)
-            if (side == 0 .and. n == 1) then
-               call put_node(nodes(1))
-               call count_doubled(-nodes(1))
-            else if (min(left, right) > 0) then
-               n_inside = n_inside + 1
-            else if (number == 0) then
-               n_elsewhere = n_elsewhere + 1
-            else
-               call put(sides, number, group)
-               if (side > 0) cycle
-               call count_doubled(number)
-               on_side = mesh%side(side_element(number), side_place(number))
-               if (n == 3 .and. on_side(3) > 0 .and. nodes(n) /= on_side(n)) call input%refuse('line '// &
-                  to_text(raw%cell_tag%item(cell))//' has another middle node than the element at its side', &
-                  raw%cell_place%item(cell))
-            end if
-         end do
-      end subroutine collect_cells
 
       !> Counts a line or point that lies where another one of the group does.
       subroutine count_doubled(place)
          integer, intent(in) :: place !! number of its side, or that of its node with a minus; 0 for none
 
-         if (place /= 0 .and. of_place(place) == group) raw%n_doubled = raw%n_doubled + 1
-         of_place(place) = group
+         if (place /= 0 .and. members%of_place(place) == group) raw%n_doubled = raw%n_doubled + 1
+         members%of_place(place) = group
       end subroutine count_doubled
 
-      !> Collects the nodes of the group and, if nothing else names sides, the sides of the boundary between them.
-      subroutine collect_nodes()
-         integer :: node, nodes(3), number, place
+   end subroutine collect_cells
 
-         do i = 1, raw%groups(group)%node%n
-            node = renumbering%place%find(raw%groups(group)%node%item(i))
-            if (node == 0) call input%refuse("the set '"//raw%groups(group)%name//"' names node "// &
-               to_text(raw%groups(group)%node%item(i))//', which the file does not give', raw%groups(group)%place)
-            if (allocated(input%error)) return
-            call put_node(renumbering%node(node))
+   !> Collects the nodes of a group and, if nothing else names sides, the sides of the boundary between them.
+   subroutine collect_nodes(members, mesh, raw, input, table, renumbering, group)
+      type(group_members_t), intent(inout) :: members !! the members of the group, its cells taken; gains those
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
+      integer, intent(in) :: group !! number of the group
+      integer :: i, node, nodes(3), number, place
+
+      do i = 1, raw%groups(group)%node%n
+         node = renumbering%place%find(raw%groups(group)%node%item(i))
+         if (node == 0) call input%refuse("the set '"//raw%groups(group)%name//"' names node "// &
+            to_text(raw%groups(group)%node%item(i))//', which the file does not give', raw%groups(group)%place)
+         if (allocated(input%error)) return
+         call put_node(members, renumbering%node(node), group)
+      end do
+      if (.not. raw%nodes_name_sides .or. members%sides%list%n + members%n_inside > 0) return
+      do i = 1, members%nodes%list%n
+         place = table%last(members%nodes%list%item(i))
+         do while (place > 0)
+            number = table%boundary(place)
+            place = table%sides(place)%before
+            if (number == 0) cycle
+            nodes = mesh%side(side_element(number), side_place(number))
+            if (nodes(3) == 0) nodes(3) = nodes(1)
+            if (all(members%nodes%stamp(nodes) == group)) call members%sides%put(number, group)
          end do
-         if (.not. raw%nodes_name_sides .or. sides%members%n + n_inside > 0) return
-         do i = 1, nodes_of_set%members%n
-            place = table%last(nodes_of_set%members%item(i))
-            do while (place > 0)
-               number = table%boundary(place)
-               place = table%sides(place)%before
-               if (number == 0) cycle
-               nodes = mesh%side(side_element(number), side_place(number))
-               if (nodes(3) == 0) nodes(3) = nodes(1)
-               if (all(nodes_of_set%stamp(nodes) == group)) call put(sides, number, group)
-            end do
-         end do
-      end subroutine collect_nodes
+      end do
+   end subroutine collect_nodes
 
-      !> Puts a node into the set, if elements have it.
-      subroutine put_node(node)
-         integer, intent(in) :: node !! the node, 0 for one that no element has
+   !> Puts a node into a group, if elements have it.
+   subroutine put_node(members, node, group)
+      type(group_members_t), intent(inout) :: members !! the members of the group
+      integer, intent(in) :: node !! the node, 0 for one that no element has
+      integer, intent(in) :: group !! number of the group
 
-         if (node > 0) call put(nodes_of_set, node, group)
-         if (node == 0) n_unused = n_unused + 1
-      end subroutine put_node
-
-   end subroutine name_sets
+      if (node > 0) call members%nodes%put(node, group)
+      if (node == 0) members%n_unused = members%n_unused + 1
+   end subroutine put_node
 
    !> Puts a thing into a set that is being collected, unless it is there already.
-   pure subroutine put(collection, thing, set)
-      type(collection_t), intent(inout) :: collection !! the things of the set
+   pure subroutine collection_put(self, thing, set)
+      class(collection_t), intent(inout) :: self !! the things of the set
       integer, intent(in) :: thing !! the thing
       integer, intent(in) :: set !! number of the set
 
-      if (collection%stamp(thing) == set) return
-      collection%stamp(thing) = set
-      call collection%members%append(thing)
-   end subroutine put
+      if (self%stamp(thing) == set) return
+      self%stamp(thing) = set
+      call self%list%append(thing)
+   end subroutine collection_put
 
 end module amontons_mesh_cleanup

@@ -9,7 +9,7 @@ module amontons_mesh_file
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_kinds, only: dp
-   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, parents_t, region_t
+   use amontons_mesh, only: find_named, mesh_t, named_set_t, parents_t
    use amontons_mesh_cleanup, only: new_clean_mesh
    use amontons_text, only: newline
    implicit none (type, external)
@@ -35,72 +35,51 @@ contains
    pure subroutine name_mesh(mesh, name)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       character(*), intent(in) :: name !! the name
-      type(region_t), allocatable :: regions(:)
-      integer :: i
+      type(named_set_t), allocatable :: regions(:)
+      integer :: i, n
 
-      call complete_sets(mesh)
-      do i = 1, size(mesh%sets)
-         mesh%sets(i)%name = name//'.'//mesh%sets(i)%name
-      end do
-      do i = 1, size(mesh%node_sets)
-         mesh%node_sets(i)%name = name//'.'//mesh%node_sets(i)%name
-      end do
-      allocate (regions(size(mesh%regions) + 1))
-      do i = 1, size(mesh%regions)
-         regions(i + 1)%name = name//'.'//mesh%regions(i)%name
-         regions(i + 1)%element = mesh%regions(i)%element
-      end do
+      n = 0
+      if (allocated(mesh%regions)) n = size(mesh%regions)
+      allocate (regions(n + 1))
       regions(1)%name = name
-      allocate (regions(1)%element(mesh%n_elements))
-      do i = 1, mesh%n_elements
-         regions(1)%element(i) = i
-      end do
+      regions(1)%element = [(i, i=1, mesh%n_elements)]
+      if (n > 0) regions(2:) = mesh%regions
       call move_alloc(regions, mesh%regions)
+      call put_name_before(mesh%sets, name)
+      call put_name_before(mesh%node_sets, name)
+      call put_name_before(mesh%regions(2:), name)
       mesh%source = name//': '//mesh%source
    end subroutine name_mesh
 
+   !> Puts a name and a point before the names of sets.
+   pure subroutine put_name_before(sets, name)
+      type(named_set_t), intent(inout), optional :: sets(:) !! the sets; may be not allocated
+      character(*), intent(in) :: name !! the name
+      integer :: i
+
+      if (.not. present(sets)) return
+      do i = 1, size(sets)
+         sets(i)%name = name//'.'//sets(i)%name
+      end do
+   end subroutine put_name_before
+
    !> Puts a mesh behind another one, whose nodes and elements keep their numbers. The numbers that nodes have in files
    !> go on behind the largest one before.
-   pure subroutine append_mesh(mesh, other, error)
+   subroutine append_mesh(mesh, other, error)
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
       type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
       type(parents_t) :: parents
-      type(mesh_t) :: behind
-      type(boundary_set_t), allocatable :: sets(:)
-      type(node_set_t), allocatable :: node_sets(:)
-      type(region_t), allocatable :: regions(:)
       integer, allocatable :: tags(:)
-      integer :: i, last_tag, n(3)
+      integer :: i, last_tag
 
-      behind = other
-      call complete_sets(mesh)
-      call complete_sets(behind)
-      do i = 1, size(behind%sets)
-         if (has_set(mesh, behind%sets(i)%name)) call refuse_double('set', behind%sets(i)%name, error)
-         behind%sets(i)%element = mesh%n_elements + behind%sets(i)%element
-      end do
-      do i = 1, size(behind%node_sets)
-         if (has_set(mesh, behind%node_sets(i)%name)) call refuse_double('set', behind%node_sets(i)%name, error)
-         behind%node_sets(i)%node = mesh%n_nodes + behind%node_sets(i)%node
-      end do
-      do i = 1, size(behind%regions)
-         if (mesh%find_region(behind%regions(i)%name) > 0) call refuse_double('region', behind%regions(i)%name, error)
-         behind%regions(i)%element = mesh%n_elements + behind%regions(i)%element
-      end do
+      call refuse_doubles('set', other%sets)
+      call refuse_doubles('set', other%node_sets)
+      call refuse_doubles('region', other%regions)
       if (allocated(error)) return
-      n = [size(mesh%sets), size(mesh%node_sets), size(mesh%regions)]
-      allocate (sets(n(1) + size(behind%sets)), node_sets(n(2) + size(behind%node_sets)), &
-         regions(n(3) + size(behind%regions)))
-      sets(:n(1)) = mesh%sets
-      sets(n(1) + 1:) = behind%sets
-      node_sets(:n(2)) = mesh%node_sets
-      node_sets(n(2) + 1:) = behind%node_sets
-      regions(:n(3)) = mesh%regions
-      regions(n(3) + 1:) = behind%regions
-      call move_alloc(sets, mesh%sets)
-      call move_alloc(node_sets, mesh%node_sets)
-      call move_alloc(regions, mesh%regions)
+      call join_sets(mesh%sets, other%sets)
+      call join_sets(mesh%node_sets, other%node_sets)
+      call join_sets(mesh%regions, other%regions)
       if (allocated(mesh%node_tag) .or. allocated(other%node_tag)) then
          tags = tags_of(mesh)
          last_tag = maxval(tags)
@@ -123,40 +102,52 @@ contains
       mesh%n_elements = mesh%n_elements + other%n_elements
       mesh%source = mesh%source//'; '//other%source
       mesh%has_pieces = mesh%has_pieces .or. other%has_pieces
-      if (mesh%hypothesis == '') mesh%hypothesis = other%hypothesis
+      mesh%hypothesis = merge(other%hypothesis, mesh%hypothesis, mesh%hypothesis == '')
       do i = 1, other%files%n()
          call mesh%files%add(other%files%item(i))
       end do
       do i = 1, other%warnings%n()
          call mesh%warnings%add(other%warnings%item(i))
       end do
+
+   contains
+
+      !> Refuses names that the first mesh has, too.
+      subroutine refuse_doubles(noun, sets)
+         character(*), intent(in) :: noun !! what they are the names of, 'set' or 'region'
+         type(named_set_t), intent(in), optional :: sets(:) !! sets of the other mesh; may be not allocated
+         logical :: is_double
+
+         if (.not. present(sets)) return
+         do i = 1, size(sets)
+            is_double = find_named(mesh%sets, sets(i)%name) + find_named(mesh%node_sets, sets(i)%name) > 0
+            if (noun == 'region') is_double = find_named(mesh%regions, sets(i)%name) > 0
+            if (is_double .and. .not. allocated(error)) call new_error(error, input_refused, &
+               'another &mesh has the '//noun//" '"//sets(i)%name//"' too; give each &mesh a name of its own")
+         end do
+      end subroutine refuse_doubles
+
+      !> Puts sets of the other mesh behind those of the first.
+      subroutine join_sets(sets, others)
+         type(named_set_t), allocatable, intent(inout) :: sets(:) !! sets of the first mesh, not allocated for none
+         type(named_set_t), allocatable, intent(in) :: others(:) !! the others, not allocated for none
+         type(named_set_t), allocatable :: both(:)
+         integer :: n
+
+         if (.not. allocated(others)) return
+         n = 0
+         if (allocated(sets)) n = size(sets)
+         allocate (both(n + size(others)))
+         if (n > 0) both(:n) = sets
+         both(n + 1:) = others
+         do i = n + 1, size(both)
+            if (allocated(both(i)%element)) both(i)%element = mesh%n_elements + both(i)%element
+            if (allocated(both(i)%node)) both(i)%node = mesh%n_nodes + both(i)%node
+         end do
+         call move_alloc(both, sets)
+      end subroutine join_sets
+
    end subroutine append_mesh
-
-   !> Whether a mesh has a boundary set or a set of nodes of a name.
-   pure logical function has_set(mesh, name)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      character(*), intent(in) :: name !! the name
-
-      has_set = mesh%find_set(name) > 0 .or. mesh%find_node_set(name) > 0
-   end function has_set
-
-   !> Refuses a name that two meshes have.
-   pure subroutine refuse_double(noun, name, error)
-      character(*), intent(in) :: noun !! what it is the name of
-      character(*), intent(in) :: name !! the name
-      type(error_t), allocatable, intent(inout) :: error !! gains the fault, unless there is one
-
-      if (.not. allocated(error)) call new_error(error, input_refused, 'another &mesh has the '//noun//" '"//name// &
-         "' too; give each &mesh a name of its own")
-   end subroutine refuse_double
-
-   !> Gives a mesh lists of node sets and regions where it has none.
-   pure subroutine complete_sets(mesh)
-      type(mesh_t), intent(inout) :: mesh !! the mesh
-
-      if (.not. allocated(mesh%node_sets)) allocate (mesh%node_sets(0))
-      if (.not. allocated(mesh%regions)) allocate (mesh%regions(0))
-   end subroutine complete_sets
 
    !> The parents of the nodes of a mesh, whether refined or not.
    pure function parents_of(mesh) result(parents)
@@ -177,13 +168,10 @@ contains
       integer, allocatable :: tags(:)
       integer :: i
 
-      allocate (tags(mesh%n_nodes), source=0)
       if (allocated(mesh%node_tag)) then
-         tags(:size(mesh%node_tag)) = mesh%node_tag
+         tags = [mesh%node_tag, spread(0, 1, mesh%n_nodes - size(mesh%node_tag))]
       else
-         do i = 1, size(tags)
-            tags(i) = i
-         end do
+         tags = [(i, i=1, mesh%n_nodes)]
       end if
    end function tags_of
 
