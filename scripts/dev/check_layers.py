@@ -17,7 +17,7 @@ MAY_USE = {
     "linalg": [],
     "cholesky": ["linalg", "system"],
     "mesh": ["system"],
-    "mesh/io": ["mesh", "system"],
+    "mesh/io": ["elasticity", "mesh", "system"],
     "elasticity": ["mesh", "linalg"],
     "distributed": ["elasticity", "mesh", "cholesky", "linalg", "system"],
     "contact/problem": ["linalg"],

@@ -14,12 +14,11 @@ module amontons_config
    use amontons_deck_contents, only: suggestion
    use amontons_deck_visitor, only: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, key_t
    use amontons_error, only: error_t, fault_list_t, input_refused, new_error
-   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_model_t, &
-      file_pressure, use_loads, use_materials, use_names, use_supports
+   use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
-   use amontons_material, only: material_t, new_material
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_t
+   use amontons_material, only: material_t
    use amontons_mesh, only: find_named, mesh_t
    use amontons_mesh_file, only: mesh_part_t, read_file_model
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
@@ -27,7 +26,7 @@ module amontons_config
    use amontons_new_cholesky, only: factorization_names
    use amontons_sweep, only: describe_sweep, sweep_group, sweep_t
    use amontons_system, only: absolute_path
-   use amontons_text, only: lower_case, quoted, to_text
+   use amontons_text, only: lower_case, quoted
    implicit none (type, external)
    private
 
@@ -82,97 +81,14 @@ contains
 
       if (len(part%file) == 0) return
       call read_file_model(model, part%file, part%is_used, error)
-      if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
       if (allocated(error)) return
-      deallocate (supports)
-      allocate (supports(model%n_supports))
-      do i = 1, size(supports)
-         supports(i)%set = trim(model%supports(i)%set)
-         supports(i)%is_held(:2) = model%supports(i)%is_held
-         supports(i)%displacement(:2) = merge(model%supports(i)%value, 0.0_dp, model%supports(i)%is_held)
-         supports(i)%origin = origin_of(part%file, model%supports(i)%line)
-      end do
-      call take_file_loads(loads, model, part%file)
-   end subroutine take_file
-
-   !> Takes the materials.
-   subroutine take_file_materials(materials, model, file, error)
-      type(material_t), allocatable, intent(out) :: materials(:) !! the materials
-      type(file_model_t), intent(in) :: model !! what the file says
-      character(*), intent(in) :: file !! its name
-      type(error_t), allocatable, intent(out) :: error !! a constant out of its range
-      integer :: i, n
-
-      n = 0
-      if (allocated(model%materials)) n = size(model%materials)
-      allocate (materials(n))
-      do i = 1, n
-         associate (material => model%materials(i))
-            call new_material(materials(i), material%young, material%poisson, trim(model%hypothesis), &
-               material%thickness, error)
-            if (allocated(error)) error%message = origin_of(file, material%line)//error%message
-            if (allocated(error)) return
-            materials(i)%density = material%density
-            materials(i)%expansion = material%expansion
-            materials(i)%region = trim(material%region)
-            materials(i)%origin = origin_of(file, material%line)
-         end associate
-      end do
-   end subroutine take_file_materials
-
-   !> Takes the loads.
-   subroutine take_file_loads(loads, model, file)
-      type(load_t), allocatable, intent(out) :: loads(:) !! the loads
-      type(file_model_t), intent(in) :: model !! what the file says
-      character(*), intent(in) :: file !! its name
-      integer :: i
-
-      allocate (loads(model%n_loads + merge(1, 0, allocated(model%temperatures%table))))
-      do i = 1, model%n_loads
-         ! A load on a boundary set, or on a region.
-         call new_load(loads(i), trim(model%loads(i)%set))
-         if (model%loads(i)%kind /= file_pressure .and. model%loads(i)%kind /= file_force) then
-            loads(i)%set = ''
-            loads(i)%region = trim(model%loads(i)%set)
-            loads(i)%target = load_on_region
-         end if
-         select case (model%loads(i)%kind)
-         case (file_pressure)
-            loads(i)%pressure = model%loads(i)%value(1)
-         case (file_force)
-            loads(i)%target = load_on_nodes
-            loads(i)%force = model%loads(i)%value
-         case (file_body_force)
-            loads(i)%body_force = model%loads(i)%value
-         case (file_gravity)
-            loads(i)%gravity = model%loads(i)%value
-         case default
-            loads(i)%angular_speed = model%loads(i)%value(1)
-            loads(i)%center = model%loads(i)%center
-            loads(i)%axis = model%loads(i)%axis
-         end select
+      materials = model%materials
+      supports = model%supports(:model%n_supports)
+      loads = model%loads(:model%n_loads)
+      do i = 1, size(loads)
          loads(i)%name = file_load_name
-         loads(i)%origin = origin_of(file, model%loads(i)%line)
       end do
-      if (.not. allocated(model%temperatures%table)) return
-      associate (load => loads(size(loads)))
-         call new_load(load, '')
-         load%name = file_load_name
-         load%target = load_by_temperature
-         load%temperature_table = model%temperatures%table
-         load%temperature_file = file
-         load%origin = origin_of(file, model%temperatures%line)
-      end associate
-   end subroutine take_file_loads
-
-   !> Where something stands in the file, as messages begin.
-   pure function origin_of(file, line) result(origin)
-      character(*), intent(in) :: file !! name of the file
-      integer, intent(in) :: line !! the line
-      character(:), allocatable :: origin
-
-      origin = file//':'//to_text(line)//': '
-   end function origin_of
+   end subroutine take_file
 
    !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
    !> judged only where its form is right, and what follows from another fault is not told.

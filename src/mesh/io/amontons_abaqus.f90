@@ -5,13 +5,16 @@ module amontons_abaqus
    use amontons_abaqus_lines, only: abaqus_scope_t, find_parameter, get_set, is_at_line_end, named_group, &
       next_data_line, next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, &
       take_fields, take_number
+   use amontons_constraints, only: new_support, support_t
    use amontons_element, only: max_nodes, quad4, quad8, tri3, tri6
-   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_material_t, &
-      file_rotation, file_support_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, no_cell, &
-      raw_mesh_t, use_loads, use_materials, use_names, use_supports
+   use amontons_error, only: error_t
+   use amontons_file_model, only: file_material_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, &
+      no_cell, raw_mesh_t, use_loads, use_materials, use_names, use_supports
    use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: new_tag_map
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
+   use amontons_material, only: new_material
    use amontons_text, only: counted, lower_case, read_integer, to_text
    implicit none (type, external)
    private
@@ -70,6 +73,7 @@ contains
 
       raw%nodes_name_sides = .true.
       raw%ignores_case = .true.
+      allocate (raw%model%definitions(0), raw%model%sections(0), raw%model%supports(4), raw%model%loads(4))
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .or. allocated(input%error)) exit
@@ -307,7 +311,6 @@ contains
       integer :: group, i, last, n, n_values
       logical :: is_there
 
-      if (.not. allocated(raw%model%definitions)) allocate (raw%model%definitions(0), raw%model%materials(0))
       select case (keyword)
       case ('material')
          call find_parameter(line, 'name', name, is_there)
@@ -331,7 +334,7 @@ contains
             if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
             if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
          end if
-         raw%model%materials = [raw%model%materials, section]
+         raw%model%sections = [raw%model%sections, section]
       case default
          call refuse_parameters(input, line)
          last = size(raw%model%definitions)
@@ -447,18 +450,19 @@ contains
       end do
    end subroutine find_nodes
 
-   !> Gives each section its material, and makes a load of the temperatures of the step, once the file is read: their
-   !> difference from the initial ones, which nodes without a temperature keep.
+   !> Completes the model once the file is read: makes the material of each section, and a load of the temperatures of
+   !> the step: their difference from the initial ones, which nodes without a temperature keep.
    pure subroutine finish_model(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its end
+      type(error_t), allocatable :: error
+      type(load_t) :: load
       integer :: i, k
 
       associate (model => raw%model, temperatures => raw%model%temperatures)
-         model%hypothesis = raw%hypothesis
-         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
-         do i = 1, size(model%materials)
-            associate (section => model%materials(i))
+         allocate (model%materials(size(model%sections)))
+         do i = 1, size(model%sections)
+            associate (section => model%sections(i), material => model%materials(i))
                do k = 1, size(model%definitions)
                   if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
                end do
@@ -468,17 +472,29 @@ contains
                   call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
                end if
                if (allocated(input%error)) return
-               section%young = model%definitions(k)%young
-               section%poisson = model%definitions(k)%poisson
-               section%density = model%definitions(k)%density
-               section%expansion = model%definitions(k)%expansion
+               call new_material(material, model%definitions(k)%young, model%definitions(k)%poisson, &
+                  trim(raw%hypothesis), section%thickness, error)
+               material%origin = origin_of(input, section%line)
+               if (allocated(error)) then
+                  error%message = material%origin//error%message
+                  call move_alloc(error, input%error)
+                  return
+               end if
+               material%density = model%definitions(k)%density
+               material%expansion = model%definitions(k)%expansion
+               material%region = trim(section%region)
             end associate
          end do
          if (temperatures%line == 0) return
          call expect_nodes(temperatures, raw%node_tag%items())
-         allocate (temperatures%table(2, raw%node_tag%n))
-         temperatures%table(1, :) = raw%node_tag%items()
-         temperatures%table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
+         call new_load(load, '')
+         load%target = load_by_temperature
+         allocate (load%temperature_table(2, raw%node_tag%n))
+         load%temperature_table(1, :) = raw%node_tag%items()
+         load%temperature_table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
+         load%temperature_file = input%file
+         load%origin = origin_of(input, temperatures%line)
+         call model%add_load(load)
          if (.not. temperatures%has_initial) call raw%add_note( &
             '*TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is strained at the temperature 0')
          if (.not. model%is_used(use_materials)) return
@@ -535,25 +551,28 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
-      type(file_support_t) :: support, before
-      integer :: ends(2), i, n
+      type(support_t) :: support, before
+      integer :: ends(2), i, n, number
       logical :: is_there, ok
+      real(dp) :: value
 
       call refuse_parameters(input, line)
+      call new_support(before, '')
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call raw%model%line_at(input%text, input%position, support%line)
+         call new_support(support, '')
+         call raw%model%line_at(input%text, input%position, number)
+         support%origin = origin_of(input, number)
          call take_fields(input, fields, n)
          if (allocated(input%error)) return
-         support%value = 0.0_dp
          select case (lower_case(fields(2)))
          case ('encastre', 'pinned')
-            support%is_held = .true.
+            support%is_held(:2) = .true.
          case ('xsymm')
-            support%is_held = [.true., .false.]
+            support%is_held(1) = .true.
          case ('ysymm')
-            support%is_held = [.false., .true.]
+            support%is_held(2) = .true.
          case default
             ! The numbers of the first component and of the last.
             if (fields(3) == '') fields(3) = fields(2)
@@ -562,14 +581,15 @@ contains
                if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
                   trim(fields(i + 1))//"'", input%position - 1)
             end do
-            support%is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
+            support%is_held(:2) = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
          end select
-         if (n > 3) call take_number(input, fields(4), support%value)
+         value = 0.0_dp
+         if (n > 3) call take_number(input, fields(4), value)
+         support%displacement = merge(value, 0.0_dp, support%is_held)
          if (.not. any(support%is_held)) cycle
          ! Numbers of nodes that follow each other are one set, if the same holds for them.
-         call take_nodes(raw, input, '*BOUNDARY', fields(1), support%line, &
-            all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
-            before%set, support%set)
+         call take_nodes(raw, input, '*BOUNDARY', fields(1), number, all(support%is_held .eqv. before%is_held) &
+            .and. .not. any(abs(support%displacement - before%displacement) > 0.0_dp), before%set, support%set)
          if (allocated(input%error)) return
          if (support%set /= before%set) call raw%model%add_support(support)
          before = support
@@ -583,26 +603,28 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
-      type(file_load_t) :: load, before
-      integer :: n, component
+      type(load_t) :: load, before
+      integer :: component, n, number
       real(dp) :: value
       logical :: is_there, ok
 
       call refuse_parameters(input, line)
-      load%kind = file_force
+      call new_load(before, '')
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call raw%model%line_at(input%text, input%position, load%line)
+         call new_load(load, '')
+         load%target = load_on_nodes
+         call raw%model%line_at(input%text, input%position, number)
+         load%origin = origin_of(input, number)
          call take_fields(input, fields, n)
          call read_integer(trim(fields(2)), component, ok)
          if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
             "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'", input%position - 1)
          call take_number(input, fields(3), value)
          if (allocated(input%error)) return
-         load%value = 0.0_dp
-         load%value(component) = value
-         call take_nodes(raw, input, '*CLOAD', fields(1), load%line, all(abs(load%value - before%value) <= 0.0_dp), &
+         load%force(component) = value
+         call take_nodes(raw, input, '*CLOAD', fields(1), number, all(abs(load%force - before%force) <= 0.0_dp), &
             before%set, load%set)
          if (allocated(input%error)) return
          if (load%set /= before%set) call raw%model%add_load(load)
@@ -621,7 +643,7 @@ contains
       integer, intent(in) :: line !! number of the line
       logical, intent(in) :: is_same !! whether the line says the same as that before
       character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
-      character(longest_name), intent(out) :: set !! name of the set
+      character(:), allocatable, intent(inout) :: set !! becomes the name of the set
       integer :: group, node
       logical :: is_number
 
@@ -629,7 +651,7 @@ contains
       if (is_number) then
          set = keyword//':'//to_text(line)
          if (is_same .and. set_before /= '') set = set_before
-         call raw%get_group(input, trim(set), group)
+         call raw%get_group(input, set, group)
          if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
       else
          group = named_group(raw, trim(field))
@@ -645,52 +667,60 @@ contains
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
-      type(file_load_t) :: load
+      type(load_t) :: load
       real(dp) :: values(most_fields - 2)
-      integer :: i, n
+      integer :: i, n, number
       logical :: is_there
 
       call refuse_parameters(input, line)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         load = file_load_t()
-         call raw%model%line_at(input%text, input%position, load%line)
+         call raw%model%line_at(input%text, input%position, number)
          call take_fields(input, fields, n)
          values = 0.0_dp
          do i = 3, n
             if (fields(i) /= '') call take_number(input, fields(i), values(i - 2))
          end do
          if (allocated(input%error)) return
-         call interpret_dload(raw, input, keyword, fields, values, load)
+         call interpret_dload(raw, input, keyword, number, fields, values, load)
          if (allocated(input%error)) return
          call raw%model%add_load(load)
       end do
    end subroutine read_dload
 
    !> Finds what a line of distributed loads means.
-   pure subroutine interpret_dload(raw, input, keyword, fields, values, load)
+   pure subroutine interpret_dload(raw, input, keyword, line, fields, values, load)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      integer, intent(in) :: line !! number of the line
       character(*), intent(in) :: fields(:) !! the fields of the line
       real(dp), intent(in) :: values(:) !! its numbers, from the third field on
-      type(file_load_t), intent(inout) :: load !! the load, its line known
+      type(load_t), intent(out) :: load !! the load
       character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
       character(longest_name) :: kind
       integer :: group, side, element
       logical :: is_number
 
       kind = lower_case(fields(2))
-      load%value(1) = values(1)
       group = named_group(raw, trim(fields(1)))
-      if (group > 0) load%set = raw%groups(group)%name
-      side = findloc(side_labels, kind, dim=1)
-      if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) return
-      if (keyword == 'dload' .and. side > 0) then
-         call gather_sides(raw, input, trim(fields(1)), group, side, load)
+      call new_load(load, '')
+      load%origin = origin_of(input, line)
+      if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) then
+         load%set = raw%groups(group)%name
+         load%pressure = values(1)
          return
       end if
+      side = findloc(side_labels, kind, dim=1)
+      if (keyword == 'dload' .and. side > 0) then
+         load%set = '*DLOAD:'//to_text(line)
+         load%pressure = values(1)
+         call gather_sides(raw, input, trim(fields(1)), group, side, load%set)
+         return
+      end if
+      load%target = load_on_region
+      if (group > 0) load%region = raw%groups(group)%name
       call read_integer(trim(fields(1)), element, is_number)
       if (group == 0 .and. is_number) then
          call input%refuse('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
@@ -701,21 +731,18 @@ contains
       if (allocated(input%error)) return
       select case (kind)
       case ('bx')
-         load%kind = file_body_force
+         load%body_force(1) = values(1)
       case ('by')
-         load%kind = file_body_force
-         load%value = [0.0_dp, values(1)]
+         load%body_force(2) = values(1)
       case ('grav')
-         load%kind = file_gravity
          if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse( &
             'GRAV: expected a direction in the plane', input%position - 1)
-         if (.not. allocated(input%error)) load%value = values(1)*values(2:3)/norm2(values(2:3))
+         if (.not. allocated(input%error)) load%gravity = values(1)*values(2:3)/norm2(values(2:3))
       case ('centrif')
          ! The square of the angular speed, a point of the axis and its direction. A body of revolution has its own.
-         load%kind = file_rotation
          if (values(1) < 0.0_dp) call input%refuse('CENTRIF: the square of the angular speed is negative', &
             input%position - 1)
-         load%value = [sqrt(max(0.0_dp, values(1))), 0.0_dp]
+         load%angular_speed = sqrt(max(0.0_dp, values(1)))
          if (raw%hypothesis == 'axisymmetric') then
             if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse( &
                'CENTRIF: a body of revolution spins about its own axis', input%position - 1)
@@ -732,13 +759,13 @@ contains
    end subroutine interpret_dload
 
    !> Gathers the sides that a pressure acts on in a set of its own.
-   pure subroutine gather_sides(raw, input, field, from, side, load)
+   pure subroutine gather_sides(raw, input, field, from, side, set)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: field !! the field of the elements
       integer, intent(in) :: from !! the set that it names, 0 for none
       integer, intent(in) :: side !! number of the side in each element
-      type(file_load_t), intent(inout) :: load !! the load; gains the set
+      character(*), intent(in) :: set !! name of this set
       integer, allocatable :: elements(:)
       integer :: element, group
       logical :: is_number
@@ -753,11 +780,19 @@ contains
       end if
       if (.not. allocated(input%error)) call raw%expect_members(input, size(elements))
       if (allocated(input%error)) return
-      load%set = '*DLOAD:'//to_text(load%line)
-      call raw%get_group(input, trim(load%set), group)
+      call raw%get_group(input, set, group)
       if (allocated(input%error)) return
       call raw%groups(group)%cell%append_all(elements)
       call raw%groups(group)%side%append_all(spread(side, 1, size(elements)))
    end subroutine gather_sides
+
+   !> Where a line of the file stands, as messages begin.
+   pure function origin_of(input, line) result(origin)
+      type(input_file_t), intent(in) :: input !! the file
+      integer, intent(in) :: line !! number of the line
+      character(:), allocatable :: origin
+
+      origin = input%file//':'//to_text(line)//': '
+   end function origin_of
 
 end module amontons_abaqus

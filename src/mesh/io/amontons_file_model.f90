@@ -1,16 +1,19 @@
 !> The contents of a mesh file before they are checked: nodes and cells by their numbers in the file, and beside the
 !> mesh materials, supports and loads.
 module amontons_file_model
+   use amontons_constraints, only: support_t
    use amontons_element, only: n_element_nodes
    use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: integer_list_t, tag_map_t
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_t
+   use amontons_material, only: material_t
    use amontons_text, only: lower_case, newline, to_text
    implicit none (type, external)
    private
 
-   public :: file_load_t, file_material_t, file_model_t, file_support_t, file_temperatures_t, line2, line3, &
-      longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
+   public :: file_material_t, file_model_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, no_cell, &
+      point1, raw_mesh_t
 
    !> What may be read of it, as a deck names it.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
@@ -21,21 +24,10 @@ module amontons_file_model
    !> Which of these are the loads.
    integer, parameter, public :: use_loads = 3
 
-   !> Kind of a load: pressure on sides.
-   integer, parameter, public :: file_pressure = 1
-   !> Kind of a load: force on nodes.
-   integer, parameter, public :: file_force = 2
-   !> Kind of a load: force per volume.
-   integer, parameter, public :: file_body_force = 3
-   !> Kind of a load: weight.
-   integer, parameter, public :: file_gravity = 4
-   !> Kind of a load: centrifugal force.
-   integer, parameter, public :: file_rotation = 5
-
    !> Longest name of a set or material, as Abaqus has it.
    integer, parameter :: longest_name = 80
 
-   !> A material of a region.
+   !> A material that a file defines, and the section that puts it into a region.
    type :: file_material_t
       character(longest_name) :: name = '' !! its name
       character(longest_name) :: region = '' !! region that it fills; empty before a section says it
@@ -44,27 +36,8 @@ module amontons_file_model
       real(dp) :: density = 0.0_dp !! mass per volume [M/L^3]
       real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of the region [L]
-      integer :: line = 0 !! line of the file that specifies it
+      integer :: line = 0 !! line of the file that gives the section
    end type file_material_t
-
-   !> Displacements that are prescribed to a set of nodes.
-   type :: file_support_t
-      character(longest_name) :: set = '' !! name of the set
-      logical :: is_held(2) = .false. !! whether it is held along x and y
-      real(dp) :: value = 0.0_dp !! displacement along these [L]
-      integer :: line = 0 !! line of the file that specifies it
-   end type file_support_t
-
-   !> A load.
-   type :: file_load_t
-      integer :: kind = file_pressure !! its kind
-      character(longest_name) :: set = '' !! the set of sides or nodes, or the region; empty for the whole body
-      real(dp) :: value(2) = 0.0_dp
-         !! pressure [F/L^2], force [F], force per volume [F/L^3], acceleration [L/T^2], or angular speed [1/T]
-      real(dp) :: center(2) = 0.0_dp !! a point of the axis of rotation [L]
-      real(dp) :: axis(2) = 0.0_dp !! its direction in the plane; 0, 0 if it is normal to the plane [-]
-      integer :: line = 0 !! line of the file that specifies it
-   end type file_load_t
 
    !> Temperatures of the nodes. Arrays have a place for each node of the file, in its order, as far as it is read.
    type :: file_temperatures_t
@@ -74,22 +47,19 @@ module amontons_file_model
       logical, allocatable :: is_given(:) !! whether the step gives a temperature
       logical :: has_initial = .false. !! whether initial temperatures are given
       integer :: line = 0 !! line of the file that gives those of the step; 0 if none does
-      real(dp), allocatable :: table(:, :)
-         !! numbers of the nodes and their temperatures above the initial ones; not allocated before the file is read,
-         !! nor if it gives none (2, number of nodes) [K]
    end type file_temperatures_t
 
    !> All that is read beside the mesh.
    type :: file_model_t
       logical :: is_used(size(use_names)) = .false. !! what is read
-      character(12) :: hypothesis = '' !! the hypothesis of the elements; empty if they differ or say none
       type(file_material_t), allocatable :: definitions(:) !! the materials that the file defines
-      type(file_material_t), allocatable :: materials(:) !! the material of each section
-      type(file_support_t), allocatable :: supports(:) !! the supports
-      type(file_load_t), allocatable :: loads(:) !! the loads
+      type(file_material_t), allocatable :: sections(:) !! the sections
       type(file_temperatures_t) :: temperatures !! the temperatures of the nodes
-      integer :: n_supports = 0 !! number of supports; there may be room for more
-      integer :: n_loads = 0 !! number of loads; there may be room for more
+      type(material_t), allocatable :: materials(:) !! the material of each section, once the file is read
+      type(support_t), allocatable :: supports(:) !! the supports, and room for more
+      type(load_t), allocatable :: loads(:) !! the loads, and room for more
+      integer :: n_supports = 0 !! number of supports
+      integer :: n_loads = 0 !! number of loads
       integer :: n_steps = 0 !! number of steps
       integer, private :: n_counted = 0 !! number of characters of the file whose lines are counted
       integer, private :: n_lines = 0 !! number of line ends among them
@@ -178,10 +148,14 @@ contains
    !> Adds a support.
    pure subroutine file_model_add_support(self, support)
       class(file_model_t), intent(inout) :: self !! the model
-      type(file_support_t), intent(in) :: support !! the support
+      type(support_t), intent(in) :: support !! the support
+      type(support_t), allocatable :: longer(:)
 
-      if (.not. allocated(self%supports)) allocate (self%supports(4))
-      if (self%n_supports == size(self%supports)) self%supports = [self%supports, self%supports]
+      if (self%n_supports == size(self%supports)) then
+         allocate (longer(2*self%n_supports))
+         longer(:self%n_supports) = self%supports
+         call move_alloc(longer, self%supports)
+      end if
       self%n_supports = self%n_supports + 1
       self%supports(self%n_supports) = support
    end subroutine file_model_add_support
@@ -189,10 +163,14 @@ contains
    !> Adds a load.
    pure subroutine file_model_add_load(self, load)
       class(file_model_t), intent(inout) :: self !! the model
-      type(file_load_t), intent(in) :: load !! the load
+      type(load_t), intent(in) :: load !! the load
+      type(load_t), allocatable :: longer(:)
 
-      if (.not. allocated(self%loads)) allocate (self%loads(4))
-      if (self%n_loads == size(self%loads)) self%loads = [self%loads, self%loads]
+      if (self%n_loads == size(self%loads)) then
+         allocate (longer(2*self%n_loads))
+         longer(:self%n_loads) = self%loads
+         call move_alloc(longer, self%loads)
+      end if
       self%n_loads = self%n_loads + 1
       self%loads(self%n_loads) = load
    end subroutine file_model_add_load
