@@ -9,6 +9,7 @@ module amontons_rigid_fit
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
@@ -120,21 +121,22 @@ contains
       call fit(motion, body, load, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
 
-   !> The free rigid motion of each piece that comes closest to the displacements of its nodes (2, n_nodes) [L].
-   function travel_of_nodes(body, displacement) result(travel)
-      type(body_t), intent(in) :: body !! the body
+   !> The rigid motion of each piece that comes closest to the displacements of its nodes (2, n_nodes) [L].
+   function travel_of_nodes(free, coordinates, displacement) result(travel)
+      type(rigid_motions_t), intent(in) :: free(:) !! the motions of each piece that are free
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
       real(dp), allocatable :: travel(:, :)
       real(dp), allocatable :: modes(:, :)
       integer :: i, j
 
       allocate (travel, source=0.0_dp*displacement)
-      do j = 1, size(body%motions)
-         associate (motions => body%motions(j))
+      do j = 1, size(free)
+         associate (motions => free(j))
             if (motions%n_free == 0) cycle
             allocate (modes(2*size(motions%node), motions%n_free))
             do i = 1, size(motions%node)
-               modes(2*i - 1:2*i, :) = motions%displacement(body%mesh%coordinates(:, motions%node(i)))
+               modes(2*i - 1:2*i, :) = motions%displacement(coordinates(:, motions%node(i)))
             end do
             travel(:, motions%node) = reshape(matmul(modes, amounts_of(modes, &
                reshape(displacement(:, motions%node), [size(modes, 1)]))), [2, size(motions%node)])
