@@ -44,6 +44,16 @@ class NoEquilibrium(ProgramTest):
         self.assert_no_equilibrium(block(PRESSURE, CONTACT, "load set = 'left'  traction = 2.0, 0.0"),
                                    NO_EQUILIBRIUM + "translate along (1.0, 0.3)" + ADVICE)
 
+    def test_limit_of_sliding_is_told_to_ten_digits(self):
+        # Above it by 1e-9 no method ends, at it and below it some do; a light push, so that the excess is a small
+        # share of all loads.
+        for friction in (0.1, 0.75):
+            for excess, status in ((-1e-8, 0), (-1e-10, 0), (0.0, 0), (1e-9, 2), (1e-8, 2)):
+                self.write("limit.nml", block(
+                    "load set = 'top'  pressure = 1.0", f"contact set = 'bottom'  friction = {friction}",
+                    f"load set = 'left'  traction = {2.0*friction*(1.0 + excess)!r}, 0.0"))
+                self.run_program("--quiet", "--output", "results", "limit.nml", status=status)
+
     def test_body_rolled_over_its_corner(self):
         # 4 upwards at x = 4 and 4 downwards at x = 2 turn the block about its left side, free along x.
         # In the middle of the block, at x = 2, a rotation by 1/sqrt(5) is a displacement of 2/sqrt(5) = 0.8944.
