@@ -98,9 +98,9 @@ int amontons_new_stepper(
    the state is no solution: a shorter step from the state before may be one.
 
    A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
-   supports and obstacles; residual and iterations; then for all contact points in turn their normal forces, tangential
-   forces, normal displacements, tangential displacements, anchors (what the slip of the step counts from), accumulated
-   slips, dissipations and sums of normal force times slip. */
+   supports and obstacles; residual and iterations; then for all contact points in turn their statuses, normal forces,
+   tangential forces, normal displacements, tangential displacements, anchors (what the slip of the step counts from),
+   accumulated slips, dissipations and sums of normal force times slip. */
 int amontons_step(
     amontons_stepper *stepper,
     double time,           /* the time at the end of the step */

@@ -174,9 +174,12 @@ contains
                'the residual is above the tolerance'
             if (len(fault) == 0) then
                call walk%shorten(again%model%history, numbers(1), leads_there)
-               if (.not. leads_there) fault = 'no step of this history leads to the time '//to_text(numbers(1))
+               if (leads_there) then
+                  call solve_as_stated(next, fault, again, row, cache)
+               else
+                  fault = 'no step of this history leads to the time '//to_text(numbers(1))
+               end if
             end if
-            if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
             if (len(fault) == 0) then
                ! Iterations and residual of the run are recorded, not computed again.
                next%solution%residual = numbers(2)
@@ -354,7 +357,8 @@ contains
 
       length = max(largest(a_length), maxval(abs(computed%solution%displacement)))
       associate (force => largest(a_force)/size(computed%slip), energy => largest(an_energy))
-         states_agree = first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
+         states_agree = all(found%solution%status == computed%solution%status) .and. &
+            first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
             (is_hovering .or. first_disagreement(found%solution%displacement, computed%solution%displacement, &
             length) == 0) .and. &
             first_disagreement(found%instant%anchor, computed%instant%anchor, length) == 0 .and. &

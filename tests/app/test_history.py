@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Load histories: their files, what they say of steps that cannot be taken, and what they are refused with."""
+import csv
 import random
 import re
 import shutil
@@ -48,6 +49,23 @@ class History(HistoryTest):
         self.assertEqual(times, ["0.0", "2.5", "5.0"])
         named = {file["name"] for file in summary["files"]}
         self.assertLessEqual({"bar.history.csv", "bar.points.csv", "bar.history.pvd", "bar.history/21.vtu"}, named)
+
+    def test_points_keep_their_statuses_while_nothing_changes(self):
+        # Held points are on the bound of the law or in it, as they were: rounding made every other one stick.
+        held = BAR.replace("0.0, 10.0, 15.0, 5.0, -15.0, 10.0", "0.0, 10.0, 10.0, -15.0, -15.0, -15.0")
+        self.walk(held + "&output states_every = 1 /\n")
+        rows = self.table("bar.history.csv")
+        for first in (4, 12, 16):
+            self.assertEqual({row["statuses"] for row in rows[first:first + 5]}, {rows[first]["statuses"]}, first)
+        self.assertEqual(rows[4]["statuses"], "3o 16+ 14s")
+        self.assertEqual(rows[6]["dissipation_step"], "0.0")
+        self.run_program("--quiet", "--verify", "out")
+        # A history that goes on from the middle of a hold keeps them, too.
+        go_on = held.replace("times = 0.0, 1.0", "start = 'out/bar.states.csv'  start_step = 7  times = 1.5, 1.6")
+        self.run_program("--quiet", "--output", "on", self.write("on.nml", go_on.replace(
+            "0.0, 10.0, 10.0", "10.0, 10.0, 10.0").replace("0.0, 1.0, 1.0, 1.0", "1.0, 1.0, 1.0, 1.0")))
+        with open(self.directory / "on" / "bar.history.csv", encoding="utf-8") as file:
+            self.assertEqual(list(csv.DictReader(file))[0]["statuses"], "3o 16+ 14s")
 
     def test_slip_has_one_meaning_in_all_files(self):
         # A floor that shifts to and fro under a block that is held: slips are those on the floor, since rest.

@@ -292,7 +292,8 @@ class IllPosed(NumbersTest):
         self.assertEqual(self.attempt(block(
             "support set = 'top'  spring_n = 9e5  spring_t = 3e-4", "load set = 'top'  pressure = 0.17",
             "load set = 'left'  traction = 0.0137, 0.0", "contact set = 'bottom'  friction = 0.5",
-            mesh="size = 4.0, 1.0  cells = 31, 5  element = 'quad9'", material="young = 1000.0  poisson = 0.3")), (0, ""))
+            mesh="size = 4.0, 1.0  cells = 31, 5  element = 'quad9'", material="young = 1000.0  poisson = 0.3")),
+            (0, ""))
 
     def test_forces_that_are_rounding_errors_are_solved(self):
         # An overlap is let go of by a rigid motion, or all that is held moves alike: what is left is rounding.

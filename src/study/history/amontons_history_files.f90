@@ -209,7 +209,7 @@ contains
       character(*), intent(in) :: time !! what the pseudo-time is called
       integer, intent(in) :: n_points !! number of contact points
       integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
-      character(23), parameter :: labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
+      character(23), parameter :: labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
          'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
       integer :: i, p
 

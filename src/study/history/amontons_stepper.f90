@@ -8,6 +8,7 @@ module amontons_stepper
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: open_point, slip_minus
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
@@ -20,7 +21,7 @@ module amontons_stepper
    !> Numbers of a state that are kept besides those of its contact points.
    integer, parameter :: n_single = 6
    !> Numbers that are kept of each contact point.
-   integer, parameter :: n_per_point = 8
+   integer, parameter :: n_per_point = 9
 
    !> Where a step has led to.
    type :: step_state_t
@@ -78,16 +79,32 @@ contains
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! what acts at its end
       integer :: m
+      logical :: is_held, may_continue
 
       m = body%zone%n_points
       after%instant = instant
-      after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + instant%motion &
-         - before%instant%motion, body%zone%is_tangent_fixed)
+      after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
+         - before%instant%motion), body%zone%is_tangent_fixed)
       call model%solver%loads%pose(body, after%instant, problem)
-      ! The slip before goes on, so that the method begins with the statuses before.
       after%solution = before%solution
-      after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
-      call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason)
+      is_held = allocated(before%instant%numbers)
+      if (is_held) is_held = .not. any(abs(instant%numbers - before%instant%numbers) > 0.0_dp)
+      if (is_held) then
+         ! Nothing moves. Points on a bound of the law would slip or stick as rounding has it: they stay what they are.
+         call after%solution%reset()
+         call after%solution%record(problem, before%solution%displacement, before%solution%force, &
+            model%solver%method%tolerance, may_continue)
+         is_held = after%solution%is_converged
+      end if
+      if (is_held) then
+         after%solution%status = before%solution%status
+         after%outcome = outcome_solved
+         after%reason = ''
+      else
+         ! The slip before goes on, so that the method begins with the statuses before.
+         after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
+         call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason)
+      end if
       if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
       after%accumulated_slip = before%accumulated_slip + abs(after%slip)
@@ -121,8 +138,8 @@ contains
       real(dp), allocatable :: numbers(:)
 
       numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
-         real(self%solution%n_iterations, dp), self%solution%force, self%solution%displacement, self%instant%anchor, &
-         self%accumulated_slip, self%dissipation, self%worn]
+         real([self%solution%n_iterations, self%solution%status], dp), self%solution%force, &
+         self%solution%displacement, self%instant%anchor, self%accumulated_slip, self%dissipation, self%worn]
    end function step_state_numbers
 
    !> Restores a state from its numbers, to the last bit.
@@ -134,6 +151,8 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(instant_t), intent(in) :: instant !! what acted, at the time among the numbers
       type(error_t), allocatable, intent(out) :: error !! they are those of another body
+      ! Of a bound, as far as forces that a method left or a file rounded reach it.
+      real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp
       integer :: m
 
       m = body%zone%n_points
@@ -147,7 +166,7 @@ contains
       state%support_work = numbers(3)
       state%obstacle_work = numbers(4)
       call new_contact_solution(state%solution, m)
-      associate (solution => state%solution, points => numbers(n_single + 1:))
+      associate (solution => state%solution, points => numbers(n_single + m + 1:))
          solution%residual = numbers(5)
          solution%n_iterations = nint(numbers(n_single))
          solution%history = spread(solution%residual, 1, solution%n_iterations)
@@ -163,6 +182,11 @@ contains
       call model%solver%loads%pose(body, state%instant, problem)
       state%outcome = outcome_solved
       state%solution%status = problem%status(state%solution%displacement, state%solution%force)
+      ! On a bound of the law, where a held point stays what it was, forces do not tell.
+      associate (force => state%solution%force, status => numbers(n_single + 1:n_single + m))
+         where (abs(force(m + 1:)) >= nearly*problem%bound(force(:m))) state%solution%status = &
+            nint(max(real(open_point, dp), min(real(slip_minus, dp), status)))
+      end associate
       call complete(state, model, problem)
    end subroutine restore_step_state
 
