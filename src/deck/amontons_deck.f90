@@ -10,7 +10,7 @@
 module amontons_deck
    use amontons_deck_contents, only: deck_contents_t, excerpt, find_key, is_name, parse_deck, suggestion
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_input_file, only: beside, read_standard_input, read_text_file
+   use amontons_input_file, only: beside, read_text_file
    use amontons_kinds, only: int64
    use amontons_system, only: absolute_path
    use amontons_text, only: line_end, lower_case, newline, quoted, read_integer, to_text
@@ -58,9 +58,12 @@ contains
       character(:), allocatable :: text, name
 
       name = file
-      if (file == '-') name = 'stdin'
-      if (file == '-') call read_standard_input(name, text, error)
-      if (file /= '-') call read_text_file(file, text, error)
+      if (file == '-') then
+         name = 'stdin'
+         call read_text_file(name, text, error, is_standard_input=.true.)
+      else
+         call read_text_file(file, text, error)
+      end if
       if (allocated(error)) return
       call read_deck_text(deck, name, text)
       if (deck%contents%n_groups == 0) call deck%finish(error)

@@ -22,14 +22,6 @@ module amontons_dense
    !> What rounding leaves of a zero, over the numbers it came from.
    real(dp), parameter :: negligible = 1.0e-13_dp
 
-   !> How a vector is made up of columns.
-   type :: approximation_t
-      real(dp), allocatable :: factor(:) !! the factors of the columns in use; 0 for the others (n)
-      logical, allocatable :: is_used(:) !! which columns have a factor between 0 and the most (n)
-      logical, allocatable :: is_full(:) !! which have the most (n)
-      real(dp), allocatable :: remainder(:) !! what the columns leave of the vector (k)
-   end type approximation_t
-
 contains
 
    !> Allocates a large matrix, its numbers undefined.
@@ -258,8 +250,10 @@ contains
       real(dp), intent(in) :: most(:) !! upper bounds of the factors, at least 0; huge if there is none (n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
       real(dp) :: remainder(size(vector))
-      real(dp) :: unit(size(columns, 1), size(columns, 2)), longest(size(columns, 2)), gain(size(columns, 2))
-      type(approximation_t) :: best
+      real(dp) :: unit(size(columns, 1), size(columns, 2))
+      real(dp), dimension(size(columns, 2)) :: longest, gain, factor, trial, full
+      logical, dimension(size(columns, 2)) :: is_used, is_full, is_leaving
+      real(dp) :: share, bound
       integer :: i, step
 
       do i = 1, size(columns, 2)
@@ -267,55 +261,43 @@ contains
          longest(i) = most(i)
          if (most(i) < huge(most)) longest(i) = most(i)*norm2(columns(:, i))
       end do
-      best%factor = 0.0_dp*longest
-      allocate (best%is_used(size(longest)), best%is_full(size(longest)), source=.false.)
-      best%remainder = vector
+      ! The factors of the columns; which are in use, with a factor between 0 and the most; and which have the most.
+      factor = 0.0_dp*longest
+      is_used = .false.
+      is_full = .false.
+      remainder = vector
       do step = 1, 3*size(columns, 2)
-         if (norm2(best%remainder) <= negligible*norm2(vector)) exit
-         gain = matmul(best%remainder, unit)
-         where (best%is_full) gain = -gain
-         i = maxloc(gain, dim=1, mask=.not. best%is_used .and. most > 0.0_dp)
+         if (norm2(remainder) <= negligible*norm2(vector)) exit
+         gain = matmul(remainder, unit)
+         where (is_full) gain = -gain
+         i = maxloc(gain, dim=1, mask=.not. is_used .and. most > 0.0_dp)
          if (i == 0) exit
-         if (gain(i) <= negligible*norm2(best%remainder)) exit
-         best%is_used(i) = .true.
-         if (best%is_full(i)) best%factor(i) = longest(i)
-         best%is_full(i) = .false.
-         call settle_factors(unit, longest, vector, best)
-      end do
-      remainder = best%remainder
-   end function bounded_remainder
-
-   !> Moves the factors to the best approximation by the columns in use; a column whose factor meets a bound on the way
-   !> is given up, and the way goes on from there.
-   pure subroutine settle_factors(columns, most, vector, best)
-      real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
-      real(dp), intent(in) :: most(:) !! upper bounds of the factors (n)
-      real(dp), intent(in) :: vector(:) !! the vector (k)
-      type(approximation_t), intent(inout) :: best !! the approximation, some columns in use
-      real(dp) :: full(size(most)), trial(size(most)), share
-      integer :: i
-
-      do
-         full = merge(most, 0.0_dp, best%is_full)
-         call approximate(columns, vector - matmul(columns, full), best%is_used, trial, best%remainder)
-         if (all(.not. best%is_used .or. (trial > 0.0_dp .and. trial < most))) exit
-         ! The share of the way to the trial on which all factors in use stay in their bounds.
-         share = 1.0_dp
-         do i = 1, size(most)
-            if (.not. best%is_used(i)) cycle
-            associate (factor => best%factor(i))
-               if (trial(i) <= 0.0_dp) share = min(share, factor/max(factor - trial(i), tiny(share)))
-               if (trial(i) >= most(i)) share = min(share, (most(i) - factor)/max(trial(i) - factor, tiny(share)))
-            end associate
+         if (gain(i) <= negligible*norm2(remainder)) exit
+         is_used(i) = .true.
+         factor(i) = merge(longest(i), 0.0_dp, is_full(i))
+         is_full(i) = .false.
+         ! Moves the factors to the best approximation by the columns in use; a column whose factor meets a bound on the
+         ! way is given up, and the way goes on from there.
+         do
+            full = merge(longest, 0.0_dp, is_full)
+            call approximate(unit, vector - matmul(unit, full), is_used, trial, remainder)
+            is_leaving = is_used .and. .not. (trial > 0.0_dp .and. trial < longest)
+            if (.not. any(is_leaving)) exit
+            ! The share of the way to the trial on which all factors in use stay in their bounds.
+            share = 1.0_dp
+            do i = 1, size(factor)
+               if (.not. is_leaving(i)) cycle
+               bound = merge(longest(i), 0.0_dp, trial(i) > 0.0_dp)
+               share = min(share, abs(bound - factor(i))/max(abs(trial(i) - factor(i)), tiny(share)))
+            end do
+            factor = factor + share*(trial - factor)
+            is_full = is_full .or. (is_used .and. factor >= (1.0_dp - negligible)*longest)
+            is_used = is_used .and. .not. is_full .and. factor > negligible*maxval(factor)
+            factor = merge(factor, 0.0_dp, is_used)
          end do
-         best%factor = best%factor + share*(trial - best%factor)
-         best%is_full = best%is_full .or. (best%is_used .and. best%factor >= (1.0_dp - negligible)*most)
-         best%is_used = best%is_used .and. .not. best%is_full &
-            .and. best%factor > negligible*maxval(best%factor)
-         best%factor = merge(best%factor, 0.0_dp, best%is_used)
+         factor = trial
       end do
-      best%factor = trial
-   end subroutine settle_factors
+   end function bounded_remainder
 
    !> Approximates a vector best by the columns in use, made orthogonal one by one (Gram and Schmidt): of columns that
    !> are all but parallel, as those of a flat contact line far from the middle of the body, no digit is lost.

@@ -5,6 +5,7 @@
 !> a quarter of the size, and every ordering made on it keeps the unknowns of a node together.
 module amontons_sparse_matrix
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp, int64
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -56,13 +57,67 @@ contains
       integer, contiguous, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
       integer, contiguous, intent(in) :: list(:) !! the unknowns of each element, 1 to n; 0 stands for none
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      integer, allocatable :: element_start(:), element(:)
-      integer :: status
+      integer, allocatable :: element_start(:), element(:), element_of(:), last_seen(:), row(:)
+      integer(int64) :: at, most_entries, n_rows
+      integer :: i, j, k, p, status
+      logical :: is_like_last
 
       matrix%n = n
-      call transpose_lists(n, list_start, list, element_start, element)
-      call list_rows(matrix, list_start, list, element_start, element, status)
-      if (status == 0) allocate (matrix%value(size(matrix%row, kind=int64)), stat=status)
+      ! The elements of each unknown, from the unknowns of each element; and the most entries of a lower triangle: the
+      ! diagonal, and every pair of unknowns of an element.
+      allocate (element_of(size(list)))
+      most_entries = n
+      do k = 1, size(list_start) - 1
+         element_of(list_start(k):list_start(k + 1) - 1) = k
+         n_rows = list_start(k + 1) - list_start(k)
+         most_entries = most_entries + n_rows*(n_rows - 1)/2
+      end do
+      call fill_bins(element_start, element, list, n)
+      element = element_of(element)
+      deallocate (element_of)
+      allocate (last_seen(n), matrix%column_start(n + 1), row(most_entries), stat=status)
+      if (status == 0) then
+         ! The rows of each column: the distinct unknowns that share an element with it and are not below it.
+         last_seen = 0
+         at = 0
+         do j = 1, n
+            matrix%column_start(j) = at + 1
+            associate (first => element_start(j), past => element_start(j + 1))
+               is_like_last = j > 1 .and. past > first
+               if (is_like_last) is_like_last = first - element_start(j - 1) == past - first
+               if (is_like_last) is_like_last = all(element(element_start(j - 1):first - 1) == element(first:past - 1))
+            end associate
+            if (is_like_last) then
+               ! Of two unknowns of a node the second couples to what the first does, but for the first itself.
+               n_rows = at - matrix%column_start(j - 1)
+               row(at + 1:at + n_rows) = row(at - n_rows + 1:at)
+               at = at + n_rows
+               cycle
+            end if
+            at = at + 1
+            row(at) = j
+            do p = element_start(j), element_start(j + 1) - 1
+               do k = list_start(element(p)), list_start(element(p) + 1) - 1
+                  i = list(k)
+                  if (i <= j) cycle
+                  if (last_seen(i) == j) cycle
+                  last_seen(i) = j
+                  at = at + 1
+                  row(at) = i
+               end do
+            end do
+            associate (rows => row(matrix%column_start(j):at))
+               rows = rows(sorting_order(rows))
+            end associate
+         end do
+         matrix%column_start(n + 1) = at + 1
+         allocate (matrix%row(at), stat=status)
+      end if
+      if (status == 0) then
+         matrix%row = row(:at)
+         deallocate (row)
+         allocate (matrix%value(at), stat=status)
+      end if
       if (status == 0) then
          matrix%value = 0.0_dp
       else
@@ -70,106 +125,6 @@ contains
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
       end if
    end subroutine new_sparse_pattern
-
-   !> Turns the unknowns of each element into the elements of each unknown.
-   pure subroutine transpose_lists(n, list_start, list, element_start, element)
-      integer, intent(in) :: n !! number of unknowns
-      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
-      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
-      integer, allocatable, intent(out) :: element_start(:) !! where each unknown starts in `element` (n + 1)
-      integer, allocatable, intent(out) :: element(:) !! the elements of each unknown
-      integer :: e, k, j
-
-      allocate (element_start(n + 1))
-      element_start = 0
-      do k = 1, size(list)
-         if (list(k) > 0) element_start(list(k)) = element_start(list(k)) + 1
-      end do
-      ! Holds the end of each list first; filling backwards from it leaves the start.
-      k = 1
-      do j = 1, n
-         k = k + element_start(j)
-         element_start(j) = k
-      end do
-      element_start(n + 1) = k
-      allocate (element(k - 1))
-      do e = size(list_start) - 1, 1, -1
-         do k = list_start(e), list_start(e + 1) - 1
-            j = list(k)
-            if (j == 0) cycle
-            element_start(j) = element_start(j) - 1
-            element(element_start(j)) = e
-         end do
-      end do
-   end subroutine transpose_lists
-
-   !> Lists the rows of each column: the distinct unknowns that share an element with it and are not below it.
-   pure subroutine list_rows(matrix, list_start, list, element_start, element, status)
-      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix, its columns made
-      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
-      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
-      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
-      integer, intent(in) :: element(:) !! the elements of each unknown
-      integer, intent(out) :: status !! 0, or memory ran out
-      integer, allocatable :: last_seen(:), row(:)
-      integer(int64) :: at, most_entries, n_rows
-      integer :: i, j, k, p
-
-      ! Most entries of a lower triangle: the diagonal, and every pair of unknowns of an element.
-      most_entries = matrix%n
-      do k = 1, size(list_start) - 1
-         n_rows = list_start(k + 1) - list_start(k)
-         most_entries = most_entries + n_rows*(n_rows - 1)/2
-      end do
-      allocate (last_seen(matrix%n), matrix%column_start(matrix%n + 1), row(most_entries), stat=status)
-      if (status /= 0) return
-      last_seen = 0
-      at = 0
-      do j = 1, matrix%n
-         matrix%column_start(j) = at + 1
-         if (is_like_last(j, element_start, element)) then
-            ! Of two unknowns of a node the second couples to what the first does, but for the first itself.
-            n_rows = at - matrix%column_start(j - 1)
-            row(at + 1:at + n_rows) = row(at - n_rows + 1:at)
-            at = at + n_rows
-            cycle
-         end if
-         at = at + 1
-         row(at) = j
-         do p = element_start(j), element_start(j + 1) - 1
-            do k = list_start(element(p)), list_start(element(p) + 1) - 1
-               i = list(k)
-               if (i <= j) cycle
-               if (last_seen(i) == j) cycle
-               last_seen(i) = j
-               at = at + 1
-               row(at) = i
-            end do
-         end do
-         associate (rows => row(matrix%column_start(j):at))
-            rows = rows(sorting_order(rows))
-         end associate
-      end do
-      matrix%column_start(matrix%n + 1) = at + 1
-      allocate (matrix%row(at), stat=status)
-      if (status == 0) matrix%row = row(:at)
-   end subroutine list_rows
-
-   !> Whether an unknown belongs to the same elements as the one before it.
-   pure logical function is_like_last(unknown, element_start, element)
-      integer, intent(in) :: unknown !! the unknown
-      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
-      integer, intent(in) :: element(:) !! the elements of each unknown
-      integer :: first, last, n
-
-      is_like_last = .false.
-      if (unknown == 1) return
-      first = element_start(unknown - 1)
-      last = element_start(unknown)
-      n = element_start(unknown + 1) - last
-      if (n == 0 .or. last - first /= n) return
-      is_like_last = all(element(first:first + n - 1) == element(last:last + n - 1))
-   end function is_like_last
 
    !> Adds a small symmetric block. Calls that touch disjoint unknowns may run at the same time.
    pure subroutine sparse_matrix_add_element(self, unknowns, block)
@@ -328,51 +283,13 @@ contains
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: n_schur !! number of Schur variables, the last unknowns
       integer, allocatable :: member_of(:)
-
-      call merge_unknowns(matrix, n_schur, member_of, graph%first_unknown)
-      graph%n = size(graph%first_unknown) - 1
-      if (n_schur > 0) graph%n_schur = graph%n - member_of(matrix%n - n_schur + 1) + 1
-      call list_neighbors(graph, matrix, member_of)
-   end subroutine new_graph
-
-   !> Merges consecutive unknowns that couple to the same unknowns.
-   pure subroutine merge_unknowns(matrix, n_schur, member_of, first_unknown)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_schur !! number of Schur variables, the last unknowns
-      integer, allocatable, intent(out) :: member_of(:) !! supervariable of each unknown (n)
-      integer, allocatable, intent(out) :: first_unknown(:) !! first unknown of each, and past the last one
-      integer(int64), allocatable :: signature(:)
-      integer :: j, n_merged
-
-      allocate (member_of(matrix%n), signature(matrix%n))
-      call sign_columns(matrix, signature)
-      n_merged = 0
-      do j = 1, matrix%n
-         if (j == 1 .or. j == matrix%n - n_schur + 1) then
-            n_merged = n_merged + 1
-         else if (signature(j) /= signature(j - 1)) then
-            n_merged = n_merged + 1
-         end if
-         member_of(j) = n_merged
-      end do
-      allocate (first_unknown(n_merged + 1))
-      do j = matrix%n, 1, -1
-         first_unknown(member_of(j)) = j
-      end do
-      first_unknown(n_merged + 1) = matrix%n + 1
-   end subroutine merge_unknowns
-
-   !> Gives every column a number that equal full columns share and, all but surely, no others.
-   !>
-   !> A wrong merge would only make an ordering worse: it stays a permutation.
-   pure subroutine sign_columns(matrix, signature)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer(int64), intent(out) :: signature(:) !! a number for each column (n)
-      integer(int64), allocatable :: word(:)
+      integer(int64), allocatable :: word(:), signature(:), next(:)
       integer(int64) :: at, state
-      integer :: i, j
+      integer :: pass, i, j, g, h, last
 
-      allocate (word(matrix%n))
+      ! Gives every column a number that equal full columns share and, all but surely, no others. A wrong merge would
+      ! only make an ordering worse: it stays a permutation.
+      allocate (word(matrix%n), member_of(matrix%n))
       state = 88172645463325252_int64
       do j = 1, matrix%n
          state = ieor(state, shiftl(state, 13))
@@ -388,19 +305,24 @@ contains
             signature(i) = ieor(signature(i), word(j))
          end do
       end do
-   end subroutine sign_columns
-
-   !> Lists the neighbors of every supervariable, read off its first unknown.
-   pure subroutine list_neighbors(graph, matrix, member_of)
-      type(graph_t), intent(inout) :: graph !! the graph, its supervariables known
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: member_of(:) !! supervariable of each unknown (n)
-      integer(int64), allocatable :: next(:)
-      integer(int64) :: at
-      integer :: pass, g, h, last
-
+      ! Merges consecutive unknowns that couple to the same unknowns.
+      do j = 1, matrix%n
+         if (j == 1 .or. j == matrix%n - n_schur + 1) then
+            graph%n = graph%n + 1
+         else if (signature(j) /= signature(j - 1)) then
+            graph%n = graph%n + 1
+         end if
+         member_of(j) = graph%n
+      end do
+      allocate (graph%first_unknown(graph%n + 1))
+      do j = matrix%n, 1, -1
+         graph%first_unknown(member_of(j)) = j
+      end do
+      graph%first_unknown(graph%n + 1) = matrix%n + 1
+      if (n_schur > 0) graph%n_schur = graph%n - member_of(matrix%n - n_schur + 1) + 1
+      deallocate (word, signature)
+      ! The neighbors of every supervariable, read off its first unknown: the first pass counts, the second one writes.
       allocate (next(graph%n + 1), source=0_int64)
-      ! The first pass counts, the second one writes.
       do pass = 1, 2
          do g = 1, graph%n
             last = g
@@ -425,7 +347,7 @@ contains
          next = graph%start
          allocate (graph%neighbor(graph%start(graph%n + 1) - 1))
       end do
-   end subroutine list_neighbors
+   end subroutine new_graph
 
    !> Turns an order of the supervariables into the order of the unknowns.
    pure subroutine graph_expand(self, graph_order, order)

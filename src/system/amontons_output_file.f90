@@ -4,7 +4,8 @@ module amontons_output_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: int64
-   use amontons_system, only: error_text, file_name_t, list_directory, remove_directory, remove_file, rename_file
+   use amontons_system, only: action, error_text, file_name_t, list_directory, path_action, remove_directory, &
+      remove_file, rename_file
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -34,18 +35,14 @@ module amontons_output_file
       procedure, public :: release => file_lock_release
    end type file_lock_t
 
+   !> From here to `release_signals` no signal ends the program: files change hands together. Pairs may be nested.
+   procedure(action), bind(c, name='amontons_hold_signals') :: hold_signals
+   !> Ends what `hold_signals` began; a signal that came meanwhile now ends the program.
+   procedure(action), bind(c, name='amontons_release_signals') :: release_signals
+   procedure(path_action), bind(c, name='amontons_lock_directory') :: c_lock_directory
+
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      !> From here to `release_signals` no signal ends the program: files change hands together. Pairs may be nested.
-      subroutine hold_signals() bind(c, name='amontons_hold_signals')
-         implicit none (type, external)
-      end subroutine hold_signals
-
-      !> Ends what `hold_signals` began; a signal that came meanwhile now ends the program.
-      subroutine release_signals() bind(c, name='amontons_release_signals')
-         implicit none (type, external)
-      end subroutine release_signals
-
       function c_create_temporary(path, text, size) bind(c, name='amontons_create_temporary') result(code)
          import :: c_char, c_int
          implicit none (type, external)
@@ -69,13 +66,6 @@ module amontons_output_file
          integer(c_int), intent(inout) :: lock
          integer(c_int) :: code
       end function c_lock_path
-
-      function c_lock_directory(path) bind(c, name='amontons_lock_directory') result(lock)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(c_char), intent(in) :: path(*)
-         integer(c_int) :: lock
-      end function c_lock_directory
 
       subroutine c_unlock(lock) bind(c, name='amontons_unlock')
          import :: c_int
@@ -234,29 +224,24 @@ contains
       character(*), intent(in) :: folder !! the folder, a slash behind it; nobody else writes grids into it
       type(file_name_t), allocatable :: names(:)
       type(error_t), allocatable :: error
-      integer :: i
+      integer, parameter :: n_behind = len('.0a1b2c3d.tmp')
+      integer :: i, point, first
 
       call list_directory(names, folder, error)
       if (allocated(error)) return
       do i = 1, size(names)
-         if (is_temporary_grid(names(i)%text)) call remove_file(folder//names(i)%text)
+         ! The name of a temporary grid is 12.vtu.0a1b2c3d.tmp or 12.contact.vtu.0a1b2c3d.tmp.
+         associate (name => names(i)%text)
+            point = index(name, '.')
+            first = len(name) - n_behind + 1
+            if (point < 2 .or. first <= point) cycle
+            if (name(point:first - 1) /= '.vtu' .and. name(point:first - 1) /= '.contact.vtu') cycle
+            if (verify(name(:point - 1), '0123456789') /= 0) cycle
+            if (name(first:first) /= '.' .or. name(len(name) - 3:) /= '.tmp') cycle
+            if (verify(name(first + 1:len(name) - 4), '0123456789abcdef') == 0) call remove_file(folder//name)
+         end associate
       end do
    end subroutine remove_temporaries
-
-   !> Whether a file has the name of a temporary grid: 12.vtu.0a1b2c3d.tmp or 12.contact.vtu.0a1b2c3d.tmp.
-   pure logical function is_temporary_grid(name)
-      character(*), intent(in) :: name !! name of the file
-      integer, parameter :: n_behind = len('.0a1b2c3d.tmp')
-      integer :: point, first
-
-      point = index(name, '.')
-      first = len(name) - n_behind + 1
-      is_temporary_grid = .false.
-      if (point < 2 .or. first <= point) return
-      if (name(point:first - 1) /= '.vtu' .and. name(point:first - 1) /= '.contact.vtu') return
-      is_temporary_grid = verify(name(:point - 1), '0123456789') == 0 .and. name(first:first) == '.' .and. &
-         verify(name(first + 1:len(name) - 4), '0123456789abcdef') == 0 .and. name(len(name) - 3:) == '.tmp'
-   end function is_temporary_grid
 
    !> Locks a file, which is made if it is not there; it must keep its name and never be replaced while it is locked.
    subroutine lock_file(lock, path, error)

@@ -9,9 +9,9 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, append_to_file, available_memory_mb, checksum_t, cut_file, error_text, file_checksum, &
-      file_name_t, list_directory, make_directory, peak_memory_mb, remove_directory, remove_file, rename_file, &
-      resident_memory_mb, return_large_arrays, return_memory, text_checksum, wall_seconds
+   public :: absolute_path, action, append_to_file, available_memory_mb, checksum_t, cut_file, error_text, &
+      file_checksum, file_name_t, list_directory, make_directory, path_action, peak_memory_mb, remove_directory, &
+      remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, text_checksum, wall_seconds
 
    !> Name of a file.
    type :: file_name_t
@@ -20,6 +20,11 @@ module amontons_system
 
    ! allow(assumed-size): C takes an address and knows no shape
    abstract interface
+      !> Does something that needs no more to be said.
+      subroutine action() bind(c)
+         implicit none (type, external)
+      end subroutine action
+
       !> Does something with a file or directory.
       function path_action(path) bind(c) result(code)
          import :: c_char, c_int
@@ -42,6 +47,11 @@ module amontons_system
    procedure(memory), bind(c, name='amontons_peak_memory') :: c_peak_memory
    procedure(memory), bind(c, name='amontons_resident_memory') :: c_resident_memory
    procedure(memory), bind(c, name='amontons_available_memory') :: c_available_memory
+   !> From now on large arrays go back to the system as soon as they are freed. For the program to call; the library
+   !> leaves its user's memory alone.
+   procedure(action), bind(c, name='amontons_return_large_arrays') :: return_large_arrays
+   !> Gives memory that was freed back to the system.
+   procedure(action), bind(c, name='amontons_return_memory') :: return_memory
 
    ! allow(assumed-size): see above
    interface
@@ -86,17 +96,6 @@ module amontons_system
          ! allow(assumed-size-character-intent): C writes here
          character(c_char), intent(out) :: text(*)
       end subroutine c_error_text
-
-      !> From now on large arrays go back to the system as soon as they are freed. For the program to call; the library
-      !> leaves its user's memory alone.
-      subroutine return_large_arrays() bind(c, name='amontons_return_large_arrays')
-         implicit none (type, external)
-      end subroutine return_large_arrays
-
-      !> Gives memory that was freed back to the system.
-      subroutine return_memory() bind(c, name='amontons_return_memory')
-         implicit none (type, external)
-      end subroutine return_memory
 
       function c_list_directory(path, names, n_names, length) bind(c, name='amontons_list_directory') result(code)
          import :: c_char, c_int, c_long, c_ptr

@@ -8,7 +8,7 @@ module amontons_terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp
-   use amontons_system, only: error_text, wall_seconds
+   use amontons_system, only: action, error_text, wall_seconds
    implicit none (type, external)
    private
 
@@ -19,14 +19,18 @@ module amontons_terminal
    !> What `print_line` writes to.
    integer, parameter :: standard_output = 1, standard_error = 2
 
+   !> Has a closed pipe and a full disk be errors of a write rather than the end of the process, and signals that ask
+   !> for the end leave no temporary file. For the program to call first; the library leaves signals alone.
+   procedure(action), bind(c, name='amontons_prepare_process') :: prepare_process
+   !> From now on the first SIGINT or SIGTERM only makes `is_interrupted` true; the second ends the process.
+   procedure(action), bind(c, name='amontons_hold_interrupts') :: hold_interrupts
+   !> Lets signals do again what they did before `hold_interrupts`.
+   procedure(action), bind(c, name='amontons_release_interrupts') :: release_interrupts
+   !> Closes the line, if there is one, and removes it.
+   procedure(action), bind(c, name='amontons_close_line') :: close_status_line
+
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      !> Has a closed pipe and a full disk be errors of a write rather than the end of the process, and signals that
-      !> ask for the end leave no temporary file. For the program to call first; the library leaves signals alone.
-      subroutine prepare_process() bind(c, name='amontons_prepare_process')
-         implicit none (type, external)
-      end subroutine prepare_process
-
       function c_print(file, text, n_bytes) bind(c, name='amontons_print') result(code)
          import :: c_char, c_int, c_long
          implicit none (type, external)
@@ -42,16 +46,6 @@ module amontons_terminal
          integer(c_int) :: signal
       end function c_interrupt
 
-      !> From now on the first SIGINT or SIGTERM only makes `is_interrupted` true; the second ends the process.
-      subroutine hold_interrupts() bind(c, name='amontons_hold_interrupts')
-         implicit none (type, external)
-      end subroutine hold_interrupts
-
-      !> Lets signals do again what they did before `hold_interrupts`.
-      subroutine release_interrupts() bind(c, name='amontons_release_interrupts')
-         implicit none (type, external)
-      end subroutine release_interrupts
-
       subroutine c_open_line(name, has_log) bind(c, name='amontons_open_line')
          import :: c_char, c_int
          implicit none (type, external)
@@ -65,11 +59,6 @@ module amontons_terminal
          character(c_char), intent(in) :: work(*)
          integer(c_int), value :: is_timed
       end subroutine c_note_work
-
-      !> Closes the line, if there is one, and removes it.
-      subroutine close_status_line() bind(c, name='amontons_close_line')
-         implicit none (type, external)
-      end subroutine close_status_line
    end interface
 
    !> The phase of reading the deck and making the mesh, supports and contact zone.
