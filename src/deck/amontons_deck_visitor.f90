@@ -221,14 +221,22 @@ contains
       if (self%place > 0) origin = self%deck%file//':'//to_text(self%deck%line_of(self%place, key))//': '
    end subroutine visitor_locate
 
-   !> Refuses a key that is given where it means nothing.
-   subroutine visitor_only(self, key, is_allowed, condition)
+   !> Refuses keys that are given where they mean nothing.
+   subroutine visitor_only(self, keys, is_allowed, condition)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
-      character(*), intent(in) :: key !! name of the key
-      logical, intent(in) :: is_allowed !! whether it may be given
-      character(*), intent(in) :: condition !! when it may, for the message: "kind = 'file'"
+      character(*), intent(in) :: keys !! names of the keys, a blank between two
+      logical, intent(in) :: is_allowed !! whether they may be given
+      character(*), intent(in) :: condition !! when they may, for the message: "kind = 'file'"
+      integer :: first, last
 
-      if (self%has(key)) call self%require(is_allowed, key, key//' is only for '//condition)
+      first = 1
+      do while (first <= len(keys))
+         last = first + index(keys(first:)//' ', ' ') - 2
+         associate (key => keys(first:last))
+            if (self%has(key)) call self%require(is_allowed, key, key//' is only for '//condition)
+         end associate
+         first = last + 2
+      end do
    end subroutine visitor_only
 
    !> Records a fault of the group that is read unless a condition holds.

@@ -97,37 +97,22 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! memory ran out, or there are no ranks
+      type(distributed_condenser_t), allocatable :: made
+      integer, allocatable :: position(:)
+      real(dp), allocatable :: sums(:, :)
 
       if (.not. has_begun) then
          call new_error(error, input_refused, "factorization = 'distributed' is for a run on several ranks: "// &
             'mpiexec -n 2 amontons ...')
          return
       end if
-      allocate (distributed_condenser_t :: condenser)
-      select type (condenser)
-      type is (distributed_condenser_t)
-         call spread_and_analyze(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
-      end select
-   end subroutine new_distributed_condenser
-
-   !> Spreads a body over the ranks, assembles its stiffness and analyzes it.
-   subroutine spread_and_analyze(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
-      type(distributed_condenser_t), intent(inout) :: condenser !! the condenser; nothing yet
-      logical, intent(in) :: is_held !! whether supports alone hold the body
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns; the last ones are the Schur variables
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      integer, allocatable :: position(:)
-      real(dp), allocatable :: sums(:, :)
-
-      condenser%name = 'distributed'
-      condenser%n = dof_map%n_dofs
-      condenser%n_schur = dof_map%n_schur
+      allocate (made)
+      made%name = 'distributed'
+      made%n = dof_map%n_dofs
+      made%n_schur = dof_map%n_schur
       if (rank > 0) then
-         call pass_regularization(condenser)
+         call pass_regularization(made)
+         call move_alloc(made, condenser)
          return
       end if
       call find_positions(position, mesh, dof_map, error)
@@ -136,23 +121,22 @@ contains
       allocate (work%subdomain)
       call spread_body(work%subdomain, position, mesh, materials, springs, constraints, dof_map, error)
       if (allocated(error)) return
-      allocate (sums(2, condenser%n), source=0.0_dp)
+      allocate (sums(2, made%n), source=0.0_dp)
       call work%assemble(sums, error)
       if (allocated(error)) return
-      if (.not. is_held) condenser%regularization = sum(sums(1, :))/condenser%n
-      associate (schur_sums => sums(2, condenser%n - condenser%n_schur + 1:))
-         schur_sums = schur_sums + condenser%regularization
+      if (.not. is_held) made%regularization = sum(sums(1, :))/made%n
+      associate (schur_sums => sums(2, made%n - made%n_schur + 1:))
+         schur_sums = schur_sums + made%regularization
       end associate
       ! The largest sum would pass over one that is no number.
-      condenser%matrix_norm = maxval(sums(2, :)) + 0.0_dp*sum(sums(2, :))
+      made%matrix_norm = maxval(sums(2, :)) + 0.0_dp*sum(sums(2, :))
       deallocate (sums)
       call give_order(order_analyze)
-      call work%analyze(condenser%n_schur, condenser%regularization, position, error)
-      associate (report => work%mumps%report)
-         condenser%n_factor_entries = report%n_entries
-         condenser%n_flops = report%n_flops
-      end associate
-   end subroutine spread_and_analyze
+      call work%analyze(made%n_schur, made%regularization, position, error)
+      made%n_factor_entries = work%mumps%report%n_entries
+      made%n_flops = work%mumps%report%n_flops
+      call move_alloc(made, condenser)
+   end subroutine new_distributed_condenser
 
    !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all Schur variables.
    subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map, error)
@@ -184,7 +168,9 @@ contains
          else
             call new_subdomain(own, elements, springs, last_nodes, number, mesh, dof_map)
          end if
-         call own%take_properties(elements, materials, constraints)
+         own%materials%list = materials%list
+         own%materials%of_element = materials%of_element(elements)
+         own%constraints%axis = constraints%axis(:, own%node)
          if (i > 0) call own%pass(channel_t(i, .true.))
       end do
    end subroutine spread_body

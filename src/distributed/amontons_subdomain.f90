@@ -28,7 +28,6 @@ module amontons_subdomain
    contains
       procedure :: pass => subdomain_pass
       procedure :: prepare => subdomain_prepare
-      procedure :: take_properties => subdomain_take_properties
    end type subdomain_t
 
 contains
@@ -186,18 +185,6 @@ contains
       end do
       number(subdomain%node) = 0
    end subroutine new_subdomain
-
-   !> Takes materials and frames of the body.
-   pure subroutine subdomain_take_properties(self, elements, materials, constraints)
-      class(subdomain_t), intent(inout) :: self !! the subdomain
-      integer, intent(in) :: elements(:) !! its elements
-      type(materials_t), intent(in) :: materials !! the materials of the body
-      type(constraints_t), intent(in) :: constraints !! its supports
-
-      self%materials%list = materials%list
-      self%materials%of_element = materials%of_element(elements)
-      self%constraints%axis = constraints%axis(:, self%node)
-   end subroutine subdomain_take_properties
 
    !> Gives nodes that have no number yet the next ones.
    pure subroutine number_nodes(node, number, more)

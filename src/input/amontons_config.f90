@@ -347,14 +347,14 @@ contains
       integer :: i
 
       do i = 1, size(config%materials)
-         call check_region(config%materials(i)%origin, config%materials(i)%region, mesh, faults)
+         call check_name(.true., config%materials(i)%origin, config%materials(i)%region)
       end do
       do i = 1, size(config%supports)
-         call check_set(config%supports(i)%origin, config%supports(i)%set, mesh, faults)
+         call check_name(.false., config%supports(i)%origin, config%supports(i)%set)
       end do
       do i = 1, size(config%loads)
-         call check_set(config%loads(i)%origin, config%loads(i)%set, mesh, faults)
-         call check_region(config%loads(i)%origin, config%loads(i)%region, mesh, faults)
+         call check_name(.false., config%loads(i)%origin, config%loads(i)%set)
+         call check_name(.true., config%loads(i)%origin, config%loads(i)%region)
          associate (load => config%loads(i))
             if (config%accuracy%n_refinements == 0 .or. load%target /= load_on_nodes .or. len(load%set) == 0) cycle
             if (find_named(mesh%sets, load%set) == 0 .or. find_named(mesh%node_sets, load%set) > 0) cycle
@@ -363,44 +363,36 @@ contains
          end associate
       end do
       do i = 1, size(config%contacts)
-         call check_set(config%contacts(i)%origin, config%contacts(i)%set, mesh, faults)
-         call check_set(config%contacts(i)%origin, config%contacts(i)%pairing%against, mesh, faults)
+         call check_name(.false., config%contacts(i)%origin, config%contacts(i)%set)
+         call check_name(.false., config%contacts(i)%origin, config%contacts(i)%pairing%against)
       end do
       do i = 1, size(config%ties)
-         call check_set(config%ties(i)%origin, config%ties(i)%set, mesh, faults)
-         call check_set(config%ties(i)%origin, config%ties(i)%to, mesh, faults)
+         call check_name(.false., config%ties(i)%origin, config%ties(i)%set)
+         call check_name(.false., config%ties(i)%origin, config%ties(i)%to)
       end do
       if (faults%n > 0) call new_error(error, input_refused, faults%text())
+
+   contains
+
+      !> Records a set or a region that is unknown.
+      subroutine check_name(is_region, origin, name)
+         logical, intent(in) :: is_region !! whether it is a region, or else a set
+         character(*), intent(in) :: origin !! where the name stands, as messages begin
+         character(*), intent(in) :: name !! the name; empty for none
+         type(error_t), allocatable :: fault
+         integer, allocatable :: sides(:, :), elements(:)
+
+         if (len(name) == 0) return
+         if (is_region) then
+            if (find_named(mesh%regions, name) > 0) return
+            call mesh%region_elements(name, elements, fault)
+         else
+            if (find_named(mesh%sets, name) > 0 .or. find_named(mesh%node_sets, name) > 0) return
+            call mesh%set_sides(name, sides, fault)
+         end if
+         if (allocated(fault)) call faults%add(0, origin//fault%message)
+      end subroutine check_name
+
    end subroutine check_names
-
-   !> Records a set that is unknown.
-   subroutine check_set(origin, name, mesh, faults)
-      character(*), intent(in) :: origin !! where the name stands, as messages begin
-      character(*), intent(in) :: name !! name of the set; empty for none
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(fault_list_t), intent(inout) :: faults !! gains a name that is unknown
-      type(error_t), allocatable :: fault
-      integer, allocatable :: sides(:, :)
-
-      if (len(name) == 0) return
-      if (find_named(mesh%sets, name) > 0 .or. find_named(mesh%node_sets, name) > 0) return
-      call mesh%set_sides(name, sides, fault)
-      if (allocated(fault)) call faults%add(0, origin//fault%message)
-   end subroutine check_set
-
-   !> Records a region that is unknown.
-   subroutine check_region(origin, name, mesh, faults)
-      character(*), intent(in) :: origin !! where the name stands, as messages begin
-      character(*), intent(in) :: name !! name of the region; empty for the whole body
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(fault_list_t), intent(inout) :: faults !! gains a name that is unknown
-      type(error_t), allocatable :: fault
-      integer, allocatable :: elements(:)
-
-      if (len(name) == 0) return
-      if (find_named(mesh%regions, name) > 0) return
-      call mesh%region_elements(name, elements, fault)
-      if (allocated(fault)) call faults%add(0, origin//fault%message)
-   end subroutine check_region
 
 end module amontons_config

@@ -212,10 +212,7 @@ contains
       if (history%is_given) history%fields_every = fields_every
       call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
       call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
-      call visitor%only('points_every', history%is_given, 'a deck with &history')
-      call visitor%only('states_every', history%is_given, 'a deck with &history')
-      call visitor%only('probe', history%is_given, 'a deck with &history')
-      call visitor%only('fretting', history%is_given, 'a deck with &history')
+      call visitor%only('points_every states_every probe fretting', history%is_given, 'a deck with &history')
       if (allocated(history%probes)) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
          'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
    end subroutine describe_output
@@ -243,8 +240,7 @@ contains
       reduced%is_given = kind == 'reduced'
       call visitor%locate('file', reduced%origin)
       if (visitor%is_judging()) then
-         call visitor%only('file', reduced%is_given, "kind = 'reduced'")
-         call visitor%only('friction', reduced%is_given, "kind = 'reduced'")
+         call visitor%only('file friction', reduced%is_given, "kind = 'reduced'")
          call visitor%require(has_file .or. .not. reduced%is_given, 'kind', "kind = 'reduced' needs file = 'PROBLEM'")
       else if (visitor%place > 0) then
          ! A body that is missing here is not missed as well.
@@ -258,8 +254,7 @@ contains
       type(mesh_part_t), intent(inout) :: part !! the part of the mesh
       character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
       character(9) :: kind
-      logical :: has_file, has_name, is_rectangle
-      logical :: needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
+      logical :: has_file, has_name, is_rectangle, needs_size, is_written
 
       has_file = is_filled(part%file)
       has_name = is_filled(part%name)
@@ -275,21 +270,17 @@ contains
          default='none', also='read import'), use_names, part%is_used)
       ! Describes the keys of a rectangle.
       needs_size = is_rectangle .and. .not. visitor%has('file')
-      has_size = is_rectangle
-      has_cells = is_rectangle
-      has_element = is_rectangle
-      has_diagonal = is_rectangle
-      has_grading = is_rectangle
+      is_written = is_rectangle
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
-         is_required=needs_size, also='length lengths dimensions'), part%rectangle%size, has_size)
+         is_required=needs_size, also='length lengths dimensions'), part%rectangle%size, is_written)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
-         is_required=needs_size, also='elements divisions n nx ny h'), part%rectangle%cells, has_cells)
+         is_required=needs_size, also='elements divisions n nx ny h'), part%rectangle%cells, is_written)
       call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype order'), part%rectangle%element, element_names, has_element)
+         also='type etype order'), part%rectangle%element, element_names, is_written)
       call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
-         ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, has_diagonal)
+         ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, is_written)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
-         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, has_grading)
+         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, is_written)
       call visitor%reals(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
          ' is put', 'L', also='position offset translate'), part%origin)
       call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
@@ -297,14 +288,9 @@ contains
       call visitor%close_group()
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
       if (.not. visitor%is_judging()) return
-      call visitor%only('file', .not. is_rectangle, "kind = 'file'")
-      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('file use', .not. is_rectangle, "kind = 'file'")
       call visitor%only('use', .not. has_name, 'a mesh without a name')
-      call visitor%only('size', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('element', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('diagonal', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('size cells element diagonal grading', is_rectangle, "kind = 'rectangle'")
       call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
 
@@ -461,8 +447,7 @@ contains
       call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
       call visitor%only('point', load%target == load_on_nodes, 'force')
       call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
-      call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
-      call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%only('center axis', visitor%has('angular_speed'), 'angular_speed')
       call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
          'traction, pressure and total_force need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
@@ -519,11 +504,7 @@ contains
       type(contact_t), intent(inout) :: contact !! the contact set
       logical :: has_name, is_pair, has_kind, has_point, has_normal, has_radius, has_line, has_direction
       character(len(multiplier_names)) :: multipliers
-      integer :: i
       logical :: has_cells, has_ends, has_search, has_gap
-      character(*), parameter :: is_constant = "multipliers = 'constant'"
-      character(*), parameter :: obstacle_keys(*) = [character(13) :: 'obstacle', 'point', 'normal', 'radius', 'line', &
-         'gap_direction']
 
       has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
@@ -592,14 +573,12 @@ contains
       ! Judges the keys of a `&contact` together.
       if (.not. visitor%is_judging()) return
       if (contact%pairing%is_pair()) then
-         do i = 1, size(obstacle_keys)
-            call visitor%only(trim(obstacle_keys(i)), .false., 'a rigid obstacle, not with against')
-         end do
+         call visitor%only('obstacle point normal radius line gap_direction', .false., &
+            'a rigid obstacle, not with against')
          call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
             " than set; for self contact, split the set '"//contact%set//"' in two")
       end if
-      call visitor%only('search', contact%pairing%is_pair(), 'contact against another body')
-      call visitor%only('gap', contact%pairing%is_pair(), 'contact against another body')
+      call visitor%only('search gap', contact%pairing%is_pair(), 'contact against another body')
       associate (obstacle => contact%obstacle)
          call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
          call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
@@ -608,8 +587,7 @@ contains
          call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
             "obstacle = 'polyline' needs line = 'FILE.csv'")
       end associate
-      call visitor%only('cells', contact%partition%is_constant, is_constant)
-      call visitor%only('cell_ends', contact%partition%is_constant, is_constant)
+      call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
    end subroutine describe_contact

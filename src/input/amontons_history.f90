@@ -45,6 +45,7 @@ module amontons_history
       procedure :: label => steps_label
       procedure :: largest => steps_largest
       procedure :: n_numbers => steps_n_numbers
+      procedure, private :: takes => steps_takes
    end type steps_t
 
    !> The times, how the way between them is divided, and what changes.
@@ -102,8 +103,10 @@ module amontons_history
       ' counterclockwise', 'rad', default='`0.0`', also='angle rotation'), &
       key_t('friction_factor', 'what the friction of the `&contact` is multiplied by at each of the `times`', &
       at_least=0.0_dp)]
-   !> Keys of the lists of numbers of a change.
-   integer, parameter :: first_shift = 2, last_shift = 4, friction_value = 5
+   !> Whose numbers these are, and where each is kept.
+   character(16), parameter :: value_owners(n_value_keys) = [character(16) :: 'load and support', 'obstacle', &
+      'obstacle', 'obstacle', 'contact']
+   integer, parameter :: value_rows(n_value_keys) = [1, 1, 2, 3, 1]
 
 contains
 
@@ -162,6 +165,14 @@ contains
       n = merge(3, 1, self%target == stepped_obstacle)
    end function steps_n_numbers
 
+   !> Whether one of `value_keys` belongs to them.
+   pure logical function steps_takes(self, number) result(takes)
+      class(steps_t), intent(in) :: self !! the steps
+      integer, intent(in) :: number !! which of the keys
+
+      takes = index(value_owners(number), trim(moved_things(self%target))) > 0
+   end function steps_takes
+
    !> Whether something of a step is written.
    pure logical function is_shown(step, every)
       integer, intent(in) :: step !! the step
@@ -175,8 +186,7 @@ contains
    pure logical function history_has_start(self) result(has_start)
       class(history_t), intent(in) :: self !! the history
 
-      has_start = .false.
-      if (allocated(self%start)) has_start = len(self%start) > 0
+      has_start = is_filled(self%start)
    end function history_has_start
 
    !> Number of nodes whose displacements are written.
@@ -293,6 +303,7 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads of the deck
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      character(:), allocatable :: file
       integer :: i
       logical :: are_times_sound
 
@@ -304,7 +315,21 @@ contains
          if (.not. visitor%is_judging()) cycle
          call visitor%require(history%is_given, '', '&steps needs &history')
          if (.not. visitor%deck%is_sound(visitor%place)) cycle
-         if (are_times_sound) call check_times(visitor, history%times, history%steps(i))
+         associate (times => history%times, steps => history%steps(i))
+            if (are_times_sound .and. allocated(steps%table)) then
+               file = "table '"//steps%file(index(steps%file, '/', back=.true.) + 1:)//"'"
+               associate (rows => steps%table(1, :))
+                  call visitor%require(rows(1) <= times(1), 'table', file//' begins at '//to_text(rows(1))// &
+                     ', after the first time '//to_text(times(1)))
+                  call visitor%require(rows(size(rows)) >= times(size(times)), 'table', file//' ends at '// &
+                     to_text(rows(size(rows)))//', before the last time '//to_text(times(size(times))))
+               end associate
+            else if (are_times_sound .and. allocated(steps%values)) then
+               call visitor%require(size(steps%values, 2) == size(times), '', '&steps '// &
+                  trim(moved_things(steps%target))//" = '"//steps%name//"' has "//to_text(size(steps%values, 2))// &
+                  ' values, &history has '//to_text(size(times))//' times')
+            end if
+         end associate
          call check_name(visitor, history%steps(:i), loads, supports, contacts)
       end do
    end subroutine describe_history
@@ -409,14 +434,14 @@ contains
          if (visitor%place > 0 .and. has_name(i)) steps%target = i
       end do
       do i = 1, size(value_keys)
-         has_values(i) = allocated(steps%values) .and. .not. has_table .and. takes(steps%target, i)
-         if (has_values(i)) values = steps%values(row_of(i), :)
+         has_values(i) = allocated(steps%values) .and. .not. has_table .and. steps%takes(i)
+         if (has_values(i)) values = steps%values(value_rows(i), :)
          call visitor%list(value_keys(i), values, has_values(i))
          if (visitor%place > 0 .and. has_values(i)) then
             ! Numbers that a motion does not give are 0.
             if (.not. allocated(steps%values)) allocate (steps%values(steps%n_numbers(), size(values)), source=0.0_dp)
-            if (row_of(i) <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) then
-               steps%values(row_of(i), :) = values
+            if (value_rows(i) <= size(steps%values, 1) .and. size(values) == size(steps%values, 2)) then
+               steps%values(value_rows(i), :) = values
             end if
          end if
       end do
@@ -431,29 +456,6 @@ contains
       if (visitor%is_judging()) call judge_steps(visitor, steps, has_name, has_values)
    end subroutine describe_steps
 
-   !> Whether a change takes one of the numbers.
-   pure logical function takes(target, number)
-      integer, intent(in) :: target !! what changes
-      integer, intent(in) :: number !! which of `value_keys`
-
-      select case (number)
-      case (first_shift:last_shift)
-         takes = target == stepped_obstacle
-      case (friction_value)
-         takes = target == stepped_friction
-      case default
-         takes = target == stepped_load .or. target == stepped_support
-      end select
-   end function takes
-
-   !> Where a number is kept.
-   pure integer function row_of(number)
-      integer, intent(in) :: number !! which of `value_keys`
-
-      row_of = 1
-      if (number >= first_shift .and. number <= last_shift) row_of = number - first_shift + 1
-   end function row_of
-
    !> Judges the keys of a `&steps` together.
    subroutine judge_steps(visitor, steps, has_name, has_values)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -461,7 +463,6 @@ contains
       logical, intent(in) :: has_name(:) !! whose change it is
       logical, intent(in) :: has_values(:) !! which numbers are given
       integer :: i, n_given
-      character(:), allocatable :: owner
 
       call visitor%require(count(has_name) == 1, '', '&steps needs one of load, support, obstacle and contact; give'// &
          ' each a group of its own')
@@ -470,16 +471,7 @@ contains
          return
       end if
       do i = 1, size(value_keys)
-         if (takes(steps%target, i)) cycle
-         select case (i)
-         case (first_shift:last_shift)
-            owner = 'obstacle'
-         case (friction_value)
-            owner = 'contact'
-         case default
-            owner = 'load and support'
-         end select
-         call visitor%only(trim(value_keys(i)%name), .false., owner)
+         if (.not. steps%takes(i)) call visitor%only(trim(value_keys(i)%name), .false., trim(value_owners(i)))
       end do
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
       n_given = count(has_values)
@@ -493,41 +485,13 @@ contains
          end associate
       end if
       if (allocated(steps%values)) then
-         do i = first_shift, last_shift
-            if (.not. has_values(i)) cycle
+         do i = 1, size(value_keys)
+            if (value_owners(i) /= 'obstacle' .or. .not. has_values(i)) cycle
             call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
                size(steps%values, 2), trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
          end do
       end if
    end subroutine judge_steps
-
-   !> Checks that a change has a value for each time, or a table that reaches over all of them.
-   subroutine check_times(visitor, times, steps)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the change
-      real(dp), intent(in) :: times(:) !! the times of the history
-      type(steps_t), intent(in) :: steps !! the change
-
-      if (allocated(steps%table)) then
-         associate (rows => steps%table(1, :))
-            call visitor%require(rows(1) <= times(1), 'table', "table '"//file_part(steps%file)//"' begins at "// &
-               to_text(rows(1))//', after the first time '//to_text(times(1)))
-            call visitor%require(rows(size(rows)) >= times(size(times)), 'table', "table '"//file_part(steps%file)// &
-               "' ends at "//to_text(rows(size(rows)))//', before the last time '//to_text(times(size(times))))
-         end associate
-      else if (allocated(steps%values)) then
-         call visitor%require(size(steps%values, 2) == size(times), '', '&steps '//trim(moved_things(steps%target))// &
-            " = '"//steps%name//"' has "//to_text(size(steps%values, 2))//' values, &history has '// &
-            to_text(size(times))//' times')
-      end if
-   end subroutine check_times
-
-   !> The name of a file without its folder.
-   pure function file_part(path) result(name)
-      character(*), intent(in) :: path !! name of the file
-      character(:), allocatable :: name
-
-      name = path(index(path, '/', back=.true.) + 1:)
-   end function file_part
 
    !> Checks that there is what changes, and that it does not change twice.
    subroutine check_name(visitor, steps, loads, supports, contacts)
@@ -541,36 +505,25 @@ contains
       logical :: is_same, are_known, has_target
 
       associate (last => steps(size(steps)))
+         thing = trim(moved_things(last%target))
          ! Names in which a fault was found are not known.
          select case (last%target)
          case (stepped_load)
             are_known = visitor%deck%knows('load', 'name')
-         case (stepped_support)
-            are_known = visitor%deck%knows('support', 'name')
-         case default
-            are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
-         end select
-         if (.not. are_known) return
-         thing = trim(moved_things(last%target))
-         select case (last%target)
-         case (stepped_load)
             missing = 'no &load has the name'
-         case (stepped_support)
-            missing = 'no &support with ux, uy, un or ut has the name'
-         case (stepped_obstacle)
-            missing = 'no &contact with a rigid obstacle has the name or set'
-         case default
-            missing = 'no &contact has the name or set'
-         end select
-         select case (last%target)
-         case (stepped_load)
             has_target = any([(loads(i)%name == last%name, i=1, size(loads))])
          case (stepped_support)
+            are_known = visitor%deck%knows('support', 'name')
+            missing = 'no &support with ux, uy, un or ut has the name'
             has_target = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
          case default
+            are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
+            missing = 'no &contact has the name or set'
+            if (last%target == stepped_obstacle) missing = 'no &contact with a rigid obstacle has the name or set'
             has_target = any([(last%acts_on(contacts(i)) .and. (last%target == stepped_friction .or. &
                .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
          end select
+         if (.not. are_known) return
          call visitor%require(has_target, thing, missing//" '"//last%name//"'")
          do k = 1, size(steps) - 1
             is_same = steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
