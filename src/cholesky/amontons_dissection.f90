@@ -10,6 +10,7 @@
 !> the fronts of these are its children. What the elimination leaves on the row structure, the contribution block, goes
 !> to the parent: the row structure lies in the rows, pivots and row structure, of that one front.
 module amontons_dissection
+   use amontons_integer_list, only: fill_bins, integer_list_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dgemv, dtrsm, dtrsv
    use amontons_sparse_matrix, only: graph_t, positions, sparse_matrix_t
@@ -49,7 +50,8 @@ module amontons_dissection
       integer, allocatable :: child(:, :) !! the two children of each, 0 for none (2, n)
       integer, allocatable :: first_descendant(:) !! the first front of the subtree of each (n)
       integer(int64), allocatable :: structure_start(:) !! where the row structure of each starts (n + 1)
-      integer, allocatable :: parent_row(:) !! which row of the parent each item of the row structures is
+      integer, allocatable :: position(:) !! position of each item of the row structures
+      integer, allocatable :: parent_row(:) !! which row of the parent it is
       integer(int64), allocatable :: block_start(:)
          !! where the block of each starts, its pivot columns on all of its rows, when one follows the other (n + 1)
       integer, allocatable :: stack_size(:)
@@ -61,12 +63,6 @@ module amontons_dissection
       procedure :: is_large => fronts_is_large
       procedure :: find_rows => fronts_find_rows
    end type fronts_t
-
-   !> Row structures before their unknowns are counted: a list of supervariables for each front.
-   type :: lists_t
-      integer(int64), allocatable :: start(:) !! where each list starts in `item` (n + 1)
-      integer, allocatable :: item(:) !! positions of supervariables, in the end ascending in each list; room for more
-   end type lists_t
 
    !> Subtrees with fewer unknowns are not worth a task of their own; a round number, not a measured one.
    integer, parameter :: least_large = 4000
@@ -318,24 +314,61 @@ contains
       type(fronts_t), intent(out) :: fronts !! the fronts
       type(graph_t), intent(in) :: graph !! the graph of the matrix
       type(dissection_t), intent(in) :: dissection !! its dissection
-      type(lists_t) :: structures
-      integer, allocatable :: first_item(:), first_position(:)
-      integer :: k
+      type(integer_list_t) :: structures
+      integer, allocatable :: start(:), item(:), first_item(:), first_position(:), row(:)
+      integer :: at, child, i, k, p
 
       call find_children(fronts, dissection, first_item)
-      call list_structures(structures, fronts, graph, dissection, first_item)
+      call list_structures(start, item, fronts, graph, dissection, first_item)
       allocate (first_position(graph%n + 1))
       first_position(1) = 1
       do k = 1, graph%n
-         associate (item => dissection%order(k))
-            first_position(k + 1) = first_position(k) + graph%first_unknown(item + 1) - graph%first_unknown(item)
-         end associate
+         p = dissection%order(k)
+         first_position(k + 1) = first_position(k) + graph%first_unknown(p + 1) - graph%first_unknown(p)
       end do
-      allocate (fronts%first(fronts%n + 1))
+      allocate (fronts%first(fronts%n + 1), fronts%structure_start(fronts%n + 1), fronts%block_start(fronts%n + 1))
       fronts%first = first_position(first_item)
-      call size_fronts(fronts, structures, first_position)
-      call find_parent_rows(fronts, structures, first_position)
+      fronts%structure_start(1) = 1
+      fronts%block_start(1) = 1
+      do k = 1, fronts%n
+         do at = start(k), start(k + 1) - 1
+            do p = first_position(item(at)), first_position(item(at) + 1) - 1
+               call structures%append(p)
+            end do
+         end do
+         fronts%structure_start(k + 1) = structures%n + 1
+         fronts%block_start(k + 1) = fronts%block_start(k) + int(fronts%n_pivots(k), int64)*fronts%n_rows(k)
+      end do
+      fronts%position = structures%items()
+      allocate (row(fronts%first(fronts%n + 1) - 1), fronts%parent_row(structures%n))
+      do k = 1, fronts%n
+         call number_rows(fronts, k, row)
+         do i = 1, 2
+            child = fronts%child(i, k)
+            if (child == 0) cycle
+            associate (first => fronts%structure_start(child), past => fronts%structure_start(child + 1))
+               fronts%parent_row(first:past - 1) = row(fronts%position(first:past - 1))
+            end associate
+         end do
+      end do
+      call size_stacks(fronts)
    end subroutine new_fronts
+
+   !> Numbers the rows of a front: its pivots, then its row structure.
+   pure subroutine number_rows(fronts, k, row)
+      type(fronts_t), intent(in) :: fronts !! the fronts
+      integer, intent(in) :: k !! number of the front
+      integer, intent(inout) :: row(:) !! row of each position; those of other positions stay as they are
+      integer :: i, n_pivots
+
+      n_pivots = fronts%n_pivots(k)
+      do i = 1, n_pivots
+         row(fronts%first(k) - 1 + i) = i
+      end do
+      do i = 1, fronts%n_structure(k)
+         row(fronts%position(fronts%structure_start(k) - 1 + i)) = n_pivots + i
+      end do
+   end subroutine number_rows
 
    !> Numbers the separators and finds the children of the front of each.
    pure subroutine find_children(fronts, dissection, first_item)
@@ -370,30 +403,31 @@ contains
       first_item(fronts%n + 1) = size(dissection%order) + 1
    end subroutine find_children
 
-   !> Lists the supervariables of each row structure: those of its children and the neighbors of its pivots, as far as
-   !> they are eliminated later.
-   subroutine list_structures(structures, fronts, graph, dissection, first_item)
-      type(lists_t), intent(out) :: structures !! the lists
+   !> Lists the supervariables of each row structure, before their unknowns are counted: those of its children and the
+   !> neighbors of its pivots, as far as they are eliminated later.
+   subroutine list_structures(start, item, fronts, graph, dissection, first_item)
+      integer, allocatable, intent(out) :: start(:) !! where each list starts in `item` (n + 1)
+      integer, allocatable, intent(out) :: item(:) !! positions of supervariables, ascending in each list
       type(fronts_t), intent(in) :: fronts !! the children
       type(graph_t), intent(in) :: graph !! the graph
       type(dissection_t), intent(in) :: dissection !! the order of the supervariables
       integer, intent(in) :: first_item(:) !! position of the first supervariable of each front, and past the last
-      integer, allocatable :: position(:), seen_by(:), list(:), longer(:)
+      type(integer_list_t) :: items
+      integer, allocatable :: position(:), seen_by(:), list_of(:), item_start(:), place(:), order(:)
       integer(int64) :: at
-      integer :: child, i, k, n
+      integer :: child, i, k
 
       allocate (position, source=positions(dissection%order))
       allocate (seen_by(graph%n), source=0)
-      allocate (list(graph%n), structures%start(fronts%n + 1))
-      allocate (structures%item(8*graph%n))
-      structures%start(1) = 1
+      allocate (start(fronts%n + 1))
+      start(1) = 1
       do k = 1, fronts%n
-         n = 0
          do i = 1, 2
             child = fronts%child(i, k)
             if (child == 0) cycle
-            do at = structures%start(child), structures%start(child + 1) - 1
-               call add(structures%item(at))
+            do at = start(child), start(child + 1) - 1
+               ! A copy: the list may move to a larger place as it grows.
+               call add((items%item(at)))
             end do
          end do
          do i = first_item(k), first_item(k + 1) - 1
@@ -401,92 +435,38 @@ contains
                call add(position(graph%neighbor(at)))
             end do
          end do
-         associate (start => structures%start)
-            start(k + 1) = start(k) + n
-            if (start(k + 1) - 1 > size(structures%item, kind=int64)) then
-               allocate (longer(2*start(k + 1)))
-               longer(:start(k) - 1) = structures%item(:start(k) - 1)
-               call move_alloc(longer, structures%item)
-            end if
-            structures%item(start(k):start(k + 1) - 1) = list(:n)
-         end associate
+         start(k + 1) = items%n + 1
       end do
-      call sort_lists(structures, graph%n)
+      ! Sorted by list and item: dealt out to the items, then the items to the lists, which keeps their order.
+      allocate (list_of(items%n))
+      do k = 1, fronts%n
+         list_of(start(k):start(k + 1) - 1) = k
+      end do
+      item = items%items()
+      call fill_bins(item_start, place, item, graph%n)
+      call fill_bins(start, order, list_of(place), fronts%n)
+      item = item(place(order))
 
    contains
 
-      !> Adds a position beyond the pivots to the list, once.
+      !> Adds a position beyond the pivots to the list of the front, once.
       subroutine add(p)
          integer, intent(in) :: p !! the position
 
          if (p < first_item(k + 1)) return
          if (seen_by(p) == k) return
          seen_by(p) = k
-         n = n + 1
-         list(n) = p
+         call items%append(p)
       end subroutine add
 
    end subroutine list_structures
 
-   !> Sorts every list: dealt out to its items, the lists come back item by item.
-   pure subroutine sort_lists(lists, n_items)
-      type(lists_t), intent(inout) :: lists !! the lists, ascending on return
-      integer, intent(in) :: n_items !! the largest item
-      integer(int64), allocatable :: item_start(:), next(:)
-      integer, allocatable :: list_of(:)
-      integer(int64) :: at
-      integer :: k, p
+   !> Finds what waits on the stacks of substitutions. The second child is done while the vector of the first one waits;
+   !> large children are done apart.
+   pure subroutine size_stacks(fronts)
+      type(fronts_t), intent(inout) :: fronts !! gains the sizes
+      integer :: k, n
 
-      allocate (item_start(n_items + 1), source=0_int64)
-      do at = 1, lists%start(size(lists%start)) - 1
-         item_start(lists%item(at) + 1) = item_start(lists%item(at) + 1) + 1
-      end do
-      item_start(1) = 1
-      do p = 1, n_items
-         item_start(p + 1) = item_start(p + 1) + item_start(p)
-      end do
-      next = item_start
-      allocate (list_of(item_start(n_items + 1) - 1))
-      do k = 1, size(lists%start) - 1
-         do at = lists%start(k), lists%start(k + 1) - 1
-            p = lists%item(at)
-            list_of(next(p)) = k
-            next(p) = next(p) + 1
-         end do
-      end do
-      next = lists%start
-      do p = 1, n_items
-         do at = item_start(p), item_start(p + 1) - 1
-            k = list_of(at)
-            lists%item(next(k)) = p
-            next(k) = next(k) + 1
-         end do
-      end do
-   end subroutine sort_lists
-
-   !> Counts the unknowns of the row structures, the entries of the blocks and the numbers on the stacks of
-   !> substitutions.
-   pure subroutine size_fronts(fronts, structures, first_position)
-      type(fronts_t), intent(inout) :: fronts !! gains where row structures and blocks start
-      type(lists_t), intent(in) :: structures !! the supervariables of the row structures
-      integer, intent(in) :: first_position(:) !! position of the first unknown of each supervariable, by its position
-      integer(int64) :: at
-      integer :: k, n, n_structure
-
-      allocate (fronts%structure_start(fronts%n + 1), fronts%block_start(fronts%n + 1))
-      fronts%structure_start(1) = 1
-      fronts%block_start(1) = 1
-      do k = 1, fronts%n
-         n_structure = 0
-         do at = structures%start(k), structures%start(k + 1) - 1
-            n_structure = n_structure + first_position(structures%item(at) + 1) - first_position(structures%item(at))
-         end do
-         fronts%structure_start(k + 1) = fronts%structure_start(k) + n_structure
-         fronts%block_start(k + 1) = fronts%block_start(k) &
-            + int(fronts%n_pivots(k), int64)*(fronts%n_pivots(k) + n_structure)
-      end do
-      ! What waits in a substitution. The second child is done while the vector of the first one waits; large children
-      ! are done apart.
       allocate (fronts%stack_size(fronts%n))
       do k = 1, fronts%n
          associate (child => fronts%child(:, k), stack_size => fronts%stack_size)
@@ -498,80 +478,24 @@ contains
             stack_size(k) = n
          end associate
       end do
-   end subroutine size_fronts
-
-   !> Finds which row of the parent each item of the row structures is.
-   pure subroutine find_parent_rows(fronts, structures, first_position)
-      type(fronts_t), intent(inout) :: fronts !! gains the rows
-      type(lists_t), intent(in) :: structures !! the supervariables of the row structures
-      integer, intent(in) :: first_position(:) !! position of the first unknown of each supervariable, by its position
-      integer, allocatable :: row(:)
-      integer(int64) :: at, to
-      integer :: child, i, k, n, p
-
-      allocate (row(fronts%first(fronts%n + 1) - 1))
-      allocate (fronts%parent_row(fronts%structure_start(fronts%n + 1) - 1))
-      do k = 1, fronts%n
-         n = fronts%n_pivots(k)
-         row(fronts%first(k):fronts%first(k + 1) - 1) = [(i, i=1, n)]
-         do at = structures%start(k), structures%start(k + 1) - 1
-            do p = first_position(structures%item(at)), first_position(structures%item(at) + 1) - 1
-               n = n + 1
-               row(p) = n
-            end do
-         end do
-         do i = 1, 2
-            child = fronts%child(i, k)
-            if (child == 0) cycle
-            to = fronts%structure_start(child)
-            do at = structures%start(child), structures%start(child + 1) - 1
-               do p = first_position(structures%item(at)), first_position(structures%item(at) + 1) - 1
-                  fronts%parent_row(to) = row(p)
-                  to = to + 1
-               end do
-            end do
-         end do
-      end do
-   end subroutine find_parent_rows
+   end subroutine size_stacks
 
    !> Turns the rows of a matrix in the order of elimination into rows of the fronts that its columns belong to.
    pure subroutine fronts_find_rows(self, matrix)
       class(fronts_t), intent(in) :: self !! the fronts
       type(sparse_matrix_t), intent(inout) :: matrix !! the matrix; its rows are positions, and rows of fronts on return
       integer, allocatable :: row(:)
-      integer :: none(0)
+      integer(int64) :: at
+      integer :: k
 
       allocate (row(matrix%n))
-      call find_subtree_rows(self, self%n, none, row, matrix)
-   end subroutine fronts_find_rows
-
-   !> Turns the rows of the pivot columns of a front and of its descendants into rows of these.
-   pure recursive subroutine find_subtree_rows(fronts, k, parent, row, matrix)
-      type(fronts_t), intent(in) :: fronts !! the fronts
-      integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: parent(:) !! positions of the rows of its parent
-      integer, intent(inout) :: row(:) !! row of each position in the front at hand
-      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix
-      integer :: position(fronts%n_rows(k)), i
-      integer(int64) :: at
-
-      associate (n_pivots => fronts%n_pivots(k))
-         do i = 1, size(position)
-            if (i <= n_pivots) then
-               position(i) = fronts%first(k) - 1 + i
-            else
-               position(i) = parent(fronts%parent_row(fronts%structure_start(k) - 1 + i - n_pivots))
-            end if
-            row(position(i)) = i
+      do k = 1, self%n
+         call number_rows(self, k, row)
+         do at = matrix%column_start(self%first(k)), matrix%column_start(self%first(k + 1)) - 1
+            matrix%row(at) = row(matrix%row(at))
          end do
-      end associate
-      do at = matrix%column_start(fronts%first(k)), matrix%column_start(fronts%first(k + 1)) - 1
-         matrix%row(at) = row(matrix%row(at))
       end do
-      do i = 1, 2
-         if (fronts%child(i, k) > 0) call find_subtree_rows(fronts, fronts%child(i, k), position, row, matrix)
-      end do
-   end subroutine find_subtree_rows
+   end subroutine fronts_find_rows
 
    !> The number of pivot columns of a front.
    elemental integer function fronts_n_pivots(self, k) result(n_pivots)

@@ -55,24 +55,6 @@ module amontons_multifrontal
 
 contains
 
-   !> Fills the pivot columns with those of the matrix.
-   pure subroutine fill_pivots(matrix, first, n_rows, n_pivots, block)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: first !! the first column
-      integer, intent(in) :: n_rows !! number of rows
-      integer, intent(in) :: n_pivots !! number of pivot columns
-      real(dp), intent(out) :: block(n_rows, n_pivots) !! the pivot columns
-      integer(int64) :: at
-      integer :: j
-
-      block = 0.0_dp
-      do j = 1, n_pivots
-         do at = matrix%column_start(first - 1 + j), matrix%column_start(first + j) - 1
-            block(matrix%row(at), j) = matrix%value(at)
-         end do
-      end do
-   end subroutine fill_pivots
-
    !> How many numbers a contribution block has.
    pure integer(int64) function contribution_size(n_structure)
       integer, intent(in) :: n_structure !! number of unknowns in the row structure
@@ -437,12 +419,19 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix on the rows of the fronts
       real(dp), contiguous, intent(out) :: value(:) !! the blocks
-      integer :: k
+      integer(int64) :: at, to
+      integer :: j, k
 
-      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) shared(fronts, matrix, value)
+      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) private(at, j, to) &
+      !$omp shared(fronts, matrix, value)
       do k = 1, fronts%n
-         call fill_pivots(matrix, fronts%first(k), fronts%n_rows(k), fronts%n_pivots(k), &
-            value(fronts%block_start(k):fronts%block_start(k + 1) - 1))
+         value(fronts%block_start(k):fronts%block_start(k + 1) - 1) = 0.0_dp
+         do j = fronts%first(k), fronts%first(k + 1) - 1
+            to = fronts%block_start(k) - 1 + int(j - fronts%first(k), int64)*fronts%n_rows(k)
+            do at = matrix%column_start(j), matrix%column_start(j + 1) - 1
+               value(to + matrix%row(at)) = matrix%value(at)
+            end do
+         end do
       end do
       !$omp end parallel do
    end subroutine fill

@@ -198,7 +198,12 @@ contains
       self%matrix = sparse_matrix_t()
       select case (code)
       case (done)
-         call view(self, supernodes)
+         ! The components show CHOLMOD's arrays.
+         call c_f_pointer(supernodes%column, self%column, [supernodes%n_supernodes + 1])
+         call c_f_pointer(supernodes%row_start, self%row_start, [supernodes%n_supernodes + 1])
+         call c_f_pointer(supernodes%value_start, self%value_start, [supernodes%n_supernodes + 1])
+         call c_f_pointer(supernodes%row, self%row, [self%row_start(supernodes%n_supernodes + 1)])
+         call c_f_pointer(supernodes%value, self%value, [supernodes%n_entries])
          call self%check_pivots(pivots(self), error)
       case (not_positive_definite)
          call self%refuse(int(failed) + 1, error)
@@ -208,18 +213,6 @@ contains
             ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries/1000000)//' MB')
       end select
    end subroutine sparse_complete
-
-   !> Lets the components show CHOLMOD's arrays.
-   subroutine view(self, supernodes)
-      type(sparse_cholesky_t), intent(inout) :: self !! the factorization
-      type(supernodes_t), intent(in) :: supernodes !! what CHOLMOD handed over
-
-      call c_f_pointer(supernodes%column, self%column, [supernodes%n_supernodes + 1])
-      call c_f_pointer(supernodes%row_start, self%row_start, [supernodes%n_supernodes + 1])
-      call c_f_pointer(supernodes%value_start, self%value_start, [supernodes%n_supernodes + 1])
-      call c_f_pointer(supernodes%row, self%row, [self%row_start(supernodes%n_supernodes + 1)])
-      call c_f_pointer(supernodes%value, self%value, [supernodes%n_entries])
-   end subroutine view
 
    !> The diagonal of L.
    pure function pivots(self)

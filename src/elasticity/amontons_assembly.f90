@@ -1,8 +1,8 @@
-!> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
+!> The stiffness matrix of the unknowns, assembled from the elements; and the sizes of what it makes of a displacement.
 module amontons_assembly
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
-   use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, element_stress, &
-      new_element_geometry, set_thermal_strain
+   use amontons_elasticity, only: element_geometry_t, element_stiffness, element_stress, new_element_geometry, &
+      set_thermal_strain
    use amontons_element, only: max_nodes
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -12,8 +12,8 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, thermal_work, &
-      to_unknowns, uncanceled_forces
+   public :: assemble_stiffness, from_unknowns, spring_forces, strained_share, thermal_work, to_unknowns, &
+      uncanceled_forces
 
 contains
 
@@ -125,50 +125,14 @@ contains
       call stiffness%add_element(reshape(dof_map%dof(:, own), [2*size(own)]), turned)
    end subroutine add_block
 
-   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
-   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
-      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials of the elements
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      type(element_geometry_t) :: geometry
-      real(dp) :: own(2, max_nodes)
-      integer :: color, element, i, k
-
-      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
-      do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, own, k) &
-         !$omp shared(forces, mesh, materials, coloring, displacement, thermal_strain, color) &
-         !$omp if (mesh%n_elements >= worth_threads)
-         do i = coloring%start(color), coloring%start(color + 1) - 1
-            do element = coloring%first(i), coloring%last(i)
-               associate (material => materials%list(materials%of_element(element)))
-                  call new_element_geometry(geometry, mesh, element, material)
-                  if (present(thermal_strain)) call set_thermal_strain(geometry, &
-                     thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
-                  own = element_forces(geometry, material, displacement)
-               end associate
-               do k = 1, geometry%n_nodes
-                  forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + own(:, k)
-               end do
-            end do
-         end do
-         !$omp end parallel do
-      end do
-      forces = forces + spring_forces(mesh%n_nodes, springs, displacement)
-   end subroutine internal_forces
-
    !> The integral of stress times thermal strain over the body: what the work of the stresses on all strains exceeds
    !> that on the elastic strains by [F L].
    pure real(dp) function thermal_work(mesh, materials, displacement, thermal_strain) result(work)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: thermal_strain(:) !! as in `internal_forces` [-]
+      real(dp), intent(in) :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
       real(dp) :: stress(4)
       integer :: element, point

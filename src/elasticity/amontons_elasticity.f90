@@ -11,9 +11,8 @@ module amontons_elasticity
    implicit none (type, external)
    private
 
-   public :: add_point_forces, elastic_strain, element_forces, element_geometry_t, element_stiffness, &
-      element_stress, find_elastic_strains, is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, &
-      set_thermal_strain
+   public :: add_point_forces, element_geometry_t, element_stiffness, element_stress, find_elastic_strains, &
+      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, set_thermal_strain
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
@@ -283,23 +282,10 @@ contains
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: stress(4)
 
-      stress = material%stress(elastic_strain(geometry, material, displacement, point))
+      stress = material%stress(strain_at(geometry, material, nodal_values(geometry, displacement), point))
    end function element_stress
 
-   !> Elastic strain at a quadrature point, which makes the stress: xx, yy, the engineering shear 2 xy, and zz or the
-   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane,
-   !> but with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
-   pure function elastic_strain(geometry, material, displacement, point) result(strain)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      integer, intent(in) :: point !! number of the quadrature point
-      real(dp) :: strain(4)
-
-      strain = strain_at(geometry, material, nodal_values(geometry, displacement), point)
-   end function elastic_strain
-
-   !> Elastic strains at all quadrature points, each as `elastic_strain` has it.
+   !> Elastic strains at all quadrature points, which make the stress.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
@@ -326,7 +312,9 @@ contains
       end do
    end function nodal_values
 
-   !> Elastic strain at a quadrature point from the displacements of the nodes of the element [-].
+   !> Elastic strain at a quadrature point, which makes the stress: xx, yy, the engineering shear 2 xy, and zz or the
+   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane,
+   !> but with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
    pure function strain_at(geometry, material, u, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
@@ -361,22 +349,6 @@ contains
       strain(1:2) = strain(1:2) - geometry%thermal_strain(point)
       if (.not. material%is_plane_stress) strain(4) = strain(4) - geometry%thermal_strain(point)
    end function strain_at
-
-   !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
-   !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].
-   pure function element_forces(geometry, material, displacement) result(forces)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp) :: forces(2, max_nodes)
-      integer :: point
-
-      forces = 0.0_dp
-      do point = 1, geometry%n_points
-         call add_point_forces(forces, geometry, material, element_stress(geometry, material, displacement, point), &
-            point)
-      end do
-   end function element_forces
 
    !> Adds what the stress at one quadrature point amounts to: volume times B^T stress.
    pure subroutine add_point_forces(forces, geometry, material, stress, point)

@@ -8,6 +8,8 @@
 !> at its sides on the boundary. In an element the recovered stress is the mean of the polynomials of its corners,
 !> weighted by the linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
 module amontons_stress_field
+   use amontons_assembly, only: spring_forces
+   use amontons_constraints, only: spring_side_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: add_point_forces, element_geometry_t, element_stress, find_elastic_strains, &
       is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_thermal_strain
@@ -24,8 +26,8 @@ module amontons_stress_field
    implicit none (type, external)
    private
 
-   public :: error_estimate_t, find_node_stresses, new_error_estimate, new_recovered_stress, new_stress_field, &
-      recovered_stress_t, stress_field_t, von_mises
+   public :: error_estimate_t, find_node_stresses, internal_forces, new_error_estimate, new_recovered_stress, &
+      new_stress_field, recovered_stress_t, stress_field_t, von_mises
 
    !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop.
    type :: stress_field_t
@@ -86,6 +88,21 @@ contains
       call find_node_stresses(node, 1, mesh, materials, coloring, displacement, strain, field)
       call move_alloc(node, field%node)
    end subroutine new_stress_field
+
+   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
+   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_stress_field` [-]
+      type(stress_field_t) :: field
+
+      call new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
+      forces = field%force + spring_forces(mesh%n_nodes, springs, displacement)
+   end subroutine internal_forces
 
    !> Evaluates the stresses at the nodes of several displacement fields: the shape functions of each element serve all
    !> of them.

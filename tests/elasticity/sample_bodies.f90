@@ -1,9 +1,11 @@
 !> Supports and loads in one line each, and the plain displacement method, for bodies without contact.
 module sample_bodies
-   use amontons_assembly, only: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
+   use amontons_assembly, only: assemble_stiffness, from_unknowns, to_unknowns
    use amontons_condenser, only: cholesky_t
    use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
       spring_side_t, support_t
+   use amontons_elasticity, only: add_point_forces, element_geometry_t, element_stress
+   use amontons_element, only: max_nodes
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
@@ -11,11 +13,12 @@ module sample_bodies
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_stress_field, only: internal_forces
    implicit none (type, external)
    private
 
-   public :: along_normal, along_tangent, along_x, along_y, make_springs, nodal_reactions, no_springs, &
-      sample_material, sample_materials, solve_body, solve_materials, springs_on_set, support_at_point, &
+   public :: along_normal, along_tangent, along_x, along_y, element_forces, make_springs, nodal_reactions, &
+      no_springs, sample_material, sample_materials, solve_body, solve_materials, springs_on_set, support_at_point, &
       support_on_set, traction_on_set, uniform, weight_of
 
    !> Components of a support: x, y, outward normal, tangent.
@@ -180,5 +183,21 @@ contains
       call new_coloring(coloring, mesh)
       call internal_forces(forces, mesh, uniform(material, mesh), no_springs, coloring, displacement)
    end function nodal_reactions
+
+   !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
+   !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].
+   pure function element_forces(geometry, material, displacement) result(forces)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
+      real(dp) :: forces(2, max_nodes)
+      integer :: point
+
+      forces = 0.0_dp
+      do point = 1, geometry%n_points
+         call add_point_forces(forces, geometry, material, element_stress(geometry, material, displacement, point), &
+            point)
+      end do
+   end function element_forces
 
 end module sample_bodies

@@ -2,7 +2,7 @@
 !>
 !> Rigid-body modes that supports leave free, as displacements of the contact points.
 module amontons_body
-   use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
+   use amontons_assembly, only: assemble_stiffness
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: condenser_t
@@ -29,6 +29,7 @@ module amontons_body
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
+   use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t

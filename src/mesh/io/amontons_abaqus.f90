@@ -2,7 +2,7 @@
 !> materials, the sections that put them into sets of elements, the temperatures of nodes (those at which nothing is
 !> strained, and those of the step), supports and loads. Everything else is ignored, with a warning where it matters.
 module amontons_abaqus
-   use amontons_abaqus_lines, only: abaqus_scope_t, find_parameter, get_set, is_at_line_end, named_group, &
+   use amontons_abaqus_lines, only: abaqus_scope_t, add_members, find_parameter, get_set, is_at_line_end, named_group, &
       next_data_line, next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, &
       take_fields, take_number
    use amontons_constraints, only: new_support, support_t
@@ -11,7 +11,7 @@ module amontons_abaqus
    use amontons_file_model, only: file_material_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, &
       no_cell, raw_mesh_t, use_loads, use_materials, use_names, use_supports
    use amontons_input_file, only: input_file_t, printable
-   use amontons_integer_list, only: new_tag_map
+   use amontons_integer_list, only: integer_list_t, new_tag_map
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
    use amontons_material, only: new_material
@@ -374,8 +374,8 @@ contains
       logical, intent(out) :: is_read !! whether it is read: initial conditions of another type are not
       character(longest_name) :: fields(most_fields)
       character(:), allocatable :: name, type
-      integer, allocatable :: nodes(:)
-      integer :: n
+      type(integer_list_t) :: tags
+      integer :: i, n, node
       real(dp) :: value
       logical :: is_there
 
@@ -394,14 +394,22 @@ contains
             call take_fields(input, fields, n)
             if (any(fields(3:) /= '')) call input%refuse(name//'expected nodes and one temperature', input%position - 1)
             call take_number(input, fields(2), value)
-            call find_nodes(raw, input, name, trim(fields(1)), nodes)
-            if (allocated(input%error)) return
-            if (keyword == 'temperature') then
-               temperatures%step(nodes) = value
-               temperatures%is_given(nodes) = .true.
-            else
-               temperatures%initial(nodes) = value
-            end if
+            tags%n = 0
+            call add_members(raw, input, name//'there is no node set', .true., trim(fields(1)), tags)
+            if (tags%n == 0) call input%refuse(name//"there is no node set '"//trim(fields(1))//"' above", &
+               input%position - 1)
+            do i = 1, tags%n
+               node = temperatures%map%find(tags%item(i))
+               if (node == 0) call input%refuse(name//'there is no node '//to_text(tags%item(i))//' above', &
+                  input%position - 1)
+               if (allocated(input%error)) return
+               if (keyword == 'temperature') then
+                  temperatures%step(node) = value
+                  temperatures%is_given(node) = .true.
+               else
+                  temperatures%initial(node) = value
+               end if
+            end do
          end do
       end associate
    end subroutine read_temperatures
@@ -421,34 +429,6 @@ contains
       temperatures%is_given = [temperatures%is_given, spread(.false., 1, n)]
       call new_tag_map(temperatures%map, tags)
    end subroutine expect_nodes
-
-   !> Finds the nodes of a line: one by its number, or those of a set.
-   pure subroutine find_nodes(raw, input, name, field, nodes)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: name !! the keyword, as a message begins
-      character(*), intent(in) :: field !! the field of the nodes
-      integer, allocatable, intent(out) :: nodes(:) !! the nodes, by their places in the list of all
-      integer, allocatable :: tags(:)
-      integer :: group, i, tag
-      logical :: is_number
-
-      call read_integer(field, tag, is_number)
-      if (is_number) then
-         tags = [tag]
-      else
-         allocate (tags(0))
-         group = named_group(raw, field)
-         if (group > 0) tags = raw%groups(group)%node%items()
-         if (size(tags) == 0) call input%refuse(name//"there is no node set '"//field//"' above", input%position - 1)
-         call raw%expect_members(input, size(tags))
-      end if
-      allocate (nodes(size(tags)))
-      do i = 1, size(tags)
-         nodes(i) = raw%model%temperatures%map%find(tags(i))
-         if (nodes(i) == 0) call input%refuse(name//'there is no node '//to_text(tags(i))//' above', input%position - 1)
-      end do
-   end subroutine find_nodes
 
    !> Completes the model once the file is read: makes the material of each section, and a load of the temperatures of
    !> the step: their difference from the initial ones, which nodes without a temperature keep.
@@ -660,67 +640,68 @@ contains
       end if
    end subroutine take_nodes
 
-   !> Reads distributed loads: elements or a surface, kind, value.
+   !> Reads distributed loads: elements or a surface, kind, value. The sides that a pressure acts on make a set.
    pure subroutine read_dload(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
+      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
       character(longest_name) :: fields(most_fields)
+      type(integer_list_t) :: elements
       type(load_t) :: load
       real(dp) :: values(most_fields - 2)
-      integer :: i, n, number
+      integer :: group, i, n, number, side
       logical :: is_there
 
       call refuse_parameters(input, line)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
+         call new_load(load, '')
          call raw%model%line_at(input%text, input%position, number)
+         load%origin = origin_of(input, number)
          call take_fields(input, fields, n)
          values = 0.0_dp
          do i = 3, n
             if (fields(i) /= '') call take_number(input, fields(i), values(i - 2))
          end do
          if (allocated(input%error)) return
-         call interpret_dload(raw, input, keyword, number, fields, values, load)
+         load%pressure = values(1)
+         group = named_group(raw, trim(fields(1)))
+         side = findloc(side_labels == lower_case(fields(2)), .true., dim=1)
+         if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
+            load%set = raw%groups(group)%name
+         else if (keyword == 'dload' .and. side > 0) then
+            load%set = '*DLOAD:'//to_text(number)
+            elements%n = 0
+            call add_members(raw, input, '*DLOAD: there is no set', .false., trim(fields(1)), elements)
+            if (elements%n == 0) call input%refuse("*DLOAD: there is no set '"//trim(fields(1))//"' above", &
+               input%position - 1)
+            if (.not. allocated(input%error)) call raw%get_group(input, load%set, group)
+            if (allocated(input%error)) return
+            call raw%groups(group)%cell%append_all(elements%items())
+            call raw%groups(group)%side%append_all(spread(side, 1, elements%n))
+         else
+            call interpret_dload(raw, input, keyword, group, fields, values, load)
+         end if
          if (allocated(input%error)) return
          call raw%model%add_load(load)
       end do
    end subroutine read_dload
 
-   !> Finds what a line of distributed loads means.
-   pure subroutine interpret_dload(raw, input, keyword, line, fields, values, load)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+   !> Finds what a line of distributed loads on a region means.
+   pure subroutine interpret_dload(raw, input, keyword, group, fields, values, load)
+      type(raw_mesh_t), intent(in) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
-      integer, intent(in) :: line !! number of the line
+      integer, intent(in) :: group !! the set that the line names, 0 for none
       character(*), intent(in) :: fields(:) !! the fields of the line
       real(dp), intent(in) :: values(:) !! its numbers, from the third field on
-      type(load_t), intent(out) :: load !! the load
-      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
-      character(longest_name) :: kind
-      integer :: group, side, element
+      type(load_t), intent(inout) :: load !! the load
+      integer :: element
       logical :: is_number
 
-      kind = lower_case(fields(2))
-      group = named_group(raw, trim(fields(1)))
-      call new_load(load, '')
-      load%origin = origin_of(input, line)
-      if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) then
-         load%set = raw%groups(group)%name
-         load%pressure = values(1)
-         return
-      end if
-      side = findloc(side_labels, kind, dim=1)
-      if (keyword == 'dload' .and. side > 0) then
-         load%set = '*DLOAD:'//to_text(line)
-         load%pressure = values(1)
-         call gather_sides(raw, input, trim(fields(1)), group, side, load%set)
-         return
-      end if
-      load%target = load_on_region
-      if (group > 0) load%region = raw%groups(group)%name
       call read_integer(trim(fields(1)), element, is_number)
       if (group == 0 .and. is_number) then
          call input%refuse('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
@@ -729,7 +710,10 @@ contains
          call input%refuse('*'//keyword//": there is no set '"//trim(fields(1))//"' above", input%position - 1)
       end if
       if (allocated(input%error)) return
-      select case (kind)
+      load%pressure = 0.0_dp
+      load%target = load_on_region
+      if (group > 0) load%region = raw%groups(group)%name
+      select case (lower_case(fields(2)))
       case ('bx')
          load%body_force(1) = values(1)
       case ('by')
@@ -757,34 +741,6 @@ contains
             input%position - 1)
       end select
    end subroutine interpret_dload
-
-   !> Gathers the sides that a pressure acts on in a set of its own.
-   pure subroutine gather_sides(raw, input, field, from, side, set)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: field !! the field of the elements
-      integer, intent(in) :: from !! the set that it names, 0 for none
-      integer, intent(in) :: side !! number of the side in each element
-      character(*), intent(in) :: set !! name of this set
-      integer, allocatable :: elements(:)
-      integer :: element, group
-      logical :: is_number
-
-      call read_integer(field, element, is_number)
-      if (is_number) then
-         elements = [element]
-      else if (from > 0) then
-         elements = pack(raw%groups(from)%cell%items(), raw%groups(from)%side%items() == 0)
-      else
-         call input%refuse("*DLOAD: there is no set '"//field//"' above", input%position - 1)
-      end if
-      if (.not. allocated(input%error)) call raw%expect_members(input, size(elements))
-      if (allocated(input%error)) return
-      call raw%get_group(input, set, group)
-      if (allocated(input%error)) return
-      call raw%groups(group)%cell%append_all(elements)
-      call raw%groups(group)%side%append_all(spread(side, 1, size(elements)))
-   end subroutine gather_sides
 
    !> Where a line of the file stands, as messages begin.
    pure function origin_of(input, line) result(origin)

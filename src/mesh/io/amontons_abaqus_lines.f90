@@ -10,8 +10,8 @@ module amontons_abaqus_lines
    implicit none (type, external)
    private
 
-   public :: abaqus_scope_t, find_parameter, get_set, is_at_line_end, named_group, next_data_line, next_keyword, &
-      read_set, read_surface, refuse_parameters, resolve_elements, take_comma, take_fields, take_number
+   public :: abaqus_scope_t, add_members, find_parameter, get_set, is_at_line_end, named_group, next_data_line, &
+      next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, take_fields, take_number
 
    character, parameter :: line_feed = achar(10)
    !> Longer keyword lines are refused.
@@ -302,7 +302,7 @@ contains
          else
             do
                call take_field(input, field)
-               call add_members(raw, input, keyword == 'nset', field, members)
+               call add_members(raw, input, 'there is no set', keyword == 'nset', field, members)
                call take_comma(input, is_there)
                if (is_at_line_end(input) .or. allocated(input%error)) exit
             end do
@@ -329,9 +329,10 @@ contains
    end function named_group
 
    !> Adds what a field names: one thing by its number, or the things of a set.
-   pure subroutine add_members(raw, input, of_nodes, field, members)
+   pure subroutine add_members(raw, input, refusal, of_nodes, field, members)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file
+      type(input_file_t), intent(inout) :: input !! the file, behind the field
+      character(*), intent(in) :: refusal !! what a message says before the name of a set that is not there
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
       character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
       type(integer_list_t), intent(inout) :: members !! numbers of the things
@@ -346,7 +347,7 @@ contains
       end if
       group = named_group(raw, field)
       if (group == 0) then
-         call input%refuse("there is no set '"//field(index(field, '.', back=.true.) + 1:)//"' above")
+         call input%refuse(refusal//" '"//field(index(field, '.', back=.true.) + 1:)//"' above", input%position - 1)
       else if (of_nodes) then
          call raw%expect_members(input, raw%groups(group)%node%n)
          if (.not. allocated(input%error)) call members%append_all(raw%groups(group)%node%items())
@@ -384,7 +385,7 @@ contains
          if (.not. is_there) exit
          n = members%n
          call take_field(input, field)
-         call add_members(raw, input, of_nodes, field, members)
+         call add_members(raw, input, 'there is no set', of_nodes, field, members)
          call take_comma(input, is_there)
          call take_field(input, field)
          side = findloc(side_names == lower_case(field), .true., dim=1)
