@@ -12,7 +12,7 @@ module amontons_loads
    implicit none (type, external)
    private
 
-   public :: load_t, load_vector, new_load, spread_total_force, sum_thermal_strain
+   public :: add_point_forces, load_t, load_vector, new_load, spread_total_force, sum_thermal_strain
 
    !> What a load acts on: the sides of a set.
    integer, parameter, public :: load_on_sides = 1

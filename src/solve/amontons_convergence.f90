@@ -8,7 +8,7 @@ module amontons_convergence
    implicit none (type, external)
    private
 
-   public :: convergence_t, has_bar, new_convergence, refined_quantity_t, verdict_names
+   public :: convergence_t, has_bar, has_limit, new_convergence, refined_quantity_t, verdict_names
 
    !> What the values on the last three meshes do.
    character(11), parameter :: verdict_names(*) = [character(11) :: 'converging', 'slow', 'oscillating', 'diverging', &
@@ -85,6 +85,13 @@ contains
 
       has_bar = convergence%verdict /= absent
    end function has_bar
+
+   !> Whether the number seems to have a limit.
+   elemental logical function has_limit(convergence)
+      type(convergence_t), intent(in) :: convergence !! the judgment
+
+      has_limit = convergence%verdict /= slow .and. convergence%verdict /= diverging
+   end function has_limit
 
    !> What two changes one after the other mean; slow convergence counts as convergence.
    pure integer function verdict(before, last, rounding)

@@ -99,11 +99,11 @@ contains
       result%solution%is_converged = case%value('', 'converged') == 'true' .or. .not. result%is_complete
       result%condition = case%number('', 'condition')
       call evaluate(result, body)
+      call add_result_warnings(result, body)
       if (len(case%value('', 'convergence')) > 0) then
          call restore_convergence(case, body, result, fault)
          call case%fault('.convergence.csv', fault)
       end if
-      call add_result_warnings(result, body)
       if (result%solution%is_converged) call check_law(case%faults, body, result, case%stem//'.contact.csv', .true.)
       call check_texts(case, body, result)
       call check_grids(case, body, result, case%stem)
@@ -192,7 +192,7 @@ contains
             values(i, n_levels) = finest(i)%value
          end if
       end do
-      if (len(fault) == 0) call judge_meshes(result, body%zone, values)
+      if (len(fault) == 0) call judge_meshes(result, body, values)
    end subroutine restore_convergence
 
    !> Writes the texts again and compares.

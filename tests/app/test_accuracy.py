@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import unittest
 
 from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
@@ -93,6 +94,18 @@ class Accuracy(ProgramTest):
         # Uniform pressure makes a uniform stress, which patches recover but for the mean of the tractions of two sides
         # at a node of the rim, shorter than the pressure by 1 - cos(4.5 degrees) = 0.3 %.
         self.assertLess(summary["accuracy"]["relative_error"], 0.003)
+
+    def test_numbers_under_a_point_force_have_no_limit(self):
+        # A continuum has neither stress nor displacement there; with the same force on a side it has both.
+        named = r"no limit .* point force acts: Max\. von Mises at .*, Max\. displacement at \(2\.0, 2\.0\);"
+        for element in ("quad4", "tri6"):
+            for load, warns in (("force = 0.0, -0.1  point = 2.0, 2.0", True),
+                                ("set = 'top'  total_force = 0.0, -0.1", False)):
+                summary = self.solve("push", SUPPORT, "contact set = 'bottom'  friction = 0.5", f"load {load}",
+                                     "accuracy refinements = 2", mesh=f"{COARSE}  element = '{element}'")
+                found = [text for text in summary["warnings"] if re.search(named, text)]
+                self.assertEqual(len(found), warns, (element, load, summary["warnings"]))
+                self.run_program("--quiet", "--verify", "results")
 
     def test_refined_mesh_is_that_of_more_cells(self):
         one = self.solve("refined", *GROUPS, mesh=f"{COARSE}  refine = 2")

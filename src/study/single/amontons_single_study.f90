@@ -2,14 +2,16 @@
 !> those of the finest mesh, its key results with observed order, extrapolated value and error bar.
 module amontons_single_study
    use amontons_all_solutions, only: find_all_solutions
+   use amontons_body, only: body_t
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_convergence, only: new_convergence
+   use amontons_convergence, only: has_limit, new_convergence
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
+   use amontons_loads, only: add_point_forces, load_on_nodes
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
@@ -19,7 +21,7 @@ module amontons_single_study
    use amontons_study, only: method_numbers, outcome_t, report_size, solution_line, study_monitor_t, study_options_t, &
       study_t
    use amontons_terminal, only: phase_solve, phase_write
-   use amontons_text, only: short_text, to_text, with_unit
+   use amontons_text, only: pair_text, short_text, to_text, with_unit
    implicit none (type, external)
    private
 
@@ -84,7 +86,7 @@ contains
          values(:, level) = list%value
       end do
       cache%is_refining = .false.
-      if (n_levels > 1 .and. level > n_levels) call judge_meshes(result, cache%body%zone, values)
+      if (n_levels > 1 .and. level > n_levels) call judge_meshes(result, cache%body, values)
       ! The files are those of a case on the last mesh.
       config%accuracy%n_refinements = 0
       call report_case(config, cache, options, result, outcome, error)
@@ -102,18 +104,34 @@ contains
       end associate
    end function refined_quantities
 
-   !> Judges how each number changes from mesh to mesh.
-   pure subroutine judge_meshes(result, zone, values)
-      type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments
-      type(contact_zone_t), intent(in) :: zone !! its contact points
+   !> Judges how each number changes from mesh to mesh. Where a point force acts, a continuum has neither stress nor
+   !> displacement: what is largest there grows with every mesh.
+   subroutine judge_meshes(result, body, values)
+      type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments, and a warning
+      type(body_t), intent(in) :: body !! its body
       real(dp), intent(in) :: values(:, :) !! `refined_quantities` of each mesh, a column for a mesh, the coarsest first
       ! Residuals of the contact problem are at most 1e-10 of the largest force; ten times that and more is left of it.
       real(dp), parameter :: rounding = 1.0e-8_dp
       type(quantity_t), allocatable :: list(:)
-      real(dp) :: side
-      integer :: i
+      type(error_t), allocatable :: error
+      character(:), allocatable :: names
+      logical :: is_beside(body%mesh%n_nodes)
+      real(dp) :: side, forces(2, body%mesh%n_nodes)
+      integer :: i, node
 
-      side = side_at_ends(zone, result%solution%status)
+      forces = 0.0_dp
+      do i = 1, size(result%load_case%loads)
+         if (result%load_case%loads(i)%target == load_on_nodes) call add_point_forces(forces, body%mesh, &
+            body%materials, result%load_case%loads(i), error)
+      end do
+      is_beside = .false.
+      do i = 1, body%mesh%n_elements
+         associate (nodes => body%mesh%node(body%mesh%node_start(i):body%mesh%node_start(i + 1) - 1))
+            if (any(abs(forces(:, nodes)) > 0.0_dp)) is_beside(nodes) = .true.
+         end associate
+      end do
+      names = ''
+      side = side_at_ends(body%zone, result%solution%status)
       list = refined_quantities(result)
       allocate (result%convergence(size(list)))
       do i = 1, size(list)
@@ -121,7 +139,13 @@ contains
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
             rounding*max(maxval(abs(values(i, :))), list(i)%scale), &
             list(i)%has_place .or. list(i)%resolution > 0.0_dp)
+         if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
+         node = body%mesh%nearest_node(list(i)%place)
+         if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &
+            pair_text(list(i)%place)
       end do
+      if (len(names) > 0) call result%warnings%add('numbers that have no limit as the mesh is refined are found '// &
+         'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')
    end subroutine judge_meshes
 
    !> The longest side beside an end of a zone, where one status follows another; of the whole line, if none does [L].
