@@ -112,11 +112,13 @@ contains
       if (option == 0) then
          call new_error(error, input_refused, "amontons: unknown option '"//name//"'"//suggestion(name))
          return
-      else if (all(valued_names /= option_names(option))) then
+      end if
+      if (all(valued_names /= option_names(option))) then
          command_line%is_given(option) = .true.
          if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
          return
-      else if (at_equals <= len(word)) then
+      end if
+      if (at_equals <= len(word)) then
          value = word(at_equals + 1:)
       else
          i = i + 1

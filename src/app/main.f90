@@ -4,7 +4,7 @@ program main
    use, intrinsic :: iso_c_binding, only: c_int
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, system_failure
    use amontons_help, only: help_text, print_reference, version_text
    use amontons_messages, only: print_error
    use amontons_run_decks, only: run_decks
@@ -12,7 +12,7 @@ program main
    use amontons_sweep_ranks, only: serve
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
-   use amontons_threads, only: n_threads, set_threads
+   use amontons_threads, only: has_blas_room, n_threads, set_threads
    implicit none (type, external)
 
    interface
@@ -22,6 +22,13 @@ program main
          implicit none (type, external)
          integer(c_int), value :: status !! exit status
       end subroutine c_exit
+
+      !> Ends the process without a word to its libraries.
+      subroutine c_quick_exit(status) bind(c, name='quick_exit')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: status !! exit status
+      end subroutine c_quick_exit
    end interface
 
    type(command_line_t) :: command_line
@@ -35,6 +42,11 @@ program main
    ! A rank among several has one thread, if nothing else is said; else 0 is what OMP_NUM_THREADS says, or all cores.
    call get_environment_variable('OMP_NUM_THREADS', length=length)
    if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
+   if (.not. has_blas_room()) then
+      ! Threads that OpenBLAS began when it was loaded ask for their memory for ever: nothing may wait for them to end.
+      call print_error('amontons: not enough memory: the BLAS needs 128 MiB of addresses for each thread')
+      call c_quick_exit(int(system_failure, c_int))
+   end if
    call set_threads(command_line%n_threads)
    if (rank == 0) then
       status = 0

@@ -1,14 +1,19 @@
 /* What OpenBLAS can be told beyond the BLAS itself. Weak references leave any other BLAS linkable. */
-#define _POSIX_C_SOURCE 200112L
+#define _DEFAULT_SOURCE
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 
 extern void openblas_set_num_threads(int n_threads) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));
 extern int blas_thread_shutdown_(void) __attribute__((weak));
 extern char *openblas_get_corename(void) __attribute__((weak));
 extern char *openblas_get_config(void) __attribute__((weak));
+extern void *blas_memory_alloc(int kind) __attribute__((weak));
+extern void blas_memory_free(void *buffer) __attribute__((weak));
 extern void gotoblas_dynamic_init(void) __attribute__((weak));
 extern void gotoblas_dynamic_quit(void) __attribute__((weak));
 
@@ -31,6 +36,51 @@ void amontons_end_blas_threads(void)
 {
     if (blas_thread_shutdown_)
         blas_thread_shutdown_();
+}
+
+/* Bytes of addresses that OpenBLAS takes for the work array of a thread. */
+static const size_t buffer_size = (size_t)129 << 20;
+
+/* Returns whether OpenBLAS's work arrays may lack addresses: a limit is set (ulimit -v). */
+static bool is_limited(void)
+{
+    struct rlimit limit;
+    return blas_memory_alloc && blas_memory_free && getrlimit(RLIMIT_AS, &limit) == 0
+        && limit.rlim_cur != RLIM_INFINITY;
+}
+
+/* Returns whether as many bytes of addresses can be had. */
+static bool has_room(size_t size)
+{
+    void *place = mmap(NULL, size, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (place == MAP_FAILED)
+        return false;
+    munmap(place, size);
+    return true;
+}
+
+/* Returns whether the BLAS can work at all: where OpenBLAS has no room for a work array it asks for it for ever. */
+bool amontons_has_blas_room(void)
+{
+    return !is_limited() || has_room(buffer_size);
+}
+
+/* Makes OpenBLAS take a work array for each of some threads, which it keeps for good, and returns for how many there
+   was room, at least 1: it must not need one when matrices have filled the rest. As much again is left for matrices. */
+int amontons_take_blas_buffers(int n_threads)
+{
+    enum { most = 64 };
+    void *buffers[most];
+    int n = 0;
+
+    if (!is_limited())
+        return n_threads;
+    do
+        buffers[n++] = blas_memory_alloc(0);
+    while (n < n_threads && n < most && has_room(2 * buffer_size));
+    for (int i = 0; i < n; i++)
+        blas_memory_free(buffers[i]);
+    return n;
 }
 
 /* Returns OpenBLAS's name for the kernels that suit the instructions of this processor, or NULL. */

@@ -1,14 +1,14 @@
 !> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries; and which
 !> BLAS the program runs with.
 module amontons_threads
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_null_char
    use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
       omp_set_max_active_levels, omp_set_num_threads, openmp_version
    implicit none (type, external)
    private
 
-   public :: blas_text, limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, &
-      thread_state_t, use_blas_threads
+   public :: blas_text, has_blas_room, limit_nested_threads, n_threads, openmp_date, restore_nested_threads, &
+      set_threads, thread_state_t, use_blas_threads
 
    !> Year and month of the OpenMP standard that the compiler follows.
    integer, parameter :: openmp_date = openmp_version
@@ -41,6 +41,21 @@ module amontons_threads
          integer(c_int), value, intent(in) :: n !! number of threads, at least 1
       end subroutine use_blas_threads
 
+      !> Whether a limit of addresses leaves the BLAS room for the memory that it needs on one thread.
+      function has_blas_room() bind(c, name='amontons_has_blas_room') result(has_room)
+         import :: c_bool
+         implicit none (type, external)
+         logical(c_bool) :: has_room
+      end function has_blas_room
+
+      !> Makes the BLAS take the memory that it needs on each thread; returns the number of threads it has room for.
+      function take_blas_buffers(n) bind(c, name='amontons_take_blas_buffers') result(n_taken)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value, intent(in) :: n !! number of threads, at least 1
+         integer(c_int) :: n_taken
+      end function take_blas_buffers
+
       function blas_threads() bind(c, name='amontons_blas_threads') result(n)
          import :: c_int
          implicit none (type, external)
@@ -60,13 +75,14 @@ contains
    end function blas_text
 
    !> Sets the number of threads of the parallel loops, and one for the BLAS, since its own gain little and fight ours.
-   !> Not to be called from a parallel loop.
+   !> Under a limit of addresses the loops get no more threads than the BLAS has room for. Not to be called from a
+   !> parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 
-      call omp_set_num_threads(n)
       call use_blas_threads(1_c_int)
       call end_blas_threads()
+      call omp_set_num_threads(int(take_blas_buffers(int(n, c_int))))
    end subroutine set_threads
 
    !> The number of threads a parallel loop gets.

@@ -23,9 +23,12 @@ SUFFIXES = ("contact.csv", "contact.vtu", "deck.nml", "lst", "summary.json", "vt
 CAN_MOUNT = shutil.which("unshare") and subprocess.run(
     ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
     capture_output=True, check=False).returncode == 0
-# Whether the program was built with SuiteSparse.
-HAS_SUITESPARSE = "SuiteSparse  none\n" not in subprocess.run(
-    [PROGRAM, "--version"], capture_output=True, encoding="utf-8", check=True).stdout
+# Whether the program was built with SuiteSparse, and with which BLAS.
+VERSION = subprocess.run([PROGRAM, "--version"], capture_output=True, encoding="utf-8", check=True).stdout
+HAS_SUITESPARSE = "SuiteSparse  none\n" not in VERSION
+HAS_OPENBLAS = "OpenBLAS" in VERSION
+# The address sanitizer reserves more addresses than any limit allows.
+HAS_SANITIZER = b"__asan_init" in Path(PROGRAM).read_bytes()
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
            "contact_pressure", "contact_shear", "shear_bound", "status")
 

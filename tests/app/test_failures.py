@@ -9,7 +9,8 @@ import subprocess
 import time
 import unittest
 
-from harness import CAN_MOUNT, CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
+from harness import (CAN_MOUNT, CONTACT, HAS_OPENBLAS, HAS_SANITIZER, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest,
+                     block, results_of)
 
 SLOW = block(SUPPORT, "load set = 'top'  pressure = 3.0", CONTACT, "solver method = 'psor'  max_iterations = 2")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
@@ -56,6 +57,34 @@ class WrongSolution(ProgramTest):
             summary = (self.directory / "case.summary.json").read_text(encoding="utf-8")
             self.assertIn('"passed": false', summary)
             self.assertIn('"outcome": "not_certified",\n  "converged": true', summary)
+
+
+@unittest.skipIf(HAS_SANITIZER, "this build takes more addresses than any limit allows")
+class LittleMemory(ProgramTest):
+    """Status 3: a limit of addresses leaves no room; the program says so, and does not wait for room."""
+
+    def run_limited(self, limit, n_threads):
+        """Runs a sweep of a strip with 6 002 contact unknowns under a limit [kB]."""
+        self.write("strip.nml", block("load set = 'top'  traction = 0.1, -1.0  name = 'push'", CONTACT,
+                                      "solver method = 'fixed_point'  max_iterations = 3",
+                                      "sweep load = 'push'  factor = 1.0, 1.1",
+                                      mesh="size = 300.0, 1.0  cells = 3000, 2"))
+        # OpenBLAS takes memory for its own threads before the program begins.
+        limited = f'ulimit -v {limit}; OMP_NUM_THREADS={n_threads} exec "$@"'
+        return self.run_command(["bash", "-c", limited, "bash", PROGRAM, "--output", "out", "strip.nml"], 3)
+
+    def test_matrix(self):
+        run = self.run_limited(300000, 1)
+        self.assertRegex(run.stderr, r"^strip\.nml: not enough memory: a dense matrix of the contact points, 6002 by "
+                         r"6002 numbers, needs 288 MB\n$")
+
+    @unittest.skipUnless(HAS_OPENBLAS, "another BLAS takes no such memory")
+    def test_threads_of_the_blas(self):
+        for n_threads in (1, 2, 8):
+            run = self.run_limited(100000, n_threads)
+            self.assertEqual(run.stderr, "amontons: not enough memory: the BLAS needs 128 MiB of addresses for each "
+                             "thread\n")
+            self.assertEqual(self.files(), ["strip.nml"])
 
 
 class SystemFailure(ProgramTest):

@@ -8,16 +8,13 @@ import struct
 import subprocess
 import threading
 import unittest
-from pathlib import Path
 
-from harness import PROGRAM, SOUND, ProgramTest
+from harness import HAS_SANITIZER, PROGRAM, SOUND, ProgramTest
 
 MANY = 10**6
 ANNOUNCED = (10**7, 2**31 - 1, 2**63 - 1, 10**18, 10**30)
 SECONDS = 10
 MEGABYTES = 2000  # of addresses, which is more than what is held
-# The address sanitizer reserves more addresses than any limit allows.
-HAS_SANITIZER = b"__asan_init" in Path(PROGRAM).read_bytes()
 LIMITS = [f"--cpu={6*SECONDS if HAS_SANITIZER else SECONDS}", *([] if HAS_SANITIZER else [f"--as={MEGABYTES*10**6}"])]
 
 

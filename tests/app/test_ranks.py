@@ -60,7 +60,7 @@ class RanksTest(ProgramTest):
     """The program under mpiexec."""
     timeout = 1800
     # Addresses that MPI and its libraries take before the program begins [kB].
-    begun = 450000
+    begun = 500000
 
     def assert_near(self, found, expected, what, scale=()):
         """Checks numbers against the largest of them, and of the scale's."""

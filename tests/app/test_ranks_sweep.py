@@ -91,11 +91,12 @@ class SweepRows(RanksTest):
                 self.assert_shared(f"on_{ranks}", deck, 1 if "_all" in deck else ranks)
 
     def test_a_rank_without_room_leaves_the_cases_to_rank_0(self):
-        # 258 matrices of 322 rows, where the limit leaves about 144 MB.
+        # 6 matrices of 1802 rows for one thread, where the limit leaves about 144 MB.
         deck = self.write("strip.nml", block(SUPPORT, PRESSED, PUSHED, CONTACT, "solver condensation = 'dense'",
-                                             *QUANTITIES, mesh="size = 40.0, 1.0  cells = 160, 2"))
+                                             "sweep load = 'push'  factor = 1.0, 2.0",
+                                             mesh="size = 225.0, 1.0  cells = 900, 2"))
         self.run_command([PROGRAM, "--output", "on_1", deck])
-        self.run_on_second_rank(f'ulimit -v {self.begun}; exec "$@"', "--threads", 64, deck)
+        self.run_on_second_rank(f'ulimit -v {self.begun}; exec "$@"', deck)
         self.assert_equal_rows(deck, 2, 1)
 
     @unittest.skipIf(subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode,
