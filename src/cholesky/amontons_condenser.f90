@@ -44,7 +44,6 @@ module amontons_condenser
       procedure :: check_memory => condenser_check_memory
       procedure :: memory_mb => condenser_memory_mb
       procedure :: condition => condenser_condition
-      procedure :: least_refused_condition => condenser_least_refused_condition
    end type condenser_t
 
    abstract interface
@@ -107,13 +106,11 @@ module amontons_condenser
       procedure(substitute_forward), deferred :: substitute_forward
       procedure(substitute_backward), deferred :: substitute_backward
       procedure(schur_factor), deferred :: schur_factor
-      procedure :: factorize => cholesky_factorize
       procedure :: solve => cholesky_solve
       procedure :: schur_complement => cholesky_schur_complement
       procedure :: condense => cholesky_condense
       procedure :: expand_all => cholesky_expand_all
       procedure :: set_order => cholesky_set_order
-      procedure :: take_values => cholesky_take_values
       procedure :: check_pivots => cholesky_check_pivots
       procedure :: refuse => cholesky_refuse
    end type cholesky_t
@@ -215,28 +212,6 @@ contains
       condition = self%matrix_norm*inverse_norm
    end function condenser_condition
 
-   !> The least condition number of a matrix whose pivots have shrunk to rounding errors: its norm is at least the
-   !> diagonal entry, that of its inverse at least the inverse of the pivot.
-   pure real(dp) function condenser_least_refused_condition(self) result(condition)
-      class(condenser_t), intent(in) :: self !! the condenser
-
-      condition = 1.0_dp/(epsilon(1.0_dp)*self%n)
-   end function condenser_least_refused_condition
-
-   !> Factorizes a symmetric positive definite matrix.
-   subroutine cholesky_factorize(self, matrix, n_schur, error)
-      class(cholesky_t), intent(inout) :: self !! the factorization
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
-
-      call self%analyze(matrix, n_schur, error)
-      if (allocated(error)) return
-      call self%check_memory(error)
-      if (allocated(error)) return
-      call self%complete(error)
-   end subroutine cholesky_factorize
-
    !> Sets the order of elimination and takes the matrix in this order; for `analyze`.
    subroutine cholesky_set_order(self, matrix, n_schur, order, error)
       class(cholesky_t), intent(inout) :: self !! the factorization
@@ -249,22 +224,10 @@ contains
       self%n_schur = n_schur
       self%order = order
       self%schur_order = order(self%n - n_schur + 1:) - (self%n - n_schur)
-      self%n_work_entries = 0
-      call self%take_values(matrix, error)
-   end subroutine cholesky_set_order
-
-   !> Takes a matrix in the order of elimination. For a matrix with the pattern of the one analyzed, and other values,
-   !> this and `complete` renew the factor without another analysis.
-   subroutine cholesky_take_values(self, matrix, error)
-      class(cholesky_t), intent(inout) :: self !! the factorization, its order set
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-
-      self%refused_unknown = 0
       self%matrix_norm = matrix%norm()
-      self%diagonal = matrix%value(matrix%column_start(self%order))
-      call matrix%permute(self%order, self%matrix, error)
-   end subroutine cholesky_take_values
+      self%diagonal = matrix%value(matrix%column_start(order))
+      call matrix%permute(order, self%matrix, error)
+   end subroutine cholesky_set_order
 
    !> Solves K x = b.
    subroutine cholesky_solve(self, b, x)

@@ -334,7 +334,6 @@ contains
       integer, allocatable :: order(:)
 
       self%name = 'multifrontal'
-      if (allocated(self%value)) deallocate (self%value)
       call new_graph(graph, matrix, n_schur)
       if (allocated(matrix%place)) then
          call new_dissection(dissection, graph, matrix%place(:, graph%first_unknown(:graph%n - graph%n_schur)))
@@ -383,8 +382,7 @@ contains
 
       associate (root => self%fronts%n)
          allocate (contributions(0:root))
-         status = 0
-         if (.not. allocated(self%value)) allocate (self%value(self%n_factor_entries), stat=status)
+         allocate (self%value(self%n_factor_entries), stat=status)
          contributions(root)%is_short = status /= 0
          if (status == 0) then
             call limit_nested_threads(threads, 1)

@@ -1,7 +1,7 @@
 !> The choice of a factorization, by name or by what the matrix would cost; and the plain and quick way for small
 !> problems: band Cholesky by LAPACK.
 module amontons_new_cholesky
-   use amontons_condenser, only: cholesky_t, condenser_t
+   use amontons_condenser, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpbtrf, dtbsv
@@ -12,7 +12,7 @@ module amontons_new_cholesky
    implicit none (type, external)
    private
 
-   public :: factorization_names, new_cholesky, new_condenser
+   public :: factorization_names, new_cholesky
 
    !> L in band storage: entry (i, j) is `band(i - j + 1, j)`.
    type, extends(cholesky_t) :: band_cholesky_t
@@ -49,7 +49,6 @@ contains
       integer, allocatable :: order(:)
 
       self%name = 'band'
-      if (allocated(self%band)) deallocate (self%band)
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, n_schur, order)
       self%width = half_bandwidth(matrix, order)
@@ -66,8 +65,7 @@ contains
       integer(int64) :: at
       integer :: j, status
 
-      status = 0
-      if (.not. allocated(self%band)) allocate (self%band(self%width + 1, self%n), stat=status)
+      allocate (self%band(self%width + 1, self%n), stat=status)
       if (status /= 0) then
          ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a band of '//to_text(self%width + 1)//' by '// &
@@ -133,42 +131,14 @@ contains
       end do
    end subroutine band_schur_factor
 
-   !> Makes a condenser of a matrix and has it analyze the matrix: everything that needs the matrix. What is left is
+   !> Makes a factorization of a kind and has it analyze a matrix: everything that needs the matrix. What is left is
    !> `check_memory` and `complete`.
-   subroutine new_condenser(condenser, kind, matrix, n_schur, error)
-      class(condenser_t), allocatable, intent(out) :: condenser !! the condenser
-      character(*), intent(in) :: kind !! one of `factorization_names`
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
-      type(error_t), allocatable, intent(out) :: error !! this build has no such kind, or memory ran out
-      class(cholesky_t), allocatable :: cholesky
-
-      call choose(cholesky, kind, matrix, n_schur, error)
-      if (allocated(error)) return
-      call cholesky%analyze(matrix, n_schur, error)
-      call move_alloc(cholesky, condenser)
-   end subroutine new_condenser
-
-   !> Makes a Cholesky factorization of a matrix.
    subroutine new_cholesky(cholesky, kind, matrix, n_schur, error)
       class(cholesky_t), allocatable, intent(out) :: cholesky !! the factorization
       character(*), intent(in) :: kind !! one of `factorization_names`
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
-
-      call choose(cholesky, kind, matrix, n_schur, error)
-      if (allocated(error)) return
-      call cholesky%factorize(matrix, n_schur, error)
-   end subroutine new_cholesky
-
-   !> Chooses a kind.
-   subroutine choose(cholesky, kind, matrix, n_schur, error)
-      class(cholesky_t), allocatable, intent(out) :: cholesky !! a factorization without a matrix
-      character(*), intent(in) :: kind !! one of `factorization_names`
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! number of Schur variables
-      type(error_t), allocatable, intent(out) :: error !! this build has no such kind
+      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      type(error_t), allocatable, intent(out) :: error !! this build has no such kind, or memory ran out
       integer, allocatable :: order(:)
       logical :: is_band
 
@@ -185,6 +155,7 @@ contains
       else
          allocate (multifrontal_t :: cholesky)
       end if
-   end subroutine choose
+      if (.not. allocated(error)) call cholesky%analyze(matrix, n_schur, error)
+   end subroutine new_cholesky
 
 end module amontons_new_cholesky

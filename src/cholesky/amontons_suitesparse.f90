@@ -161,7 +161,6 @@ contains
       type(thread_state_t) :: threads
       integer(c_int) :: code
 
-      call sparse_free(self)
       self%name = 'sparse'
       allocate (order(matrix%n))
       call minimum_degree(matrix, n_schur, order, error)
@@ -320,7 +319,6 @@ contains
       type(sparse_cholesky_t), intent(inout) :: self !! the factorization
 
       call cholmod_free(self%handle)
-      self%handle = c_null_ptr
    end subroutine sparse_free
 
 end module amontons_suitesparse

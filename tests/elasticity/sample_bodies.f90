@@ -166,6 +166,7 @@ contains
       if (allocated(error)) return
       call internal_forces(held, mesh, materials, springs, coloring, prescribed)
       call new_cholesky(cholesky, 'band', stiffness, 0, error)
+      if (.not. allocated(error)) call cholesky%complete(error)
       if (allocated(error)) return
       allocate (unknowns(dof_map%n_dofs))
       call cholesky%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)

@@ -5,7 +5,7 @@ module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
       new_condensation, new_distributed_condensation
-   use amontons_condenser, only: condenser_t
+   use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: dof_map_t, new_constraints, new_dof_map, new_foundation, spring_side_t, &
       substitution_t, support_t
@@ -24,7 +24,7 @@ module amontons_body
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
    use amontons_mortar_points, only: mortar_points_t
-   use amontons_new_cholesky, only: new_condenser
+   use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
@@ -290,9 +290,9 @@ contains
          if (condenser%refused_unknown == 0) return
          place = findloc(body%dof_map%dof, condenser%refused_unknown)
          associate (point => body%mesh%coordinates(:, place(2)))
+            ! Its norm is at least the diagonal entry, that of its inverse at least the inverse of the pivot.
             error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
-               to_text(point(2))//': its condition number is above '// &
-               rounded(condenser%least_refused_condition())// &
+               to_text(point(2))//': its condition number is above '//rounded(1.0_dp/(epsilon(1.0_dp)*condenser%n))// &
                conditioning_text(body%mesh, body%materials, body%springs)
          end associate
       end associate
@@ -309,6 +309,7 @@ contains
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(sparse_matrix_t) :: stiffness
+      class(cholesky_t), allocatable :: cholesky
       class(condenser_t), allocatable :: condenser
       integer, allocatable :: order(:)
 
@@ -330,9 +331,10 @@ contains
             estimate%half_width = half_bandwidth(stiffness, order)
             estimate%n_rows = stiffness%n
          end if
-         call new_condenser(condenser, trim(options%factorization), stiffness, &
+         call new_cholesky(cholesky, trim(options%factorization), stiffness, &
             merge(0, body%dof_map%n_schur, allocated(order)), error)
          if (allocated(error)) return
+         call move_alloc(cholesky, condenser)
          stiffness = sparse_matrix_t()
       end if
       call return_memory()

@@ -22,14 +22,14 @@
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
-   use amontons_condenser, only: condenser_t
+   use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_constraints, only: constraints_t, dof_map_t
    use amontons_contact_operator, only: contact_operator_t, new_band_operator, new_stiffness_operator
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_new_cholesky, only: new_condenser
+   use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
    implicit none (type, external)
    private
@@ -105,6 +105,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
       type(error_t), allocatable, intent(out) :: error !! K is not finite or positive definite, or memory ran out
+      class(cholesky_t), allocatable :: cholesky
       type(band_stiffness_t), allocatable :: band
       type(error_t), allocatable :: band_error
       integer, allocatable :: order(:)
@@ -124,9 +125,10 @@ contains
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_schur + 1, dof_map%n_dofs, &
             condensation%regularization)
       end if
-      call new_condenser(condensation%condenser, trim(options%factorization), stiffness, &
-         merge(0, dof_map%n_schur, allocated(order)), error)
+      call new_cholesky(cholesky, trim(options%factorization), stiffness, merge(0, dof_map%n_schur, allocated(order)), &
+         error)
       if (allocated(error)) return
+      call move_alloc(cholesky, condensation%condenser)
       stiffness = sparse_matrix_t()
       call condensation%condenser%check_memory(error)
       if (allocated(error)) return
