@@ -12,8 +12,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, spring_forces, strained_share, thermal_work, to_unknowns, &
-      uncanceled_forces
+   public :: assemble_stiffness, from_unknowns, measure_terms, spring_forces, thermal_work, to_unknowns
 
 contains
 
@@ -61,7 +60,8 @@ contains
          do i = coloring%start(color), coloring%start(color + 1) - 1
             do element = coloring%first(i), coloring%last(i)
                ! Chunks of one color may share the unknowns that substituted displacements are made of.
-               if (is_substituted(dof_map, mesh, element)) cycle
+               if (dof_map%substitution%is_substituted(mesh%node(mesh%node_start(element): &
+                  mesh%node_start(element + 1) - 1))) cycle
                call new_element_geometry(geometry, mesh, element, materials%list(materials%of_element(element)))
                call element_stiffness(geometry, materials%list(materials%of_element(element)), block)
                n = geometry%n_nodes
@@ -71,7 +71,7 @@ contains
          !$omp end parallel do
       end do
       do i = 1, mesh%n_elements
-         if (.not. is_substituted(dof_map, mesh, i)) cycle
+         if (.not. dof_map%substitution%is_substituted(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1))) cycle
          call new_element_geometry(geometry, mesh, i, materials%list(materials%of_element(i)))
          call element_stiffness(geometry, materials%list(materials%of_element(i)), block)
          n = geometry%n_nodes
@@ -82,18 +82,6 @@ contains
          call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
       end do
    end subroutine assemble_stiffness
-
-   !> Whether the displacement of a node of an element is no unknown.
-   pure logical function is_substituted(dof_map, mesh, element)
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: element !! the element
-
-      is_substituted = .false.
-      if (.not. allocated(dof_map%substitution%start)) return
-      is_substituted = dof_map%substitution%is_substituted( &
-         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
-   end function is_substituted
 
    !> Adds the stiffness between some nodes to that of the unknowns.
    pure subroutine add_block(stiffness, nodes, block, constraints, dof_map)
@@ -150,44 +138,24 @@ contains
       end do
    end function thermal_work
 
-   !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms canceled:
-   !> the size that rounding errors of the internal forces are a share of [F].
-   pure real(dp) function uncanceled_forces(mesh, materials, displacement) result(size_of_terms)
+   !> What stiffness times displacement would add up to if no two terms canceled, which rounding errors of the internal
+   !> forces are a share of. The forces of an element that is not strained are as small a share of it; the displacements
+   !> of an element at rest, beside others that move, are rounding errors themselves.
+   pure subroutine measure_terms(mesh, materials, displacement, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(out) :: uncanceled !! norm of the nodal forces |K| |u| [F]
+      real(dp), intent(out) :: strained_share
+         !! the largest share that the forces of an element are of what they would be if its nodes had the largest of
+         !! all displacements and no two terms canceled [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: forces(:, :)
-      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
-      integer :: element, n
-
-      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
-      do element = 1, mesh%n_elements
-         associate (material => materials%list(materials%of_element(element)))
-            call new_element_geometry(geometry, mesh, element, material)
-            call element_stiffness(geometry, material, stiffness)
-         end associate
-         n = geometry%n_nodes
-         associate (nodes => geometry%node(:n))
-            forces(:, nodes) = forces(:, nodes) + reshape(matmul(abs(stiffness(:2*n, :2*n)), &
-               reshape(abs(displacement(:, nodes)), [2*n])), [2, n])
-         end associate
-      end do
-      size_of_terms = norm2(forces)
-   end function uncanceled_forces
-
-   !> The largest share that the forces of an element are of what they would be if its nodes had the largest of all
-   !> displacements and no two terms canceled: as small as rounding errors where no element is strained. The
-   !> displacements of an element at rest, beside others that move, are such errors themselves [-].
-   pure real(dp) function strained_share(mesh, materials, displacement) result(share)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials of the elements
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      type(element_geometry_t) :: geometry
       real(dp) :: stiffness(2*max_nodes, 2*max_nodes), largest
       integer :: element, n
 
-      share = 0.0_dp
+      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      strained_share = 0.0_dp
       largest = maxval(abs(displacement))
       do element = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(element)))
@@ -195,12 +163,15 @@ contains
             call element_stiffness(geometry, material, stiffness)
          end associate
          n = 2*geometry%n_nodes
-         associate (u => reshape(displacement(:, geometry%node(:geometry%n_nodes)), [n]))
-            share = max(share, maxval(abs(matmul(stiffness(:n, :n), u))) &
-               /max(largest*maxval(sum(abs(stiffness(:n, :n)), dim=2)), tiny(share)))
+         associate (nodes => geometry%node(:n/2), u => reshape(displacement(:, geometry%node(:n/2)), [n]), &
+            sizes => abs(stiffness(:n, :n)))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, abs(u)), [2, n/2])
+            strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
+               /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
          end associate
       end do
-   end function strained_share
+      uncanceled = norm2(forces)
+   end subroutine measure_terms
 
    !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)

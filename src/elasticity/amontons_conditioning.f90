@@ -22,14 +22,27 @@ contains
       character(:), allocatable :: text
       ! Of more than 16 digits, a flatness of 1e3 costs 6, a ratio of Lame's coefficients of 1e3 costs 3.
       real(dp), parameter :: flat = 1.0e3_dp, incompressible = 1.0e3_dp, far_apart = 1.0e6_dp
-      real(dp) :: worst, flatness, ratio, spring, stiffness
-      integer :: element, flattest, i
+      real(dp) :: worst, flatness, longest, area, from(2), to(2), ratio, spring, stiffness
+      integer :: element, flattest, i, n
 
       text = ''
       worst = 0.0_dp
       flattest = 0
       do element = 1, mesh%n_elements
-         flatness = element_flatness(mesh, element)
+         ! The square of the longest side over the area: the length over the width.
+         n = n_corners(mesh%element_kind(element))
+         longest = 0.0_dp
+         area = 0.0_dp
+         associate (node => mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1))
+            do i = 1, n
+               ! Counted from a corner, so that the area of a small element far from the origin keeps its digits.
+               from = mesh%coordinates(:, node(i)) - mesh%coordinates(:, node(1))
+               to = mesh%coordinates(:, node(mod(i, n) + 1)) - mesh%coordinates(:, node(1))
+               longest = max(longest, norm2(to - from))
+               area = area + 0.5_dp*(from(1)*to(2) - from(2)*to(1))
+            end do
+         end associate
+         flatness = longest*(longest/max(area, tiny(area)))
          if (.not. flatness > worst) cycle
          worst = flatness
          flattest = element
@@ -52,28 +65,6 @@ contains
             //rounded(ratio)
       end associate
    end function conditioning_text
-
-   !> The square of the longest side of an element over its area: its length over its width [-].
-   pure real(dp) function element_flatness(mesh, element) result(flatness)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: element !! number of the element
-      real(dp) :: longest, area, from(2), to(2)
-      integer :: i, n
-
-      n = n_corners(mesh%element_kind(element))
-      longest = 0.0_dp
-      area = 0.0_dp
-      associate (node => mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1))
-         do i = 1, n
-            ! Counted from a corner, so that the area of a small element far from the origin keeps its digits.
-            from = mesh%coordinates(:, node(i)) - mesh%coordinates(:, node(1))
-            to = mesh%coordinates(:, node(mod(i, n) + 1)) - mesh%coordinates(:, node(1))
-            longest = max(longest, norm2(to - from))
-            area = area + 0.5_dp*(from(1)*to(2) - from(2)*to(1))
-         end do
-      end associate
-      flatness = longest*(longest/max(area, tiny(area)))
-   end function element_flatness
 
    !> A large number for reading: `3e12`.
    pure function rounded(value) result(text)

@@ -309,7 +309,8 @@ contains
       type(substitution_t), intent(in), optional :: substitution
          !! nodes whose displacements are no unknowns; all are without it
       logical :: is_last(size(constraints%is_free, 2)), is_free(2, size(constraints%is_free, 2))
-      integer :: i, node
+      integer, allocatable :: order(:)
+      integer :: axis, i, node
 
       is_free = constraints%is_free
       if (present(substitution)) then
@@ -319,29 +320,16 @@ contains
       is_last = .false.
       is_last(last_nodes) = .true.
       allocate (dof_map%dof(2, size(is_last)), source=0)
-      do node = 1, size(is_last)
-         if (.not. is_last(node)) call number_node(dof_map, is_free(:, node), node)
+      order = [pack([(node, node=1, size(is_last))], .not. is_last), last_nodes]
+      do i = 1, size(order)
+         do axis = 1, 2
+            if (.not. is_free(axis, order(i))) cycle
+            dof_map%n_dofs = dof_map%n_dofs + 1
+            dof_map%dof(axis, order(i)) = dof_map%n_dofs
+         end do
       end do
-      dof_map%n_schur = -dof_map%n_dofs
-      do i = 1, size(last_nodes)
-         call number_node(dof_map, is_free(:, last_nodes(i)), last_nodes(i))
-      end do
-      dof_map%n_schur = dof_map%n_schur + dof_map%n_dofs
+      dof_map%n_schur = count(is_free(:, last_nodes))
    end subroutine new_dof_map
-
-   !> Gives the free components of a node the next numbers.
-   pure subroutine number_node(dof_map, is_free, node)
-      type(dof_map_t), intent(inout) :: dof_map !! the numbers
-      logical, intent(in) :: is_free(2) !! which components are free
-      integer, intent(in) :: node !! the node
-      integer :: axis
-
-      do axis = 1, 2
-         if (.not. is_free(axis)) cycle
-         dof_map%n_dofs = dof_map%n_dofs + 1
-         dof_map%dof(axis, node) = dof_map%n_dofs
-      end do
-   end subroutine number_node
 
    !> Whether any of some nodes is substituted.
    pure logical function substitution_is_substituted(self, nodes) result(is_substituted)

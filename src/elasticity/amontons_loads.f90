@@ -195,7 +195,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! no such region, no density, or a force that turns the axis
       type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
-      real(dp) :: force(2)
+      real(dp) :: along(2), force(2), way(2)
       logical :: spins
       integer :: i, k, point
 
@@ -219,8 +219,16 @@ contains
          associate (material => materials%list(materials%of_element(elements(i))))
             call new_element_geometry(geometry, mesh, elements(i), material)
             do point = 1, geometry%n_points
+               ! The way from the axis of rotation, along which the centrifugal acceleration acts.
+               way = geometry%position(:, point) - load%center
+               if (material%is_axisymmetric) then
+                  way(2) = 0.0_dp
+               else if (any(abs(load%axis) > 0.0_dp)) then
+                  along = load%axis/norm2(load%axis)
+                  way = way - dot_product(way, along)*along
+               end if
                force = geometry%volume(point)*(load%body_force + material%density*(load%gravity &
-                  + centrifugal_acceleration(load, geometry%position(:, point), material%is_axisymmetric)))
+                  + load%angular_speed**2*way))
                do k = 1, geometry%n_nodes
                   forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + geometry%values(k, point)*force
                end do
@@ -228,23 +236,6 @@ contains
          end associate
       end do
    end subroutine add_body_force
-
-   !> Centrifugal acceleration: the square of the angular speed times the way from the axis [L/T^2].
-   pure function centrifugal_acceleration(load, position, is_axisymmetric) result(acceleration)
-      type(load_t), intent(in) :: load !! the load
-      real(dp), intent(in) :: position(2) !! coordinates [L]
-      logical, intent(in) :: is_axisymmetric !! whether the body is one of revolution
-      real(dp) :: acceleration(2), along(2)
-
-      acceleration = position - load%center
-      if (is_axisymmetric) then
-         acceleration(2) = 0.0_dp
-      else if (any(abs(load%axis) > 0.0_dp)) then
-         along = load%axis/norm2(load%axis)
-         acceleration = acceleration - dot_product(acceleration, along)*along
-      end if
-      acceleration = load%angular_speed**2*acceleration
-   end function centrifugal_acceleration
 
    !> Thermal strain of all loads together. It is kept by element, since loads and materials may differ from one to the
    !> next.

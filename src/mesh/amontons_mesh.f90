@@ -15,8 +15,8 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: coloring_t, element_jacobian, find_named, incidence_t, mesh_t, named_set_t, new_coloring, new_incidence, &
-      new_side_table, number_pieces, parents_t, side_element, side_number, side_place, side_table_t, &
+   public :: coloring_t, find_named, incidence_t, jacobian_determinant, mesh_t, named_set_t, new_coloring, &
+      new_incidence, new_side_table, number_pieces, parents_t, side_element, side_number, side_place, side_table_t, &
       sides_per_element, worth_threads
 
    !> A named set: of sides of elements on the boundary, of nodes, or of elements, which is a region of the body.
@@ -148,49 +148,38 @@ contains
       kind = self%element_kind(element)
       is_turned_over = .true.
       do corner = 1, n_corners(kind)
-         if (.not. determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp) return
+         if (.not. jacobian_determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp) return
       end do
       ! The Jacobian of a linear element has its least value at a corner.
       do rule = 1, merge(0, 2, n_element_nodes(kind) == n_corners(kind))
          n_points = n_element_points(kind, rule == 2)
          do point = 1, n_points
             call quadrature_point(kind, n_points, point, xi, weight)
-            if (.not. determinant(self, element, xi) > 0.0_dp) return
+            if (.not. jacobian_determinant(self, element, xi) > 0.0_dp) return
          end do
       end do
       is_turned_over = .false.
    end function mesh_is_turned_over
 
-   !> Determinant of the Jacobian of an element at a reference point [L^2].
-   pure real(dp) function determinant(mesh, element, xi)
-      class(mesh_t), intent(in) :: mesh !! the mesh
+   !> Determinant of the Jacobian dx_i / dxi_j of an element at a reference point [L^2].
+   pure real(dp) function jacobian_determinant(mesh, element, xi) result(determinant)
+      type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2), coordinates(2, max_nodes)
+      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2)
       integer :: kind, i
 
       kind = mesh%element_kind(element)
       call shape_functions(kind, xi, values, derivatives)
-      do i = 1, n_element_nodes(kind)
-         coordinates(:, i) = mesh%coordinates(:, mesh%node(mesh%node_start(element) + i - 1))
-      end do
-      jacobian = element_jacobian(coordinates(:, :n_element_nodes(kind)), derivatives)
-      determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
-   end function determinant
-
-   !> Jacobian of the map from the reference element: dx_i / dxi_j (2, 2) [L].
-   pure function element_jacobian(coordinates, derivatives) result(jacobian)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the element's nodes (2, nodes) [L]
-      real(dp), intent(in) :: derivatives(2, max_nodes) !! derivatives of the shape functions [-]
-      real(dp) :: jacobian(2, 2)
-      integer :: node
-
       jacobian = 0.0_dp
-      do node = 1, size(coordinates, 2)
-         jacobian(:, 1) = jacobian(:, 1) + coordinates(:, node)*derivatives(1, node)
-         jacobian(:, 2) = jacobian(:, 2) + coordinates(:, node)*derivatives(2, node)
+      do i = 1, n_element_nodes(kind)
+         associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(element) + i - 1)))
+            jacobian(:, 1) = jacobian(:, 1) + x*derivatives(1, i)
+            jacobian(:, 2) = jacobian(:, 2) + x*derivatives(2, i)
+         end associate
       end do
-   end function element_jacobian
+      determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
+   end function jacobian_determinant
 
    !> Number of the set of a name, 0 where there is none.
    pure integer function find_named(sets, name) result(set)

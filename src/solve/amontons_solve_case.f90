@@ -5,7 +5,7 @@
 !> `--verify` reads certified by the same procedures.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: uncanceled_forces
+   use amontons_assembly, only: measure_terms
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
@@ -351,13 +351,15 @@ contains
    real(dp) function cancellation(body, result)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! its displacements and forces
-      real(dp) :: forces
+      real(dp) :: forces, strained_share, uncanceled
 
       cancellation = 0.0_dp
       ! Prescribed displacements and heat are loads that no force tells.
       if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
-      if (forces > 0.0_dp) cancellation = uncanceled_forces(body%mesh, body%materials, result%displacement)/forces
+      if (.not. forces > 0.0_dp) return
+      call measure_terms(body%mesh, body%materials, result%displacement, uncanceled, strained_share)
+      cancellation = uncanceled/forces
    end function cancellation
 
    !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what

@@ -1,9 +1,9 @@
 !> Mesh files for the tests: small ones written line by line, and what a mesh read from a file measures.
 module mesh_files
-   use amontons_element, only: max_nodes, n_element_points, quadrature_point, shape_functions
+   use amontons_element, only: n_element_points, quadrature_point
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: element_jacobian, mesh_t, named_set_t
+   use amontons_mesh, only: jacobian_determinant, mesh_t, named_set_t
    use amontons_mesh_file, only: read_mesh_file
    implicit none (type, external)
    private
@@ -71,18 +71,15 @@ contains
    real(dp) function area_of(mesh, elements) result(area)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: elements(:) !! the elements
-      real(dp) :: derivatives(2, max_nodes), jacobian(2, 2), values(max_nodes), weight, xi(2)
+      real(dp) :: weight, xi(2)
       integer :: i, point
 
       area = 0.0_dp
       do i = 1, size(elements)
-         associate (kind => mesh%element_kind(elements(i)), first => mesh%node_start(elements(i)), &
-            last => mesh%node_start(elements(i) + 1) - 1)
+         associate (kind => mesh%element_kind(elements(i)))
             do point = 1, n_element_points(kind, .false.)
                call quadrature_point(kind, n_element_points(kind, .false.), point, xi, weight)
-               call shape_functions(kind, xi, values, derivatives)
-               jacobian = element_jacobian(mesh%coordinates(:, mesh%node(first:last)), derivatives)
-               area = area + weight*(jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1))
+               area = area + weight*jacobian_determinant(mesh, elements(i), xi)
             end do
          end associate
       end do

@@ -3,7 +3,7 @@
 !> Forces on the nodes of a body and their work, summed up: what the certificate needs of them, with one pass over all.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncanceled_forces
+   use amontons_assembly, only: measure_terms, spring_forces, thermal_work
    use amontons_body, only: body_t, bonds_of
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
@@ -103,7 +103,7 @@ contains
          !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:)
       type(node_sums_t) :: sums
-      real(dp) :: force_size, least_scale, work
+      real(dp) :: force_size, least_scale, strained_share, uncanceled, work
       integer :: i
 
       springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
@@ -137,8 +137,10 @@ contains
          certificate%imbalance = relative(certificate%equilibrium, force_size)
          ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
          ! not show in resultants and energy: a share of |K| |u| is a scale, too.
-         if (certificate%imbalance > suspicious) force_size = max(force_size, &
-            rounding_share*uncanceled_forces(body%mesh, body%materials, displacement))
+         if (certificate%imbalance > suspicious) then
+            call measure_terms(body%mesh, body%materials, displacement, uncanceled, strained_share)
+            force_size = max(force_size, rounding_share*uncanceled)
+         end if
          certificate%equilibrium = relative(certificate%equilibrium, force_size)
          certificate%strain_energy = 0.5_dp*sums%internal_work
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
@@ -198,7 +200,7 @@ contains
       ! Forces that are a larger share of those on other pieces need no scale of their own.
       real(dp), parameter :: least_share = 1.0e-5_dp
       real(dp), allocatable :: moved(:, :)
-      real(dp) :: size_here, uncanceled
+      real(dp) :: size_here, strained_share, uncanceled
 
       scale = 0.0_dp
       size_here = max(maxval(abs(reaction(:, nodes))), maxval(abs(contact(:, nodes))))
@@ -207,11 +209,8 @@ contains
       allocate (moved, mold=displacement)
       moved = 0.0_dp
       moved(:, nodes) = displacement(:, nodes)
-      uncanceled = uncanceled_forces(body%mesh, body%materials, moved)
-      if (size_here > rounding*uncanceled) return
-      if (.not. is_heated) then
-         if (strained_share(body%mesh, body%materials, moved) > negligible_share) return
-      end if
+      call measure_terms(body%mesh, body%materials, moved, uncanceled, strained_share)
+      if (size_here > rounding*uncanceled .or. (strained_share > negligible_share .and. .not. is_heated)) return
       scale = rounding_share*uncanceled
    end function resting_scale
 
