@@ -359,7 +359,7 @@ contains
       type(deck_t), intent(in) :: deck !! the deck
       type(setting_t), intent(in) :: setting !! the setting
       character(:), allocatable, intent(out) :: text !! the text
-      integer :: group, first, i
+      integer :: group, first, i, k
 
       text = deck%contents%text
       group = 0
@@ -380,7 +380,10 @@ contains
             return
          end if
          do i = found%last_assignment, first + 1, -1
-            if (contents%assignments(i)%key == setting%key) call blank(text, last_place(i - 1) + 1, last_place(i))
+            if (contents%assignments(i)%key /= setting%key) cycle
+            do k = last_place(i - 1) + 1, last_place(i)
+               if (text(k:k) /= newline) text(k:k) = ' '
+            end do
          end do
          text = text(:contents%assignments(first)%first - 1)//setting%assignment//text(last_place(first) + 1:)
       end associate
@@ -395,17 +398,5 @@ contains
       end function last_place
 
    end subroutine apply_setting
-
-   !> Makes a part of a text blank but for the ends of its lines.
-   pure subroutine blank(text, first, last)
-      character(:), allocatable, intent(inout) :: text !! the text
-      integer, intent(in) :: first !! position of the first character
-      integer, intent(in) :: last !! position of the last character
-      integer :: i
-
-      do i = first, last
-         if (text(i:i) /= newline) text(i:i) = ' '
-      end do
-   end subroutine blank
 
 end module amontons_deck

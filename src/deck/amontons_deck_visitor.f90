@@ -104,18 +104,14 @@ module amontons_deck_visitor
       procedure, private :: write_key => writer_write_key
    end type deck_writer_t
 
-   !> The tables of the groups visited so far.
-   type, extends(deck_visitor_t) :: deck_documenter_t
+   !> The tables of the groups visited so far, a row for each key; the last line is not ended.
+   type, extends(deck_writer_t) :: deck_documenter_t
       character(:), allocatable :: wanted !! name of the only group to document; empty for all
-      character(:), allocatable :: written !! the tables, their last line not ended
    contains
       procedure :: open_group => documenter_open_group
       procedure :: close_group => documenter_close_group
-      procedure :: reals => documenter_reals
-      procedure :: text => documenter_text
-      procedure :: words => documenter_words
       procedure, private :: write => documenter_write
-      procedure, private :: write_row => documenter_write_row
+      procedure, private :: write_key => documenter_write_key
    end type deck_documenter_t
 
 contains
@@ -376,9 +372,18 @@ contains
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers
-      logical, intent(inout), optional :: is_given !! whether they are written
+      logical, intent(inout), optional :: is_given !! whether they are written; for tables, whether they are defaults
+      character(:), allocatable :: kind, range
 
-      call self%write_key(key, key%numbers(values), is_given)
+      kind = key%noun()
+      if (size(values) /= 1) kind = kind//'s'
+      if (size(values) > 1) kind = to_text(size(values))//' '//kind
+      range = key%range()
+      if (index(range, 'at least') == 1) range = ', '//range
+      if (index(range, 'above') == 1) range = ' '//range
+      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
+      if (key%is_ascending) range = range//', ascending'
+      call self%write_key(key, kind//range, key%numbers(values), is_given)
    end subroutine writer_reals
 
    !> Writes a text.
@@ -386,11 +391,15 @@ contains
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       character(:), allocatable, intent(inout) :: value !! the text
-      logical, intent(inout), optional :: is_given !! whether it is written
+      logical, intent(inout), optional :: is_given !! whether it is written; for tables, whether it is a default
       character(*), intent(in), optional :: choices(:) !! the words it can be
 
       call set_default(value, choices)
-      call self%write_key(key, quoted(value), is_given)
+      if (present(choices)) then
+         call self%write_key(key, joined(choices, "`'", "'`"), quoted(value), is_given)
+      else
+         call self%write_key(key, 'text', quoted(value), is_given)
+      end if
    end subroutine writer_text
 
    !> Writes a list of words; nothing without any.
@@ -406,13 +415,15 @@ contains
       do i = 1, size(choices)
          if (is_chosen(i)) list = list//', '//quoted(trim(choices(i)))
       end do
-      call self%write_key(key, list(min(3, len(list) + 1):), any(is_chosen))
+      call self%write_key(key, 'texts: one or more of '//joined(choices, "`'", "'`"), list(min(3, len(list) + 1):), &
+         any(is_chosen))
    end subroutine writer_words
 
    !> Writes a key and its value, on a new line where it would not fit.
-   subroutine writer_write_key(self, key, value, is_given)
+   subroutine writer_write_key(self, key, kind, value, is_given)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: kind !! what its values are, for tables
       character(*), intent(in) :: value !! the value as a deck has it
       logical, intent(in), optional :: is_given !! whether it is written
       character(:), allocatable :: item
@@ -430,6 +441,8 @@ contains
       else
          self%line = self%line//'  '//item
       end if
+      associate (unused => kind)
+      end associate
    end subroutine writer_write_key
 
    !> Writes the heading of a group and of its table.
@@ -451,71 +464,26 @@ contains
       self%group = group_t()
    end subroutine documenter_close_group
 
-   !> Writes the row of numbers.
-   subroutine documenter_reals(self, key, values, is_given)
-      class(deck_documenter_t), intent(inout) :: self !! the documenter
-      type(key_t), intent(in) :: key !! the key
-      real(dp), intent(inout) :: values(:) !! the numbers, their defaults; none for a list of any length
-      logical, intent(inout), optional :: is_given !! whether these are defaults, if present
-      character(:), allocatable :: text, range
-
-      text = key%noun()
-      if (size(values) /= 1) text = text//'s'
-      if (size(values) > 1) text = to_text(size(values))//' '//text
-      range = key%range()
-      if (index(range, 'at least') == 1) range = ', '//range
-      if (index(range, 'above') == 1) range = ' '//range
-      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
-      if (key%is_ascending) range = range//', ascending'
-      call self%write_row(key, text//range, key%numbers(values), is_given)
-   end subroutine documenter_reals
-
-   !> Writes the row of a text.
-   subroutine documenter_text(self, key, value, is_given, choices)
-      class(deck_documenter_t), intent(inout) :: self !! the documenter
-      type(key_t), intent(in) :: key !! the key
-      character(:), allocatable, intent(inout) :: value !! the text, its default
-      logical, intent(inout), optional :: is_given !! whether this is a default, if present and there are no choices
-      character(*), intent(in), optional :: choices(:) !! the words it can be
-
-      call set_default(value, choices)
-      if (present(choices)) then
-         call self%write_row(key, joined(choices, "`'", "'`"), quoted(value))
-      else
-         call self%write_row(key, 'text', quoted(value), is_given)
-      end if
-   end subroutine documenter_text
-
-   !> Writes the row of a list of words.
-   subroutine documenter_words(self, key, choices, is_chosen)
-      class(deck_documenter_t), intent(inout) :: self !! the documenter
-      type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: choices(:) !! the words it can have
-      logical, intent(inout) :: is_chosen(:) !! which of them it has
-
-      call self%write_row(key, 'texts: one or more of '//joined(choices, "`'", "'`"), '', any(is_chosen))
-   end subroutine documenter_words
-
    !> Writes a row.
-   subroutine documenter_write_row(self, key, values, default, is_given)
+   subroutine documenter_write_key(self, key, kind, value, is_given)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
       type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: values !! what its values are
-      character(*), intent(in) :: default !! its default as a deck has it
+      character(*), intent(in) :: kind !! what its values are
+      character(*), intent(in) :: value !! its default as a deck has it
       logical, intent(in), optional :: is_given !! whether this is its default, if present
       character(:), allocatable :: name, shown
       logical :: is_default
 
       name = '`'//trim(key%name)//'`'
       if (key%is_required) name = '**'//name//'**'
-      is_default = default /= '' .and. .not. key%is_required
+      is_default = value /= '' .and. .not. key%is_required
       if (present(is_given)) is_default = is_default .and. is_given
       shown = trim(key%default)
-      if (shown == '' .and. is_default) shown = '`'//default//'`'
+      if (shown == '' .and. is_default) shown = '`'//value//'`'
       ! A cell that is empty has one blank.
-      call self%write(newline//'| '//name//' | '//values//' |'//trim(' '//key%unit)//' |'//trim(' '//shown)//' | '// &
+      call self%write(newline//'| '//name//' | '//kind//' |'//trim(' '//key%unit)//' |'//trim(' '//shown)//' | '// &
          trim(key%meaning)//' |')
-   end subroutine documenter_write_row
+   end subroutine documenter_write_key
 
    !> Writes a text, unless it belongs to a group that is not wanted.
    subroutine documenter_write(self, text)

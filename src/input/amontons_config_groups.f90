@@ -228,8 +228,8 @@ contains
       has_kind = reduced%is_given
       has_file = is_filled(reduced%path)
       call visitor%open_group(problem_group)
-      call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file'), &
-         kind, kind_names, has_kind)
+      call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file', &
+         default="`'body'`"), kind, kind_names, has_kind)
       call visitor%text(key_t('file', "with `kind = 'reduced'`: name of its file, seen from the deck's folder", &
          is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
       call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts, in the"// &
@@ -525,7 +525,8 @@ contains
          ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), &
          contact%pairing%search, has_search)
       call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
-         ' bodies face each other', is_shared=.true., also='adjust'), contact%pairing%gap, gap_names, has_gap)
+         ' bodies face each other', default="`'mesh'`", is_shared=.true., also='adjust'), contact%pairing%gap, &
+         gap_names, has_gap)
       is_pair = contact%pairing%is_pair()
       ! Describes the keys of a rigid obstacle and of the gap to it.
       has_kind = .not. is_pair

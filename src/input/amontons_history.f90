@@ -34,10 +34,10 @@ module amontons_history
       integer :: target = stepped_load !! what it is
       character(:), allocatable :: name !! name of the load or support; name or set of the contact
       real(dp), allocatable :: values(:, :)
-         !! its numbers at the times of the history, unless there is a table (1 or 3, times) [-], [L] and [rad]
+         !! its numbers at the times of the history, unless a file has them (1 or 3, times) [-], [L] and [rad]
       real(dp) :: pivot(2) = 0.0_dp !! what an obstacle turns about [L]
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
-      real(dp), allocatable :: table(:, :) !! times and numbers of the table (2 or 4, rows)
+      real(dp), allocatable :: table(:, :) !! times and numbers of the file, or of the history (2 or 4, rows)
       character(:), allocatable :: origin !! where it was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: acts_on => steps_acts_on
@@ -123,11 +123,7 @@ contains
    pure logical function steps_changes(self) result(changes)
       class(steps_t), intent(in) :: self !! the steps
 
-      if (allocated(self%table)) then
-         changes = any(abs(self%table(2:, :) - spread(self%table(2:, 1), 2, size(self%table, 2))) > 0.0_dp)
-      else
-         changes = any(abs(self%values - spread(self%values(:, 1), 2, size(self%values, 2))) > 0.0_dp)
-      end if
+      changes = any(abs(self%table(2:, :) - spread(self%table(2:, 1), 2, size(self%table, 2))) > 0.0_dp)
    end function steps_changes
 
    !> Name of one of the numbers in tables: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
@@ -151,11 +147,7 @@ contains
    pure real(dp) function steps_largest(self) result(largest)
       class(steps_t), intent(in) :: self !! the steps
 
-      if (allocated(self%table)) then
-         largest = maxval(self%table(2:, :))
-      else
-         largest = maxval(self%values)
-      end if
+      largest = maxval(self%table(2:, :))
    end function steps_largest
 
    !> How many numbers change at once.
@@ -263,38 +255,25 @@ contains
       end do
    end function history_cycle_ends
 
-   !> The numbers of one of the changes at a time (1 or 3).
+   !> The numbers of one of the changes at a time, on straight lines between those of its table; at a time of the table
+   !> its own to the last bit (1 or 3).
    pure function history_numbers(self, which, time) result(numbers)
       class(history_t), intent(in) :: self !! the history
       integer, intent(in) :: which !! which of the changes
-      real(dp), intent(in) :: time !! the time [-]
+      real(dp), intent(in) :: time !! the time, not outside of the history [-]
       real(dp), allocatable :: numbers(:)
-
-      associate (steps => self%steps(which))
-         if (allocated(steps%table)) then
-            numbers = interpolated(steps%table(1, :), steps%table(2:, :), time)
-         else
-            numbers = interpolated(self%times, steps%values, time)
-         end if
-      end associate
-   end function history_numbers
-
-   !> Numbers between those of given times, on straight lines; at a given time its own to the last bit.
-   pure function interpolated(times, values, time) result(numbers)
-      real(dp), intent(in) :: times(:) !! ascending times [-]
-      real(dp), intent(in) :: values(:, :) !! numbers at these times (n, times)
-      real(dp), intent(in) :: time !! the time, not outside of them [-]
-      real(dp) :: numbers(size(values, 1))
       real(dp) :: share
       integer :: next
 
-      next = findloc(times >= time, .true., dim=1)
-      if (next == 0) next = size(times)
-      numbers = values(:, next)
-      if (next == 1 .or. .not. times(next) > time) return
-      share = (time - times(next - 1))/(times(next) - times(next - 1))
-      numbers = (1.0_dp - share)*values(:, next - 1) + share*values(:, next)
-   end function interpolated
+      associate (times => self%steps(which)%table(1, :), values => self%steps(which)%table(2:, :))
+         next = findloc(times >= time, .true., dim=1)
+         if (next == 0) next = size(times)
+         numbers = values(:, next)
+         if (next == 1 .or. .not. times(next) > time) return
+         share = (time - times(next - 1))/(times(next) - times(next - 1))
+         numbers = (1.0_dp - share)*values(:, next - 1) + share*values(:, next)
+      end associate
+   end function history_numbers
 
    !> Describes `&history` and all `&steps`.
    subroutine describe_history(visitor, history, loads, supports, contacts)
@@ -328,6 +307,11 @@ contains
                call visitor%require(size(steps%values, 2) == size(times), '', '&steps '// &
                   trim(moved_things(steps%target))//" = '"//steps%name//"' has "//to_text(size(steps%values, 2))// &
                   ' values, &history has '//to_text(size(times))//' times')
+               if (size(steps%values, 2) == size(times)) then
+                  allocate (steps%table(1 + steps%n_numbers(), size(times)))
+                  steps%table(1, :) = times
+                  steps%table(2:, :) = steps%values
+               end if
             end if
          end associate
          call check_name(visitor, history%steps(:i), loads, supports, contacts)

@@ -149,9 +149,10 @@ contains
       logical, intent(out) :: is_found !! whether there is such a line, and the tables that it tells of
       type(error_t), allocatable :: error
       class(milestone_t), allocatable :: noted
-      character(:), allocatable :: text
+      character(:), allocatable :: text, note
       integer(int64), dimension(size(checkpoint%tables)) :: n_bytes, checksums
       integer :: last, first, i
+      logical :: is_sound
 
       is_found = .false.
       notes_bytes = 0
@@ -162,76 +163,50 @@ contains
       last = index(text, line_end, back=.true.) + len(line_end) - 1
       if (last < len(key) + len(line_end)) return
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
-      associate (line => text(first:last - len(line_end)))
-         do i = 1, size(checkpoint%tables)
-            if (.not. has_numbers(line, n_bytes, checksums)) return
-            call file_checksum(checkpoint%tables(i)%checksum, checkpoint%tables(i)%path, error, n_bytes(i))
-            if (allocated(error)) return
-            associate (found => checkpoint%tables(i)%checksum)
-               if (found%n_bytes /= n_bytes(i) .or. found%value() /= checksums(i)) return
-            end associate
-         end do
-         allocate (noted, mold=progress)
-         call noted%read(progress_part(line, size(n_bytes)), is_found)
-         if (is_found) call progress%read(progress_part(line, size(n_bytes)), is_found)
-      end associate
+      call read_note(text(first:last - len(line_end)), n_bytes, checksums, note, is_sound)
+      if (.not. is_sound) return
+      do i = 1, size(checkpoint%tables)
+         call file_checksum(checkpoint%tables(i)%checksum, checkpoint%tables(i)%path, error, n_bytes(i))
+         if (allocated(error)) return
+         associate (found => checkpoint%tables(i)%checksum)
+            if (found%n_bytes /= n_bytes(i) .or. found%value() /= checksums(i)) return
+         end associate
+      end do
+      allocate (noted, mold=progress)
+      call noted%read(note, is_found)
+      if (is_found) call progress%read(note, is_found)
       checkpoint%is_anew = .not. is_found
       notes_bytes = last
    end subroutine find_progress
 
-   !> Whether a line of the notes is as it was written: reads its bytes and checksums.
-   logical function has_numbers(line, n_bytes, checksums) result(ok)
+   !> Takes a line of the notes apart, if it is as it was written.
+   subroutine read_note(line, n_bytes, checksums, progress, ok)
       character(*), intent(in) :: line !! the line without its end
       integer(int64), intent(out) :: n_bytes(:) !! bytes of each table
       integer(int64), intent(out) :: checksums(:) !! checksum of each table
-      integer :: own, status
+      character(:), allocatable, intent(out) :: progress !! what it tells of the progress
+      logical, intent(out) :: ok !! whether it is
+      integer :: first, last, i, status
 
       n_bytes = 0
       checksums = 0
-      own = index(line, ' ', back=.true.)
-      ok = own > 1
-      if (ok) ok = line == with_checksum(line(:own - 1))
+      last = index(line, ' ', back=.true.) - 1
+      ok = last > 0
+      if (ok) ok = line == with_checksum(line(:last))
       if (.not. ok) return
-      ok = blank_before(line, size(checksums) + 1) > blank_behind(line, size(n_bytes))
+      ! The progress stands between the first words, which are bytes, and the last ones, which are checksums.
+      first = 1
+      do i = 1, size(n_bytes)
+         first = first + index(line(first:), ' ')
+         last = index(line(:max(0, last)), ' ', back=.true.) - 1
+      end do
+      ok = last >= first
       if (ok) read (line, *, iostat=status) n_bytes
       if (ok) ok = status == 0
-      if (ok) read (line(blank_before(line, size(checksums) + 1):), *, iostat=status) checksums
+      if (ok) read (line(last + 1:), *, iostat=status) checksums
       if (ok) ok = status == 0
-   end function has_numbers
-
-   !> What a line of the notes tells of the progress.
-   pure function progress_part(line, n_tables) result(text)
-      character(*), intent(in) :: line !! the line without its end, with its numbers
-      integer, intent(in) :: n_tables !! number of tables
-      character(:), allocatable :: text
-
-      text = line(blank_behind(line, n_tables):blank_before(line, n_tables + 1) - 1)
-   end function progress_part
-
-   !> The place of the blank behind the first words of a line; 0 if there is none.
-   pure integer function blank_behind(line, n_words) result(place)
-      character(*), intent(in) :: line !! the line
-      integer, intent(in) :: n_words !! how many words
-      integer :: i, step
-
-      place = 0
-      do i = 1, n_words
-         step = index(line(place + 1:), ' ')
-         place = merge(place + step, len(line), step > 0)
-      end do
-   end function blank_behind
-
-   !> The place of the blank before the last words of a line; 0 if there is none.
-   pure integer function blank_before(line, n_words) result(place)
-      character(*), intent(in) :: line !! the line
-      integer, intent(in) :: n_words !! how many words
-      integer :: i
-
-      place = len(line) + 1
-      do i = 1, n_words
-         place = index(line(:max(0, place - 1)), ' ', back=.true.)
-      end do
-   end function blank_before
+      if (ok) progress = line(first:last)
+   end subroutine read_note
 
    !> A line of the notes with its checksum.
    pure function with_checksum(line) result(text)

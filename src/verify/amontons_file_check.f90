@@ -410,30 +410,26 @@ contains
       type(vtk_check_t), intent(out) :: check !! the grid
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: units !! names of the units of the case
-      logical :: is_open
 
       check%path = path
       check%units = units
-      call open_grid(check%unit, path, is_open)
-      if (.not. is_open) call check%stop_at('cannot be read')
+      call open_grid(check%unit, path)
+      if (check%unit == -1) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
 
    !> Opens a grid to read from it.
-   subroutine open_grid(unit, path, is_open)
-      integer, intent(out) :: unit !! its unit; -1 if it cannot be opened
+   subroutine open_grid(unit, path)
+      integer, intent(out) :: unit !! its unit; -1 unless it is a plain file that can be read
       character(*), intent(in) :: path !! name of the file
-      logical, intent(out) :: is_open !! whether it is a plain file that can be read
       integer(int64) :: n_bytes
       integer :: status
 
       unit = -1
-      is_open = .false.
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=path, size=n_bytes)
       if (n_bytes < 1) return
       open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
-      is_open = status == 0
-      if (.not. is_open) unit = -1
+      if (status /= 0) unit = -1
    end subroutine open_grid
 
    !> Compares an array of reals.
@@ -575,11 +571,10 @@ contains
       character(block_size) :: block
       integer(int64) :: n_bytes, start, first
       integer :: unit, status, found
-      logical :: is_open
 
       values = 0.0_dp
-      call open_grid(unit, path, is_open)
-      if (.not. is_open) then
+      call open_grid(unit, path)
+      if (unit == -1) then
          fault = 'cannot be read'
          return
       end if

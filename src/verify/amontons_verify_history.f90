@@ -9,7 +9,6 @@
 module amontons_verify_history
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_contact_problem, only: contact_problem_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: read_status_runs
    use amontons_error, only: error_t, fault_list_t
@@ -238,6 +237,10 @@ contains
       type(instant_t) :: instant
       type(error_t), allocatable :: error
       real(dp) :: time, closing_loss
+      type(law_scales_t) :: scales
+      type(fault_list_t) :: faults
+      integer, allocatable :: status(:)
+      logical :: is_read
 
       associate (csv => again%tables(1)%csv)
          call csv%get_number(row, 2, time, fault)
@@ -252,10 +255,25 @@ contains
             fault = 'the step does not converge again'
          end if
          if (len(fault) > 0 .or. cache%body%zone%n_points == 0) return
-         associate (scales => scales_of(again, cache, next))
-            call follow_statuses(next, csv%field(row, csv%column('statuses')), cache%problem, cache%body, scales)
-            call follow_place(next, closing_loss, again%result%walk%state, cache%body, scales)
-         end associate
+         scales = scales_of(again, cache, next)
+         ! Takes the statuses of the row for those of the step if forces, gaps and slips of the step allow them.
+         allocate (status(cache%problem%n_points))
+         call read_status_runs(status, csv%field(row, csv%column('statuses')), is_read)
+         if (is_read) then
+            associate (solution => next%solution, problem => cache%problem)
+               call check_statuses(faults, '', .false., contact_state_t(problem%gap - &
+                  solution%displacement(:problem%n_points), next%slip, solution%force, status), problem%friction, &
+                  problem%slip_bound, cache%body%zone%is_tangent_fixed, scales)
+               if (faults%n == 0) solution%status = status
+            end associate
+         end if
+         ! Takes over from the row how far a body that hovered had to go until it met its obstacle. The loads did half
+         ! as much more or less work on the way, the mean of none and all.
+         if (.not. hovers(again%result%walk%state, cache%body, scales)) return
+         if (.not. (next%closing_loss > 0.0_dp .and. closing_loss > 0.0_dp)) return
+         next%load_work = next%load_work + 0.5_dp*(closing_loss - next%closing_loss)
+         next%indicator = next%indicator*(closing_loss/next%closing_loss)
+         next%closing_loss = closing_loss
       end associate
    end subroutine solve_as_stated
 
@@ -284,42 +302,6 @@ contains
 
       hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force) <= scales%force)
    end function hovers
-
-   !> Takes the statuses of a row for those of a step if forces, gaps and slips of the step allow them.
-   subroutine follow_statuses(state, runs, problem, body, scales)
-      type(step_state_t), intent(inout) :: state !! the state at the end of the step
-      character(*), intent(in) :: runs !! the statuses as the row states them
-      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
-      type(body_t), intent(in) :: body !! the body
-      type(law_scales_t), intent(in) :: scales !! what counts as none
-      type(fault_list_t) :: faults
-      integer :: status(problem%n_points)
-      logical :: is_read
-
-      call read_status_runs(status, runs, is_read)
-      if (.not. is_read) return
-      associate (solution => state%solution, m => problem%n_points)
-         call check_statuses(faults, '', .false., contact_state_t(problem%gap - solution%displacement(:m), state%slip, &
-            solution%force, status), problem%friction, problem%slip_bound, body%zone%is_tangent_fixed, scales)
-         if (faults%n == 0) solution%status = status
-      end associate
-   end subroutine follow_statuses
-
-   !> Takes over from a row how far a body that hovered had to go until it met its obstacle. The loads did half
-   !> as much more or less work on the way, the mean of none and all.
-   subroutine follow_place(state, closing_loss, before, body, scales)
-      type(step_state_t), intent(inout) :: state !! the state at the end of the step
-      real(dp), intent(in) :: closing_loss !! the loss of the step as its row states it [F L]
-      type(step_state_t), intent(in) :: before !! the state at its beginning
-      type(body_t), intent(in) :: body !! the body
-      type(law_scales_t), intent(in) :: scales !! what counts as none
-
-      if (.not. hovers(before, body, scales)) return
-      if (.not. (state%closing_loss > 0.0_dp .and. closing_loss > 0.0_dp)) return
-      state%load_work = state%load_work + 0.5_dp*(closing_loss - state%closing_loss)
-      state%indicator = state%indicator*(closing_loss/state%closing_loss)
-      state%closing_loss = closing_loss
-   end subroutine follow_place
 
    !> Compares the next rows of a table with what they should be.
    subroutine compare_rows(case, table, rows, row)
@@ -429,13 +411,13 @@ contains
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other
       type(cache_t), intent(inout) :: cache !! the body
-      type(step_state_t) :: last_row
+      real(dp) :: last_time
 
       associate (walk => again%result%walk)
          if (walk%is_ended) return
-         last_row = walk%state
+         last_time = walk%state%instant%time
          call walk%advance(again%model, cache%body, cache%problem)
-         if (walk%is_ended .and. walk%state%instant%time <= last_row%instant%time) return
+         if (walk%is_ended .and. walk%state%instant%time <= last_time) return
          call case%fault(again%tables(1)%ending, 'it ends before the history: a step to '// &
             to_text(walk%state%instant%time)//' is possible')
       end associate

@@ -231,8 +231,9 @@ contains
       integer :: i
 
       do i = 1, size(self%history%steps)
-         if (allocated(self%history%steps(i)%table)) call checksum%add(reshape(self%history%steps(i)%table, &
-            [size(self%history%steps(i)%table)]))
+         associate (steps => self%history%steps(i))
+            if (.not. allocated(steps%values)) call checksum%add(reshape(steps%table, [size(steps%table)]))
+         end associate
       end do
       text = self%solver%loads%fingerprint(body, problem)//' '//to_text(checksum%value())
    end function history_model_fingerprint

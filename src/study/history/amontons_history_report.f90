@@ -106,11 +106,7 @@ contains
 
       text = trim(moved_things(steps%target))//" '"//steps%name//"'"
       do k = 1, steps%n_numbers()
-         if (allocated(steps%table)) then
-            text = text//range_text(steps%label(k), steps%table(1 + k, :))
-         else
-            text = text//range_text(steps%label(k), steps%values(k, :))
-         end if
+         text = text//range_text(steps%label(k), steps%table(1 + k, :))
       end do
    end function steps_text
 
