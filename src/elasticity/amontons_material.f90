@@ -40,7 +40,6 @@ module amontons_material
    contains
       procedure :: choose_formulation => material_choose_formulation
       procedure :: depth => material_depth
-      procedure :: has_chosen_b_bar => material_has_chosen_b_bar
       procedure :: locks => material_locks
       procedure :: squared_norm => material_squared_norm
       procedure :: squared_norms => material_squared_norms
@@ -100,13 +99,6 @@ contains
       self%formulation = formulation
       self%has_mean_dilatation = formulation == 'b-bar' .or. (formulation == 'auto' .and. self%locks())
    end subroutine material_choose_formulation
-
-   !> Whether the B-bar formulation was chosen, not found to suit.
-   elemental logical function material_has_chosen_b_bar(self) result(has_chosen)
-      class(material_t), intent(in) :: self !! the material
-
-      has_chosen = self%formulation == 'b-bar'
-   end function material_has_chosen_b_bar
 
    !> Whether linear elements of the standard formulation lock with this material.
    elemental logical function material_locks(self) result(locks)

@@ -174,11 +174,15 @@ contains
                derivatives(:, 3 + i) = 4.0_dp*(l(i)*gradients(:, j) + l(j)*gradients(:, i))
             end do
          end associate
-      case (quad4)
-         call shape_quad4(xi, values(:4), derivatives(:, :4))
-      case (quad8)
-         ! The middles of the sides first, the corners what bilinearity leaves them.
-         call shape_quad4(xi, values(:4), derivatives(:, :4))
+      case (quad4, quad8)
+         ! (1 + r_i r)(1 + s_i s)/4 at the corners.
+         do i = 1, 4
+            lagrange = 1.0_dp + quad_nodes(:, i)*xi
+            values(i) = 0.25_dp*lagrange(1)*lagrange(2)
+            derivatives(:, i) = 0.25_dp*quad_nodes(:, i)*lagrange([2, 1])
+         end do
+         if (kind == quad4) return
+         ! The middles of the sides have their own, the corners what these leave them.
          do i = 5, 8
             along = merge(1, 2, mod(i, 2) == 1)
             across = 3 - along
@@ -210,21 +214,6 @@ contains
          ! All zero: an element without an area, which no mesh may have.
       end select
    end subroutine shape_functions
-
-   !> Four-node quadrilateral: (1 + r_i r)(1 + s_i s)/4.
-   pure subroutine shape_quad4(xi, values, derivatives)
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
-      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
-      real(dp) :: factor(2)
-      integer :: i
-
-      do i = 1, 4
-         factor = 1.0_dp + quad_nodes(:, i)*xi
-         values(i) = 0.25_dp*factor(1)*factor(2)
-         derivatives(:, i) = 0.25_dp*quad_nodes(:, i)*factor([2, 1])
-      end do
-   end subroutine shape_quad4
 
    !> Evaluates a side, or a part of it.
    pure subroutine new_side_geometry(geometry, side, coordinates, range)

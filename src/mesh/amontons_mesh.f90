@@ -464,11 +464,7 @@ contains
       integer, intent(in) :: a !! one corner
       integer, intent(in) :: b !! the other corner
 
-      if (table%valence(a) == table%valence(b)) then
-         home = min(a, b)
-      else
-         home = merge(a, b, table%valence(a) < table%valence(b))
-      end if
+      home = merge(min(a, b), merge(a, b, table%valence(a) < table%valence(b)), table%valence(a) == table%valence(b))
    end function home_of
 
    !> Place in the table of a side, 0 where no element has it.
@@ -507,10 +503,9 @@ contains
       class(side_table_t), intent(in) :: self !! the sides
       integer, intent(in) :: side !! place in the table
 
-      number = 0
-      if (min(self%sides(side)%left, self%sides(side)%right) == 0) then
-         number = max(self%sides(side)%left, self%sides(side)%right)
-      end if
+      associate (left => self%sides(side)%left, right => self%sides(side)%right)
+         number = merge(max(left, right), 0, min(left, right) == 0)
+      end associate
    end function side_table_boundary
 
    !> Colors the elements of a mesh greedily, in their own order.

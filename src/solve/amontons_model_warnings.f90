@@ -97,8 +97,9 @@ contains
          if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
             '; negative ratios are rare')
       end associate
-      if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
-         "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      if (any(body%materials%list%formulation == 'b-bar') .and. all(body%mesh%element_kind /= quad4)) then
+         call warnings%add("formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      end if
       if (any(load_case%loads%target == load_by_temperature) .and. .not. &
          any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')
