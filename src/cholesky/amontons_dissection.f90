@@ -77,10 +77,7 @@ contains
       integer, allocatable :: side(:)
       integer :: n, k
 
-      allocate (dissection%order(graph%n))
-      do k = 1, graph%n
-         dissection%order(k) = k
-      end do
+      dissection%order = [(k, k=1, graph%n)]
       allocate (dissection%separator_start(graph%n), dissection%domain_start(graph%n), side(graph%n), source=0)
       n = graph%n - graph%n_schur
       !$omp parallel default(none) num_threads(n_threads()) shared(graph, place, side, n, dissection)

@@ -100,49 +100,40 @@ contains
    end subroutine new_support
 
    !> Applies all supports to the nodes of a mesh. Supports that hold the same components make the same constraints,
-   !> whatever displacements they prescribe.
+   !> whatever displacements they prescribe. Of a set of nodes all are held, where the support asks for no normal.
    subroutine new_constraints(constraints, prescribed, mesh, supports, error)
       type(constraints_t), intent(out) :: constraints !! the constraints
       real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, x and y (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: supports(:) !! the supports
       type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
-      integer :: i
+      type(boundary_line_t) :: line
+      logical :: is_done
+      integer :: i, set
 
       allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
       allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
       do i = 1, size(supports)
-         if (len(supports(i)%set) > 0) then
-            call hold_set(constraints, prescribed, mesh, supports(i), error)
-         else
-            call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(supports(i)%point)], supports(i), error)
-         end if
-         if (.not. allocated(error)) cycle
-         error%message = supports(i)%origin//error%message
-         return
+         associate (support => supports(i))
+            is_done = len(support%set) == 0
+            if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
+               error)
+            set = find_named(mesh%node_sets, support%set)
+            if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
+               call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, error)
+               ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
+               is_done = allocated(error) .or. find_named(mesh%sets, support%set) == 0
+            end if
+            if (.not. is_done) call new_boundary_line(line, mesh, support%set, error)
+            if (.not. (is_done .or. allocated(error))) call hold_nodes(constraints, prescribed, mesh, line%node, &
+               support, error, line%normal)
+            if (.not. allocated(error)) cycle
+            error%message = support%origin//error%message
+            return
+         end associate
       end do
    end subroutine new_constraints
-
-   !> Applies a support to all nodes of its set. Of a set of nodes all are held, where the support asks for no normal.
-   subroutine hold_set(constraints, prescribed, mesh, support, error)
-      type(constraints_t), intent(inout) :: constraints !! the constraints
-      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(support_t), intent(in) :: support !! the support
-      type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
-      type(boundary_line_t) :: line
-      integer :: set
-
-      set = find_named(mesh%node_sets, support%set)
-      if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
-         call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, error)
-         ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
-         if (allocated(error) .or. find_named(mesh%sets, support%set) == 0) return
-      end if
-      call new_boundary_line(line, mesh, support%set, error)
-      if (.not. allocated(error)) call hold_nodes(constraints, prescribed, mesh, line%node, support, error, line%normal)
-   end subroutine hold_set
 
    !> Holds the prescribed components of nodes.
    subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, error, normal)

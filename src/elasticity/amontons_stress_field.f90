@@ -264,14 +264,15 @@ contains
       integer, intent(in) :: n_points !! number of quadrature points
       real(dp) :: weights(max_nodes, max_points)
       real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
-      real(dp) :: xi(2), unused
+      real(dp) :: terms(4), xi(2), unused
       integer :: n_terms, i, info
 
       n_terms = min(n_points, merge(3, 4, is_triangle(kind)))
       allocate (at_points(n_terms, n_points))
       do i = 1, n_points
          call quadrature_point(kind, n_points, i, xi, unused)
-         at_points(:, i) = terms(xi, n_terms)
+         terms = [1.0_dp, xi, product(xi)]
+         at_points(:, i) = terms(:n_terms)
       end do
       normal = matmul(at_points, transpose(at_points))
       right = at_points
@@ -280,20 +281,11 @@ contains
       call cholesky_solve(normal, right)
       weights = 0.0_dp
       do i = 1, n_element_nodes(kind)
-         weights(i, :n_points) = matmul(terms(node_coordinates(kind, i), n_terms), right)
+         xi = node_coordinates(kind, i)
+         terms = [1.0_dp, xi, product(xi)]
+         weights(i, :n_points) = matmul(terms(:n_terms), right)
       end do
    end function extrapolation
-
-   !> The first terms of 1, x, y, x y.
-   pure function terms(xi, n_terms)
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      integer, intent(in) :: n_terms !! how many, 1, 3 or 4
-      real(dp) :: terms(n_terms)
-      real(dp) :: all_terms(4)
-
-      all_terms = [1.0_dp, xi(1), xi(2), xi(1)*xi(2)]
-      terms = all_terms(:n_terms)
-   end function terms
 
    !> Von Mises stress [F/L^2].
    pure real(dp) function von_mises(stress)

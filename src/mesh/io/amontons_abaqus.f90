@@ -14,7 +14,7 @@ module amontons_abaqus
    use amontons_integer_list, only: integer_list_t, new_tag_map
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
-   use amontons_material, only: new_material
+   use amontons_material, only: hypothesis_names, new_material
    use amontons_text, only: counted, lower_case, read_integer, to_text
    implicit none (type, external)
    private
@@ -159,6 +159,8 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
+      ! The first letters of the types of each of `hypothesis_names`.
+      character(3), parameter :: families(3) = ['cpe', 'cps', 'cax']
       character(:), allocatable :: value
       character(12) :: before
       integer :: group, i, kind, n, nodes(max_nodes), place, tag
@@ -173,16 +175,7 @@ contains
       if (kind > 0 .and. len(value) > 4) call raw%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
       before = raw%hypothesis
-      if (kind > 0) then
-         select case (lower_case(value(:3)))
-         case ('cps')
-            raw%hypothesis = 'plane stress'
-         case ('cax')
-            raw%hypothesis = 'axisymmetric'
-         case default
-            raw%hypothesis = 'plane strain'
-         end select
-      end if
+      if (kind > 0) raw%hypothesis = hypothesis_names(findloc(families == lower_case(value(:3)), .true., dim=1))
       if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse( &
          'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
          trim(raw%hypothesis), input%position - 1)

@@ -155,18 +155,11 @@ contains
       if (kind /= no_cell) return
       select case (type)
       case (4:7, 11:14, 17:19, 29:33)
-         select case (type)
-         case (4, 11, 29:31)
-            solid = 'tetrahedron'
-         case (5, 12, 17)
-            solid = 'hexahedron'
-         case (6, 13, 18)
-            solid = 'prism'
-         case (7, 14, 19)
-            solid = 'pyramid'
-         case default
-            solid = 'solid element'
-         end select
+         solid = 'solid element'
+         if (any(type == [4, 11, 29, 30, 31])) solid = 'tetrahedron'
+         if (any(type == [5, 12, 17])) solid = 'hexahedron'
+         if (any(type == [6, 13, 18])) solid = 'prism'
+         if (any(type == [7, 14, 19])) solid = 'pyramid'
          call input%refuse('3-D mesh: found a '//solid//' (Gmsh type '//to_text(type)// &
             '), expected plane elements', place)
       case (20:28, 36:40)
