@@ -11,12 +11,11 @@ module amontons_listing
    use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
-   use amontons_convergence, only: has_bar, refined_quantity_t, verdict_names
    use amontons_document, only: document_t
    use amontons_element, only: quad4
    use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
-   use amontons_key_results, only: resultants
+   use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
@@ -26,14 +25,13 @@ module amontons_listing
    use amontons_model_warnings, only: mean_length
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
    use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
       pair_text, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
-   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 

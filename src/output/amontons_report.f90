@@ -6,24 +6,23 @@ module amontons_report
    use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
-   use amontons_convergence, only: has_bar, refined_quantity_t, verdict_names
    use amontons_document, only: document_t, json_logical, json_number, json_numbers, json_string, quantity_members
    use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_key_results, only: resultants
+   use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp, int64
    use amontons_listing, only: new_listing, solutions_table_text
    use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_quantity, only: quantity_t, scales
-   use amontons_result, only: certificate_limit, has_converged, outcome_word, result_t
+   use amontons_result, only: certificate_limit, has_bar, has_converged, outcome_word, refined_quantity_t, result_t, &
+      verdict_names
    use amontons_system, only: file_name_t, make_directory, peak_memory_mb
    use amontons_terminal, only: phase_names, phase_write, timings_t
    use amontons_text, only: comma_separated, newline, to_text
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
    use amontons_vtu, only: write_case_grids
-   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 

@@ -1,5 +1,14 @@
 !> Key results: from contact points and displacements the largest values with their places, what each contact set
-!> carries, and the lengths of the zones.
+!> carries, the lengths of the zones, and where these end between contact points.
+!>
+!> The sum T of the forces from a place s of a zone to its end a is proportional to (a - s)^(3/2) where the stress falls
+!> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its
+!> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
+!> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
+!>
+!> The gap beyond the end of what is closed, and the slip beyond the end of what sticks, grow with (s - a)^(3/2) there.
+!> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
+!> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
 module amontons_key_results
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
@@ -8,13 +17,36 @@ module amontons_key_results
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
    use amontons_stress_field, only: von_mises
-   use amontons_zone_edges, only: find_edges, interval_t, trace_t
    implicit none (type, external)
    private
 
-   public :: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, lengths_t, new_lengths, resultants, set_results
+   public :: body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, lengths_t, &
+      new_lengths, resultants, set_results, trace_t
+
+   !> A part of the contact line that belongs to a zone.
+   type :: interval_t
+      integer :: set = 0 !! number of its contact set
+      real(dp) :: length = 0.0_dp !! its length along the contact line [L]
+      real(dp) :: ends(2, 2) = 0.0_dp !! its ends, in the order of the points (x and y, first and last) [L]
+   end type interval_t
+
+   !> What tells where zones end: forces inside of them, gaps or slips beyond.
+   type :: trace_t
+      real(dp), allocatable :: force(:) !! the forces that vanish outside of the zones (m) [F]
+      integer :: n_summed = 1 !! number of points of each of the two sums of forces
+      real(dp), allocatable :: gap(:) !! the gaps beyond zones that are closed; 0 where they tell nothing (m) [L]
+      real(dp), allocatable :: slip(:) !! the slips beyond zones that stick; 0 where they tell nothing (m) [L]
+   end type trace_t
+
+   !> Points of a contact set that follow each other.
+   type :: chain_t
+      integer, allocatable :: point(:) !! the points (n)
+      real(dp), allocatable :: arc(:) !! where they are along the line, from the first one on (n) [L]
+      real(dp), allocatable :: bound(:) !! where their tributary lengths end (0:n) [L]
+   end type chain_t
 
    !> Lengths of the three zones; together the length of the sides between contact points, of a pair
    !> where they face the master, and of the cells.
@@ -27,6 +59,297 @@ module amontons_key_results
    end type lengths_t
 
 contains
+
+   !> Finds the parts of the contact line that belong to a zone.
+   pure subroutine find_edges(intervals, zone, is_inside, trace)
+      type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
+      type(trace_t), intent(in) :: trace !! what tells where the zone ends
+      type(chain_t) :: chain
+      logical :: is_done(zone%n_points)
+      integer :: first, last, n, p, n_intervals
+
+      allocate (intervals(count(is_inside)))
+      n_intervals = 0
+      is_done = .false.
+      do
+         call next_chain(chain, zone, is_done)
+         n = size(chain%point)
+         if (n == 0) exit
+         last = 0
+         do p = 1, n
+            if (p <= last .or. .not. is_inside(chain%point(p))) cycle
+            first = p
+            last = first
+            do while (last < n)
+               if (.not. is_inside(chain%point(last + 1))) exit
+               last = last + 1
+            end do
+            n_intervals = n_intervals + 1
+            call set_interval(intervals(n_intervals), zone, chain, first, last, trace)
+         end do
+      end do
+      intervals = intervals(:n_intervals)
+   end subroutine find_edges
+
+   !> Takes the next points that follow each other: from one without a predecessor on, of a closed line from any.
+   pure subroutine next_chain(chain, zone, is_done)
+      type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(inout) :: is_done(:) !! which points were taken (m)
+      integer :: order(zone%n_points), n, p
+
+      n = 0
+      p = first_point(zone, is_done)
+      do while (p > 0)
+         if (is_done(p)) exit
+         is_done(p) = .true.
+         n = n + 1
+         order(n) = p
+         p = zone%next(p)
+      end do
+      chain%point = order(:n)
+      call set_lengths(chain, zone)
+   end subroutine next_chain
+
+   !> The point that the next chain begins with: one without a predecessor, else any that is left; 0 if none is.
+   pure integer function first_point(zone, is_done) result(point)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(in) :: is_done(:) !! which points were taken (m)
+      logical :: has_predecessor(zone%n_points)
+      integer :: p
+
+      has_predecessor = .false.
+      do p = 1, zone%n_points
+         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
+      end do
+      point = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
+      if (point == 0) point = findloc(is_done, .false., dim=1)
+   end function first_point
+
+   !> Finds where the points of a chain are along the line, and where their tributary lengths end.
+   pure subroutine set_lengths(chain, zone)
+      type(chain_t), intent(inout) :: chain !! has its points; gains the lengths
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer :: i, n
+
+      n = size(chain%point)
+      allocate (chain%arc(n), chain%bound(0:n))
+      if (n == 0) return
+      associate (order => chain%point)
+         chain%arc(1) = 0.0_dp
+         do i = 2, n
+            chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
+         end do
+         chain%bound(0) = first_bound(chain%arc, zone%weight(order), zone%is_cell(order(1)))
+         if (allocated(zone%pairs)) call begin_where_covered(chain%bound(0), zone%pairs(zone%set(order(1))), &
+            order(1) - findloc(zone%set, zone%set(order(1)), dim=1) + 1)
+         do i = 1, n
+            chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
+         end do
+      end associate
+   end subroutine set_lengths
+
+   !> Where the tributary length of the first point of a chain begins: at an end point of the line, before any other, as
+   !> where a support holds the node before.
+   pure real(dp) function first_bound(arc, weight, is_cell) result(bound)
+      real(dp), intent(in) :: arc(:) !! where the points are along the line, from the first one on (n) [L]
+      real(dp), intent(in) :: weight(:) !! their tributary lengths (n) [L]
+      logical, intent(in) :: is_cell !! whether they are cells, with the point in the middle
+      real(dp) :: share
+
+      bound = -0.5_dp*weight(1)
+      if (size(arc) == 2 .and. weight(1) < 0.75_dp*arc(size(arc))) bound = 0.0_dp
+      if (size(arc) < 3 .or. is_cell) return
+      ! The second point's tributary length, over the half of the sides or half sides next to it, is 1 for a node of
+      ! linear sides, 2/3 for a corner of quadratic ones and 4/3 for a middle. It begins accordingly: in the middle of
+      ! the side before, at two thirds or at one third of the half side before.
+      associate (ratio => 2.0_dp*weight(2)/(arc(3) - arc(1)))
+         share = 0.5_dp
+         if (ratio < 5.0_dp/6.0_dp) share = 2.0_dp/3.0_dp
+         if (ratio > 7.0_dp/6.0_dp) share = 1.0_dp/3.0_dp
+      end associate
+      bound = share*arc(2) - weight(1)
+   end function first_bound
+
+   !> Begins a chain of corners of a slave where the master does, which may be in the middle of a side.
+   pure subroutine begin_where_covered(begin, pair, point)
+      real(dp), intent(inout) :: begin !! where the chain begins, counted from its first point [L]
+      type(mortar_pair_t), intent(in) :: pair !! the pair, or none
+      integer, intent(in) :: point !! number of that point in the pair
+      real(dp) :: length
+      integer :: i
+
+      if (.not. pair%is_set() .or. allocated(pair%cells)) return
+      ! Segments go along the line: the first one of the first side with this corner.
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i), points => pair%point_of(:, pair%segments(i)%slave))
+            if (all(points /= point)) cycle
+            ! A line without ends begins at any of its points.
+            if (all(points > 0) .and. points(2) == point) return
+            length = norm2(pair%slave%corner(:, 2, segment%slave) - pair%slave%corner(:, 1, segment%slave))
+            begin = 0.5_dp*length*(segment%range(1) + merge(1.0_dp, -1.0_dp, points(1) == point))
+            return
+         end associate
+      end do
+   end subroutine begin_where_covered
+
+   !> Finds the ends of consecutive points inside of a zone.
+   pure subroutine set_interval(interval, zone, chain, first, last, trace)
+      type(interval_t), intent(out) :: interval !! the part of the line
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(chain_t), intent(in) :: chain !! the points that follow each other
+      integer, intent(in) :: first !! the first point inside
+      integer, intent(in) :: last !! the last point inside
+      type(trace_t), intent(in) :: trace !! what tells where the zone ends
+      real(dp) :: begin, end
+      integer :: n
+
+      n = size(chain%point)
+      begin = chain%bound(first - 1)
+      if (first > 1) begin = -edge(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), &
+         trace%force(chain%point(last:first:-1)), trace%n_summed, trace%gap(chain%point(first - 1:1:-1)), &
+         trace%slip(chain%point(first - 1:1:-1)))
+      end = chain%bound(last)
+      if (last < n) end = edge(chain%arc(last:), chain%bound(first - 1:last), trace%force(chain%point(first:last)), &
+         trace%n_summed, trace%gap(chain%point(last + 1:)), trace%slip(chain%point(last + 1:)))
+      interval%set = zone%set(chain%point(first))
+      interval%length = max(0.0_dp, end - begin)
+      interval%ends(:, 1) = place_at(zone, chain, begin)
+      interval%ends(:, 2) = place_at(zone, chain, end)
+   end subroutine set_interval
+
+   !> Where a zone ends that has points beyond it.
+   pure real(dp) function edge(arc, bound, force, n_summed, gap, slip)
+      real(dp), intent(in) :: arc(0:) !! where its last point and those beyond it lie (0:k) [L]
+      real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
+      real(dp), intent(in) :: force(:) !! their forces (n) [F]
+      integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), intent(in) :: gap(:) !! gaps of the points beyond it (k) [L]
+      real(dp), intent(in) :: slip(:) !! slips of the points beyond it (k) [L]
+      logical :: is_growing
+
+      call find_edge_by_force(edge, is_growing, bound, force, arc(1), n_summed)
+      if (.not. is_growing) edge = edge_by_gap(arc, gap, bound(size(force) - 1), edge)
+      edge = edge_by_slip(arc, slip, edge)
+   end function edge
+
+   !> Finds by the forces of its last points where a zone ends.
+   pure subroutine find_edge_by_force(edge, is_growing, bound, force, outside, n_summed)
+      real(dp), intent(out) :: edge !! where it ends [L]
+      logical, intent(out) :: is_growing !! whether the stress grows towards the end
+      real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
+      real(dp), intent(in) :: force(:) !! their forces (n) [F]
+      real(dp), intent(in) :: outside !! where the first point outside lies [L]
+      integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), parameter :: falling = 2.0_dp/3.0_dp, growing = 2.0_dp
+      real(dp) :: outer, inner, power
+      integer :: k, n
+
+      n = size(force)
+      edge = bound(n)
+      is_growing = .false.
+      ! Both sums together take at most half of the points: the zone may end on the other side as well.
+      k = min(n_summed, n/4)
+      if (k == 0) return
+      outer = sum(force(n - k + 1:))
+      inner = sum(force(n - 2*k + 1:n - k))
+      if (.not. min(outer, inner) > 0.0_dp) return
+      is_growing = outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))
+      power = merge(growing, falling, is_growing)
+      ! Over the larger sum, neither power overflows.
+      associate (ratio => (outer/(outer + inner))**power)
+         edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
+      end associate
+      edge = max(bound(n - 1), min(outside, edge))
+   end subroutine find_edge_by_force
+
+   !> Where a closed zone ends, from three of the gaps beyond it. The first one is the least accurate.
+   pure real(dp) function edge_by_gap(arc, gap, least, by_force) result(edge)
+      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
+      real(dp), intent(in) :: gap(:) !! gaps of those beyond it (n) [L]
+      real(dp), intent(in) :: least !! where the zone ends at least [L]
+      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where gaps tell nothing [L]
+      integer, parameter :: used(3) = [2, 4, 6]
+      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force; one as
+      ! small beside the lengths, what it leaves of coordinates.
+      real(dp), parameter :: negligible = 1.0e-6_dp, rounding = 1.0e-12_dp
+
+      edge = by_force
+      if (size(gap) < used(3)) return
+      if (.not. gap(1) > max(negligible*gap(2), rounding*(arc(used(3)) - arc(0)))) return
+      if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
+   end function edge_by_gap
+
+   !> Where a stick zone ends, from two of the slips beyond it. The first one is of no use: the points next to the true
+   !> end often have the other status, so that it may lie beyond the first point that slips.
+   pure real(dp) function edge_by_slip(arc, slip, by_force) result(edge)
+      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
+      real(dp), intent(in) :: slip(:) !! slips of those beyond it (n) [L]
+      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where slips tell nothing [L]
+      integer, parameter :: fewest = 3, most = 5
+      ! Which slips are used where three, four, or five points and more in a row slip: if possible two corners or two
+      ! middles.
+      integer, parameter :: used(2, fewest:most) = reshape([2, 3, 2, 4, 3, 5], shape(used))
+      integer :: n
+
+      edge = by_force
+      n = min(n_growing(slip), most)
+      if (n < fewest) return
+      edge = max(arc(0), min(arc(2), place_of_zero(arc(used(:, n)), slip(used(:, n)))))
+   end function edge_by_slip
+
+   !> How many of the first numbers have one sign, each larger than the one before.
+   pure integer function n_growing(values) result(n)
+      real(dp), intent(in) :: values(:) !! the numbers
+      ! Powers of numbers that differ by less may be equal.
+      real(dp), parameter :: clearly = 1.0_dp + 1.0e-9_dp
+
+      n = 0
+      do while (n < size(values))
+         if (.not. values(n + 1)*values(1) > 0.0_dp) exit
+         if (n > 0) then
+            if (.not. abs(values(n + 1)) > clearly*abs(values(n))) exit
+         end if
+         n = n + 1
+      end do
+   end function n_growing
+
+   !> Where a number is 0 whose power 2/3 the place depends on like a line or, of three, a parabola (Lagrange).
+   pure real(dp) function place_of_zero(place, values) result(zero)
+      real(dp), intent(in) :: place(:) !! the places, two or three [L]
+      real(dp), intent(in) :: values(:) !! the numbers there, of one sign, each larger than the one before
+      real(dp) :: root(size(place)), weight
+      integer :: i, k
+
+      root = (abs(values)/abs(values(size(values))))**(2.0_dp/3.0_dp)
+      zero = 0.0_dp
+      do i = 1, size(place)
+         weight = 1.0_dp
+         do k = 1, size(place)
+            if (k /= i) weight = weight*root(k)/(root(k) - root(i))
+         end do
+         zero = zero + weight*place(i)
+      end do
+   end function place_of_zero
+
+   !> The place at a length along a chain, which may lie beyond its ends.
+   pure function place_at(zone, chain, arc) result(place)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(chain_t), intent(in) :: chain !! the points that follow each other
+      real(dp), intent(in) :: arc !! the length [L]
+      real(dp) :: place(2)
+      integer :: i, n
+
+      n = size(chain%point)
+      place = zone%position(:, chain%point(1))
+      if (n == 1) return
+      i = max(1, min(n - 1, count(chain%arc <= arc)))
+      associate (from => zone%position(:, chain%point(i)), to => zone%position(:, chain%point(i + 1)))
+         place = from + (arc - chain%arc(i))/(chain%arc(i + 1) - chain%arc(i))*(to - from)
+      end associate
+   end function place_at
 
    !> Sums of the contact forces [F].
    pure function resultants(force) result(list)

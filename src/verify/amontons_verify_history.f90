@@ -16,17 +16,15 @@ module amontons_verify_history
    use amontons_history, only: is_shown
    use amontons_history_files, only: a_force, a_length, an_energy, history_row, history_table_t, history_tables, &
       n_kinds, number_alone, of_grids, of_states, table_rows
-   use amontons_history_model, only: history_model_t, instant_t
-   use amontons_history_report, only: describe_history
+   use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
+   use amontons_history_study, only: describe_history, history_result_t, new_step_result, prepare_history, &
+      start_history, worst_step_t
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
-   use amontons_solve_history, only: history_result_t, new_step_result, prepare_history, start_history, &
-      worst_step_t
-   use amontons_stepper, only: step_state_t, take_step
    use amontons_text, only: newline, read_reals, to_text
    use amontons_verify_case, only: check_grids, check_statuses, contact_state_t, law_scales_t, verify_answer, &
       verify_result

@@ -17,10 +17,9 @@ module amontons_verify_sweep
    use amontons_result, only: certificate_limit, outcome_names, outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: cache_t, evaluate
-   use amontons_solve_sweep, only: sweep_result_t
-   use amontons_sweep_chunk, only: new_case, prepare_sweep, sweep_task_t
-   use amontons_sweep_report, only: n_documents, new_sweep_summary, sweep_documents
-   use amontons_sweep_table, only: append_row, case_keys, case_quantities, case_result_t, read_warnings, sweep_header
+   use amontons_sweep_chunk, only: append_row, case_keys, case_quantities, case_result_t, new_case, prepare_sweep, &
+      read_warnings, sweep_header, sweep_task_t
+   use amontons_sweep_study, only: n_documents, new_sweep_summary, sweep_documents, sweep_result_t
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text

@@ -8,20 +8,18 @@ module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
-   use amontons_cycle_watch, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names
    use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: status_names
    use amontons_history, only: history_t, is_shown
-   use amontons_history_model, only: history_model_t
-   use amontons_history_walk, only: history_walk_t
+   use amontons_history_model, only: history_model_t, step_state_t
+   use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_parameters, n_plain_numbers, parameter_names
    use amontons_input_file, only: read_text_file
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries, collection_head, collection_t, collection_tail, manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
-   use amontons_stepper, only: step_state_t
    use amontons_system, only: make_directory
    use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, read_reals, to_text
    use amontons_vtu, only: write_grids

@@ -1,23 +1,52 @@
-!> What acts in every step of a history: the factors of its loads, and where its obstacles are, at a time; and what its
-!> steps need to compute energies, probes and stresses of the surface from contact displacements alone.
+!> One step of a load history: what acts in it, the factors of loads and where obstacles are at a time; the way from the
+!> state at its beginning to the state at its end; and its energies, probes and stresses of the surface.
+!>
+!> The step is a contact problem whose slips count from the anchors: where the points were when it began, moved along
+!> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a
+!> step can be given up and taken again with another length.
+!>
+!> Energies need no displacements of nodes. Loads and prescribed displacements are sums of parts, f = sum c_i f_i and
+!> u_p = sum c_i u_pi. The field of all nodes is then u = sum c_i u_i + E v: u_i answers part i with v = 0, E extends the
+!> contact displacements v by equilibrium. Any force field G does the work `v . condense(G)` on E v, so that a few
+!> vectors and small matrices, computed once, give every energy of a step in O(m^2) operations.
 module amontons_history_model
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_energy_form, only: energy_form_t, new_energy_form
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: open_point, slip_minus
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condensed_force, load_case_t
+   use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
    use amontons_load_family, only: acting_t, obstacle_motion_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
+   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: find_probes, history_model_t, instant_t, new_history_model
+   public :: energy_form_t, find_probes, history_model_t, instant_t, n_state_numbers, new_energy_form, &
+      new_history_model, new_step_state, restore_step_state, step_state_t, take_step
+
+   !> Matrices over the parts, and vectors on the contact displacements for each part.
+   type :: energy_form_t
+      real(dp), allocatable :: field(:, :, :) !! displacements u_i of the nodes (2, n_nodes, parts) [L]
+      real(dp), allocatable, private :: strain(:, :) !! u_i . K u_j (parts, parts) [F L]
+      real(dp), allocatable, private :: strain_row(:, :) !! condensed K u_i (2m, parts) [F]
+      real(dp), allocatable, private :: load(:, :) !! f_i . u_j (parts, parts) [F L]
+      real(dp), allocatable, private :: load_row(:, :) !! condensed f_i (2m, parts) [F]
+      real(dp), allocatable, private :: reaction(:, :) !! u_pi . (K u_j - f_j) (parts, parts) [F L]
+      real(dp), allocatable, private :: reaction_row(:, :) !! condensed K u_pi (2m, parts) [F]
+      real(dp) :: stiffness = 0.0_dp !! norm of the body's K [F/L]
+      real(dp), allocatable :: prescribed(:, :) !! what the parts prescribe of the contact displacements (2m, parts) [L]
+   contains
+      procedure :: load_work => energy_form_load_work
+      procedure :: reactions => energy_form_reactions
+      procedure :: strain_energy => energy_form_strain_energy
+   end type energy_form_t
 
    !> What all steps share.
    type :: history_model_t
@@ -43,7 +72,123 @@ module amontons_history_model
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
    end type instant_t
 
+   !> Numbers of a state that are kept besides those of its contact points.
+   integer, parameter :: n_single = 6
+   !> Numbers that are kept of each contact point.
+   integer, parameter :: n_per_point = 9
+
+   !> Where a step has led to.
+   type :: step_state_t
+      type(instant_t) :: instant !! what acts
+      type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
+      real(dp), allocatable :: slip(:) !! slip of the step (m) [L]
+      real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
+      real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
+      real(dp), allocatable :: dissipation(:) !! work that friction took at each point in all steps (m) [F L]
+      real(dp), allocatable :: worn(:) !! normal force times |slip|, summed over all steps (m) [F L]
+      real(dp), allocatable :: reaction(:)
+         !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
+      real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
+      real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
+      real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
+      real(dp) :: obstacle_work = 0.0_dp !! work of the moving obstacles in all steps [F L]
+      real(dp) :: step_dissipation = 0.0_dp !! work that friction took in the step [F L]
+      real(dp) :: closing_loss = 0.0_dp !! sum of lambda_N times the gap at the beginning of the step [F L]
+      real(dp) :: indicator = 0.0_dp !! energy error of the step over its energies [-]
+      real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
+      integer :: outcome = outcome_not_converged !! what came of the loads
+      character(:), allocatable :: reason !! why there is no solution; empty for one, and for one not converged
+   contains
+      procedure :: energy_error => step_state_energy_error
+      procedure :: numbers => step_state_numbers
+      procedure :: slip_record => step_state_slip_record
+   end type step_state_t
+
 contains
+
+   !> Computes the form from the load cases of the parts.
+   subroutine new_energy_form(form, body, parts)
+      type(energy_form_t), intent(out) :: form !! the form
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(load_case_t), intent(in) :: parts(:) !! force and prescribed displacement of each part, condensed
+      real(dp), allocatable :: field(:, :), forces(:, :), at_rest(:), loads(:, :, :)
+      integer :: i, j, m, n
+
+      m = body%zone%n_points
+      n = size(parts)
+      form%stiffness = body%condensation%condenser%matrix_norm
+      allocate (form%field(2, body%mesh%n_nodes, n), form%strain(n, n), form%load(n, n), form%reaction(n, n))
+      allocate (form%strain_row(2*m, n), form%load_row(2*m, n), form%reaction_row(2*m, n), form%prescribed(2*m, n))
+      allocate (at_rest(2*m), source=0.0_dp)
+      do j = 1, n
+         call recover_displacement(field, body, parts(j), at_rest)
+         form%field(:, :, j) = field
+      end do
+      loads = load_forces(body, parts)
+      do j = 1, n
+         call body%internal_forces(forces, form%field(:, :, j))
+         do i = 1, n
+            form%strain(i, j) = sum(form%field(:, :, i)*forces)
+            form%load(i, j) = sum(loads(:, :, i)*form%field(:, :, j))
+            form%reaction(i, j) = sum(parts(i)%prescribed*(forces - loads(:, :, j)))
+         end do
+         form%strain_row(:, j) = condensed_force(body, forces)
+         form%load_row(:, j) = condensed_force(body, loads(:, :, j))
+         call body%internal_forces(forces, parts(j)%prescribed)
+         form%reaction_row(:, j) = condensed_force(body, forces)
+         form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
+      end do
+   end subroutine new_energy_form
+
+   !> The nodal forces of each part; of temperatures those that cause the same strain (2, n_nodes, parts) [F].
+   function load_forces(body, parts) result(loads)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: parts(:) !! the parts
+      real(dp), allocatable :: loads(:, :, :)
+      real(dp), allocatable :: forces(:, :)
+      integer :: i
+
+      allocate (loads(2, body%mesh%n_nodes, size(parts)))
+      do i = 1, size(parts)
+         call body%internal_forces(forces, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         loads(:, :, i) = parts(i)%force - forces
+      end do
+   end function load_forces
+
+   !> Strain energy u . K u / 2 [F L].
+   pure real(dp) function energy_form_strain_energy(self, problem, factor, v) result(energy)
+      class(energy_form_t), intent(in) :: self !! the form
+      type(contact_problem_t), intent(in) :: problem !! the contact problem, for its stiffness
+      real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
+      real(dp), contiguous, intent(in) :: v(:) !! contact displacements (2m) [L]
+      real(dp) :: force(size(v))
+
+      call problem%matrix%multiply_stiffness(v, force)
+      energy = dot_product(v, 0.5_dp*force + matmul(self%strain_row, factor)) &
+         + 0.5_dp*dot_product(factor, matmul(self%strain, factor))
+   end function energy_form_strain_energy
+
+   !> Work of the loads at given factors while the field changes [F L].
+   pure real(dp) function energy_form_load_work(self, factor, change, v_change) result(work)
+      class(energy_form_t), intent(in) :: self !! the form
+      real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
+      real(dp), intent(in) :: change(:) !! by how much the factors change [-]
+      real(dp), intent(in) :: v_change(:) !! by how much the contact displacements change (2m) [L]
+
+      work = dot_product(factor, matmul(self%load, change) + matmul(v_change, self%load_row))
+   end function energy_form_load_work
+
+   !> What the reactions of the supports do on the displacements that each part prescribes: their work while factor i
+   !> grows by 1 (parts) [F L].
+   pure function energy_form_reactions(self, factor, v, force) result(reactions)
+      class(energy_form_t), intent(in) :: self !! the form
+      real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
+      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp) :: reactions(size(factor))
+
+      reactions = matmul(self%reaction, factor) + matmul(v, self%reaction_row) + matmul(force, self%prescribed)
+   end function energy_form_reactions
 
    !> Separates what changes from what does not, and condenses each part.
    subroutine new_history_model(model, body, problem, prepared, config, error)
@@ -237,5 +382,246 @@ contains
       end do
       text = self%solver%loads%fingerprint(body, problem)//' '//to_text(checksum%value())
    end function history_model_fingerprint
+
+   !> The state before the first step: unstressed, no load acts, and obstacles that the body overlaps just touch it.
+   pure subroutine new_step_state(state, model, body)
+      type(step_state_t), intent(out) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      integer :: m
+
+      m = body%zone%n_points
+      call new_contact_solution(state%solution, m)
+      call model%solver%loads%at_rest(state%instant)
+      state%instant%factor = 0.0_dp
+      allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), source=0.0_dp)
+      state%reaction = state%instant%factor
+      state%instant%time = model%history%times(1)
+      state%instant%gap = max(0.0_dp, state%instant%gap)
+      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_tangent_fixed)
+   end subroutine new_step_state
+
+   !> Takes a step to what acts at its end. The state says what came of it.
+   subroutine take_step(after, model, body, problem, before, instant)
+      type(step_state_t), intent(out) :: after !! the state at the end of the step
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      type(step_state_t), intent(in) :: before !! the state at the beginning of the step
+      type(instant_t), intent(in) :: instant !! what acts at its end
+      integer :: m
+      logical :: is_held, may_continue
+
+      m = body%zone%n_points
+      after%instant = instant
+      after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
+         - before%instant%motion), body%zone%is_tangent_fixed)
+      call model%solver%loads%pose(body, after%instant, problem)
+      after%solution = before%solution
+      is_held = allocated(before%instant%numbers)
+      if (is_held) is_held = .not. any(abs(instant%numbers - before%instant%numbers) > 0.0_dp)
+      if (is_held) then
+         ! Nothing moves. Points on a bound of the law would slip or stick as rounding has it: they stay what they are.
+         call after%solution%reset()
+         call after%solution%record(problem, before%solution%displacement, before%solution%force, &
+            model%solver%method%tolerance, may_continue)
+         is_held = after%solution%is_converged
+      end if
+      if (is_held) then
+         after%solution%status = before%solution%status
+         after%outcome = outcome_solved
+         after%reason = ''
+      else
+         ! The slip before goes on, so that the method begins with the statuses before.
+         after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
+         call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason)
+      end if
+      if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
+      after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
+      after%accumulated_slip = before%accumulated_slip + abs(after%slip)
+      call complete(after, model, problem)
+      call add_works(after, model, problem, before)
+   end subroutine take_step
+
+   !> Gives a state what follows from its forces and displacements.
+   pure subroutine complete(state, model, problem)
+      type(step_state_t), intent(inout) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
+
+      associate (factor => state%instant%factor, v => state%solution%displacement, force => state%solution%force)
+         state%bound = problem%bound(force(:problem%n_points))
+         state%reaction = model%energies%reactions(factor, v, force)
+         state%strain_energy = model%energies%strain_energy(problem, factor, v)
+      end associate
+   end subroutine complete
+
+   !> How many numbers a state is restored from.
+   pure integer function n_state_numbers(n_points)
+      integer, intent(in) :: n_points !! number of contact points
+
+      n_state_numbers = n_single + n_per_point*n_points
+   end function n_state_numbers
+
+   !> What a state must be restored from, the time first: all else follows.
+   pure function step_state_numbers(self) result(numbers)
+      class(step_state_t), intent(in) :: self !! the state
+      real(dp), allocatable :: numbers(:)
+
+      numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
+         real([self%solution%n_iterations, self%solution%status], dp), self%solution%force, &
+         self%solution%displacement, self%instant%anchor, self%accumulated_slip, self%dissipation, self%worn]
+   end function step_state_numbers
+
+   !> Restores a state from its numbers, to the last bit.
+   subroutine restore_step_state(state, model, body, problem, numbers, instant, error)
+      type(step_state_t), intent(out) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      real(dp), intent(in) :: numbers(:) !! the numbers
+      type(instant_t), intent(in) :: instant !! what acted, at the time among the numbers
+      type(error_t), allocatable, intent(out) :: error !! they are those of another body
+      ! Of a bound, as far as forces that a method left or a file rounded reach it.
+      real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp
+      integer :: m
+
+      m = body%zone%n_points
+      if (size(numbers) /= n_state_numbers(m)) then
+         call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single)/n_per_point)// &
+            ' contact points, the body has '//to_text(m))
+         return
+      end if
+      state%instant = instant
+      state%load_work = numbers(2)
+      state%support_work = numbers(3)
+      state%obstacle_work = numbers(4)
+      call new_contact_solution(state%solution, m)
+      associate (solution => state%solution, points => numbers(n_single + m + 1:))
+         solution%residual = numbers(5)
+         solution%n_iterations = nint(numbers(n_single))
+         solution%history = spread(solution%residual, 1, solution%n_iterations)
+         solution%is_converged = .true.
+         solution%force = points(:2*m)
+         solution%displacement = points(2*m + 1:4*m)
+         state%instant%anchor = points(4*m + 1:5*m)
+         state%slip = solution%displacement(m + 1:) - state%instant%anchor
+         state%accumulated_slip = points(5*m + 1:6*m)
+         state%dissipation = points(6*m + 1:7*m)
+         state%worn = points(7*m + 1:)
+      end associate
+      call model%solver%loads%pose(body, state%instant, problem)
+      state%outcome = outcome_solved
+      state%solution%status = problem%status(state%solution%displacement, state%solution%force)
+      ! On a bound of the law, where a held point stays what it was, forces do not tell.
+      associate (force => state%solution%force, status => numbers(n_single + 1:n_single + m))
+         where (abs(force(m + 1:)) >= nearly*problem%bound(force(:m))) state%solution%status = &
+            nint(max(real(open_point, dp), min(real(slip_minus, dp), status)))
+      end associate
+      call complete(state, model, problem)
+   end subroutine restore_step_state
+
+   !> Adds works and dissipation of a step, and measures how well its energies balance.
+   !>
+   !> Over a step the loads do the mean of their work at both ends (they lie on a ramp), and friction takes the mean of
+   !> both bounds times the slip, which is right under reversal, too, where the force jumps but the bound does not.
+   pure subroutine add_works(after, model, problem, before)
+      type(step_state_t), intent(inout) :: after !! the state; gains works and dissipation
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
+      type(step_state_t), intent(in) :: before !! the state before it
+      ! Of sums of some hundred products that cancel each other.
+      real(dp), parameter :: rounding = 1.0e-13_dp
+      real(dp), dimension(problem%n_points) :: approach, taken, missing
+      real(dp), dimension(2*problem%n_points) :: mean_force, v_change
+      real(dp), dimension(size(after%reaction)) :: change
+      real(dp) :: load_work, support_work, obstacle_work, energies
+      integer :: m
+
+      m = problem%n_points
+      change = after%instant%factor - before%instant%factor
+      v_change = after%solution%displacement - before%solution%displacement
+      mean_force = 0.5_dp*(after%solution%force + before%solution%force)
+      load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
+      support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
+      ! An obstacle that a point loses, or meets, does nothing on the way that the gap jumps.
+      approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
+         after%instant%is_in_reach .and. before%instant%is_in_reach)
+      obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
+      taken = 0.5_dp*(after%bound + before%bound)*abs(after%slip)
+      approach = approach - matmul(model%energies%prescribed(:m, :), change) - v_change(:m)
+      ! What is left of the contact work: the points' shares of the energy error.
+      missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*approach
+      after%step_dissipation = sum(taken)
+      after%dissipation = before%dissipation + taken
+      after%worn = before%worn + mean_force(:m)*abs(after%slip)
+      after%load_work = before%load_work + load_work
+      after%support_work = before%support_work + support_work
+      after%obstacle_work = before%obstacle_work + obstacle_work
+      after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
+         before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
+         - before%solution%displacement(:m))
+      ! Of a body that moves as a whole: measured by the energy that single points would have that move as far.
+      energies = max(rounding*maxval([problem%augmentation(), 0.0_dp])*max(0.0_dp, &
+         maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
+         abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
+      if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
+      call check_identities(after, model, problem, before, change, v_change, mean_force, load_work + support_work)
+   end subroutine add_works
+
+   !> Checks the two identities that hold exactly for a step in equilibrium at both ends: the work of loads, supports,
+   !> by their means over the step, is the change of strain energy and the mean contact forces' work; by their values at
+   !> the end, it is that and the strain energy of the step's own displacements more.
+   pure subroutine check_identities(after, model, problem, before, change, v_change, mean_force, mean_work)
+      type(step_state_t), intent(inout) :: after !! the state; gains the violation
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
+      type(step_state_t), intent(in) :: before !! the state before it
+      real(dp), intent(in) :: change(:) !! by how much the factors changed (parts) [-]
+      real(dp), contiguous, intent(in) :: v_change(:) !! by how much the contact displacements changed (2m) [L]
+      real(dp), intent(in) :: mean_force(:) !! mean contact forces (2m) [F]
+      real(dp), intent(in) :: mean_work !! work of loads and supports by their means [F L]
+      ! What rounding leaves of energies that cancel each other is negligible in this share of them. Of a body that
+      ! moves as a whole they are those of single nodes that do: the elements of a slender body are far stiffer than
+      ! its contact points.
+      real(dp), parameter :: rounding_share = 1.0e-5_dp
+      real(dp), dimension(2*problem%n_points) :: whole_change
+      real(dp) :: end_work, own_energy, energy_change, size_of_terms
+
+      ! The normal displacements of the contact problem lack what supports prescribe; the tangential ones are whole.
+      whole_change = v_change
+      associate (m => problem%n_points)
+         whole_change(:m) = whole_change(:m) + matmul(model%energies%prescribed(:m, :), change)
+      end associate
+      energy_change = after%strain_energy - before%strain_energy
+      own_energy = model%energies%strain_energy(problem, change, v_change)
+      end_work = model%energies%load_work(after%instant%factor, change, v_change) &
+         + dot_product(after%reaction, change)
+      size_of_terms = max(after%strain_energy, before%strain_energy, abs(mean_work), abs(end_work), &
+         dot_product(abs(after%solution%force), abs(whole_change)), rounding_share*model%energies%stiffness &
+         *max(sum(after%solution%displacement**2), problem%prescribed**2))
+      if (.not. size_of_terms > 0.0_dp) return
+      after%imbalance = max(abs(mean_work - energy_change - dot_product(mean_force, whole_change)), &
+         abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
+   end subroutine check_identities
+
+   !> Slip of the step, accumulated slip [L], dissipation [F L], and what wear is proportional to after Archard: the
+   !> integral of the pressure over the slip [F/L] (m, 4).
+   pure function step_state_slip_record(self, body) result(record)
+      class(step_state_t), intent(in) :: self !! the state
+      type(body_t), intent(in) :: body !! the body
+      real(dp), allocatable :: record(:, :)
+
+      record = reshape([self%slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area], &
+         [size(self%slip), 4])
+   end function step_state_slip_record
+
+   !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].
+   pure real(dp) function step_state_energy_error(self) result(energy_error)
+      class(step_state_t), intent(in) :: self !! the state
+
+      energy_error = self%load_work + self%support_work + self%obstacle_work - self%strain_energy &
+         - sum(self%dissipation)
+   end function step_state_energy_error
 
 end module amontons_history_model

@@ -1,23 +1,78 @@
-!> The study of a load history: all steps of a deck with `&history`.
+!> The study of a load history: from its deck through all steps to the files that grow with it, the result of its last
+!> step, and what listing and summary say of the way there.
 module amontons_history_study
-   use amontons_config, only: config_t
-   use amontons_error, only: error_t
-   use amontons_history_model, only: find_probes
-   use amontons_history_report, only: describe_history
-   use amontons_key_results, only: resultants
+   use amontons_body, only: body_t
+   use amontons_checkpoint, only: checkpoint_t
+   use amontons_config, only: config_t, effective_deck
+   use amontons_document, only: document_t, json_logical, json_number, json_string, quantity_members
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_history, only: history_t, is_shown, moved_things, steps_t
+   use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
+   use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
+   use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_cycle_numbers, n_plain_numbers, new_history_walk
+   use amontons_key_results, only: lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
+   use amontons_listing, only: quantities_text
+   use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: quantity_t
-   use amontons_report, only: write_report
-   use amontons_result, only: outcome_no_equilibrium, result_t, word_no_equilibrium, word_not_converged
-   use amontons_solve_case, only: cache_t, prepare_case
-   use amontons_solve_history, only: history_result_t, solve_history
+   use amontons_report, only: member, study_files_t, write_report
+   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t, word_no_equilibrium, &
+      word_not_converged
+   use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
+      is_limit_of_model, n_case_warnings
+   use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
-   use amontons_text, only: scientific, short_text, to_text, with_unit
+   use amontons_terminal, only: phase_recover, phase_solve, phase_write
+   use amontons_text, only: columns, counted, flush_right, heading, labeled, n_characters, newline, scientific, &
+      short_text, to_text, unit_of, with_unit
+   use amontons_uniqueness, only: new_uniqueness
+   use amontons_version, only: version
    implicit none (type, external)
    private
 
-   public :: history_study_t
+   public :: describe_history, history_result_t, history_study_t, new_step_result, prepare_history, solve_history, &
+      start_history, worst_step_t
+
+   !> Numbers that are kept of each time that was reached.
+   integer, parameter :: n_reached_numbers = 9
+
+   !> The largest of a number over all steps, and where it was.
+   type :: worst_step_t
+      real(dp) :: value = 0.0_dp !! the largest [-]
+      integer :: step = 0 !! the step; 0 if none had more than 0
+   contains
+      procedure :: note => worst_step_note
+      procedure :: numbers => worst_step_numbers
+   end type worst_step_t
+
+   !> The result of a history. Its steps are on the disk.
+   type :: history_result_t
+      type(result_t) :: last !! the last step, certified on the full model; its times are those of the history
+      type(history_walk_t) :: walk !! where the way ended
+      type(study_files_t) :: files !! the files that grew with it
+      type(checkpoint_t) :: checkpoint !! their checkpoint, locked unless the history was interrupted
+      real(dp), allocatable :: reached(:, :)
+         !! the times of the deck that were reached, each with zones, forces, strain energy, work, dissipation (9, n)
+      real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_watch_t` has them (n_cycle_numbers, n)
+      type(worst_step_t) :: residual !! largest residual of the contact problems
+      type(worst_step_t) :: imbalance !! largest violation of the energy identities
+      type(worst_step_t) :: indicator !! largest energy error of a step over its energies
+      type(worst_step_t) :: violation !! largest violation of the certificates
+      type(worst_step_t) :: jump !! largest energy error of a step that cannot be made shorter, over its energies
+      integer :: n_jumps = 0 !! number of such steps
+      integer :: n_warned(n_case_warnings) = 0 !! number of steps that each warning on a case is about
+      integer :: warned_step(n_case_warnings) = 0 !! the first of them
+      integer :: last_warned(n_case_warnings) = 0 !! the last of them
+      integer :: n_certified = 0 !! number of steps that were certified
+      integer :: n_resumed = 0 !! number of the last step that an earlier run had done
+      logical :: is_interrupted = .false. !! whether the monitor stopped it
+   contains
+      procedure :: add_warnings => history_result_add_warnings
+      procedure :: error_from_rest => history_result_error_from_rest
+      procedure :: note_certificate => history_result_note_certificate
+      procedure :: note_step => history_result_note_step
+   end type history_result_t
 
    !> The study of a history.
    type, extends(study_t) :: history_study_t
@@ -27,6 +82,686 @@ module amontons_history_study
    end type history_study_t
 
 contains
+
+   !> Takes all steps of a history. The files keep their temporary names.
+   subroutine solve_history(cache, config, directory, monitor, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      type(history_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      type(history_model_t) :: model
+      type(history_files_t) :: files
+
+      call prepare_history(cache, config, model, result%last, error)
+      if (allocated(error)) return
+      call result%last%timings%begin(phase_solve)
+      call begin_history(cache, config, directory, model, files, result, error)
+      if (allocated(error)) return
+      call take_steps(cache, model, files, monitor, result, error)
+      result%last%is_complete = len(result%walk%fault) == 0
+      result%last%outcome = result%walk%outcome
+      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
+         result, error)
+      result%checkpoint = files%checkpoint
+      if (result%is_interrupted) then
+         call result%checkpoint%close()
+      else if (result%walk%n_steps == 0) then
+         call result%checkpoint%discard()
+      else if (allocated(error)) then
+         call result%checkpoint%close()
+      end if
+   end subroutine solve_history
+
+   !> Begins where the deck starts, or behind the last step that an earlier run has noted.
+   subroutine begin_history(cache, config, directory, model, files, result, error)
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of the last step
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(history_model_t), intent(in) :: model !! the history
+      type(history_files_t), intent(out) :: files !! the files
+      type(history_result_t), intent(inout) :: result !! gains the way, and what is known of it
+      type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
+      type(history_milestone_t) :: milestone
+      character(:), allocatable :: key
+
+      key = '! Amontons '//version//', a history under way; contact problem '// &
+         model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
+      call start_history(result, cache, model, milestone%numbers, error)
+      if (allocated(error)) return
+      if (allocated(milestone%numbers)) then
+         key = key//milestone%text()//newline
+         deallocate (milestone%numbers)
+      end if
+      call new_history_files(files, model, cache%body, result%walk, directory, config)
+      call files%open(model, key, milestone, error)
+      if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
+         result, error)
+   end subroutine begin_history
+
+   !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck:
+   !> numbers of another body or of other loads would give or take energy that no load has.
+   subroutine start_history(result, cache, model, numbers, error)
+      type(history_result_t), intent(inout) :: result !! gains the way, and no steps
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
+      type(history_model_t), intent(in) :: model !! the history
+      real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state; not allocated where none is named
+      type(error_t), allocatable, intent(out) :: error !! there is no such state, or it is none of this deck
+      ! Of a sound step that was not certified, rounding in an ill-conditioned body may leave more than the limit.
+      real(dp), parameter :: least_limit = 1.0e-6_dp
+      type(result_t) :: step
+      real(dp) :: violation
+
+      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
+      call new_history_walk(result%walk, model, cache%body)
+      if (.not. model%history%has_start()) return
+      call read_start(numbers, model%history, error)
+      if (allocated(error)) return
+      call result%walk%restore(model, cache%body, cache%problem, numbers, error)
+      if (.not. allocated(error)) call new_step_result(step, cache, model, result%walk, error)
+      if (.not. allocated(error)) then
+         associate (certificate => step%certificate)
+            violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
+               certificate%friction_excess, certificate%complementarity, certificate%slip_below_bound, &
+               certificate%wrong_dissipation)
+         end associate
+         if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
+            result%walk%state%solution%residual)))) call new_error(error, input_refused, &
+            'it is not in equilibrium with the body and what acts on it at the time '// &
+            to_text(result%walk%state%instant%time)//' (violation '//scientific(violation)//'): mesh, materials, '// &
+            'supports, friction and loads at that time must be those of the history that left it')
+      end if
+      if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
+   end subroutine start_history
+
+   !> Notes how far the history is.
+   subroutine note_milestone(files, result, error)
+      type(history_files_t), intent(inout) :: files !! the files
+      type(history_result_t), intent(in) :: result !! the history so far
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      type(history_milestone_t) :: milestone
+
+      if (result%walk%n_steps == 0) return
+      milestone%numbers = [real(result%n_certified, dp), result%residual%numbers(), result%imbalance%numbers(), &
+         result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), &
+         real([result%n_jumps, result%n_warned, result%warned_step, result%last_warned, size(result%reached, 2), &
+         size(result%cycles, 2)], dp), reshape(result%reached, [size(result%reached)]), &
+         reshape(result%cycles, [size(result%cycles)]), result%walk%numbers()]
+      call files%checkpoint%save(milestone, error)
+   end subroutine note_milestone
+
+   !> Goes on from such a note.
+   subroutine go_on(cache, model, numbers, result, error)
+      type(cache_t), intent(inout) :: cache !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      real(dp), intent(in) :: numbers(:) !! the numbers of the note
+      type(history_result_t), intent(inout) :: result !! the history, new
+      type(error_t), allocatable, intent(out) :: error !! the note does not fit
+      integer, parameter :: n = n_case_warnings, n_before = 14 + 3*n
+      integer :: first, last
+
+      result%n_certified = nint(numbers(1))
+      result%residual = worst_step_t(numbers(2), nint(numbers(3)))
+      result%imbalance = worst_step_t(numbers(4), nint(numbers(5)))
+      result%indicator = worst_step_t(numbers(6), nint(numbers(7)))
+      result%violation = worst_step_t(numbers(8), nint(numbers(9)))
+      result%jump = worst_step_t(numbers(10), nint(numbers(11)))
+      result%n_jumps = nint(numbers(12))
+      result%n_warned = nint(numbers(13:12 + n))
+      result%warned_step = nint(numbers(13 + n:12 + 2*n))
+      result%last_warned = nint(numbers(13 + 2*n:12 + 3*n))
+      first = n_before + n_reached_numbers*nint(numbers(n_before - 1))
+      last = first + n_cycle_numbers*nint(numbers(n_before))
+      result%reached = reshape(numbers(n_before + 1:first), [n_reached_numbers, nint(numbers(n_before - 1))])
+      result%cycles = reshape(numbers(first + 1:last), [n_cycle_numbers, nint(numbers(n_before))])
+      call result%walk%restore(model, cache%body, cache%problem, numbers(last + 1:), error)
+      result%n_resumed = result%walk%n_steps
+   end subroutine go_on
+
+   !> Makes what the steps need: the condensed body and the model of the history.
+   subroutine prepare_history(cache, config, model, last, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(config_t), intent(in) :: config !! the deck
+      type(history_model_t), intent(out) :: model !! the history
+      type(result_t), intent(inout) :: last !! gains what the result of the last step begins with
+      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+
+      call prepare_case(cache, config, last, error)
+      if (allocated(error)) return
+      call add_history_warnings(last%warnings, config%history, last%load_case, cache%body%zone%set)
+      call condense_case(cache, config, last, error)
+      if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
+         error)
+      if (allocated(error)) return
+      if (.not. any_changes(model)) call last%warnings%add( &
+         'no load, support, obstacle or friction changes over the history')
+      call set_factor(last%factor, cache%body)
+   end subroutine prepare_history
+
+   !> Ends the files of a history, and lists them together with the tables that were read.
+   subroutine finish_files(files, model, config, result, error)
+      type(history_files_t), intent(inout) :: files !! the files
+      type(history_model_t), intent(in) :: model !! the history
+      type(config_t), intent(in) :: config !! the deck
+      type(history_result_t), intent(inout) :: result !! gains the finished files and their manifest
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+
+      call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
+      if (.not. allocated(error)) call add_tables(result%files%manifest, config)
+   end subroutine finish_files
+
+   !> Adds the tables of changes to the files that were read.
+   subroutine add_tables(manifest, config)
+      type(manifest_t), intent(inout) :: manifest !! the manifest
+      type(config_t), intent(in) :: config !! the deck
+      integer :: i
+
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call manifest%add_input(config%history%steps(i)%file)
+      end do
+      if (config%history%has_start()) call manifest%add_input(config%history%start)
+   end subroutine add_tables
+
+   !> Whether anything changes.
+   pure logical function any_changes(model)
+      type(history_model_t), intent(in) :: model !! the history
+      integer :: i
+
+      any_changes = any([(model%history%steps(i)%changes(), i=1, size(model%history%steps))])
+   end function any_changes
+
+   !> Takes the steps, as far as there is a way and the monitor does not stop it.
+   subroutine take_steps(cache, model, files, monitor, result, error)
+      type(cache_t), intent(inout) :: cache !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      type(history_files_t), intent(inout) :: files !! gain the steps
+      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      type(history_result_t), intent(inout) :: result !! gains the way and its extremes
+      type(error_t), allocatable, intent(out) :: error !! fields cannot be written
+      integer, parameter :: n_between_reports = 64
+      integer :: n_kept
+      logical :: is_due
+
+      associate (walk => result%walk, history => model%history)
+         call monitor%report(walk%n_planned, history%n_steps(), 'steps')
+         do while (.not. (walk%is_ended .or. result%is_interrupted))
+            n_kept = walk%n_steps
+            call walk%advance(model, cache%body, cache%problem)
+            result%is_interrupted = monitor%is_stopped()
+            if (walk%n_steps == n_kept) exit
+            call result%note_step(cache%body, model)
+            call files%add_step(model, cache%body, walk)
+            ! Where contact reaches the end of a set, the boundary beyond it is looked at.
+            if (is_shown(walk%n_steps, history%fields_every)) then
+               call certify_step(cache, model, result, error, files)
+            else if (result%last_warned(end_of_set) == walk%n_steps) then
+               call certify_step(cache, model, result, error)
+            end if
+            if (allocated(error)) return
+            ! A step may take microseconds, or seconds.
+            is_due = files%checkpoint%is_due()
+            if (is_due .or. modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, &
+               history%n_steps(), 'steps')
+            if (is_due) call note_milestone(files, result, error)
+            if (allocated(error)) return
+         end do
+      end associate
+      call result%add_warnings(cache%body)
+      call note_milestone(files, result, error)
+   end subroutine take_steps
+
+   !> Notes what is remarkable of the last step.
+   pure subroutine history_result_note_step(self, body, model)
+      class(history_result_t), intent(inout) :: self !! the history so far
+      type(body_t), intent(in) :: body !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      type(lengths_t) :: lengths
+      logical :: is_warned(n_case_warnings)
+
+      associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
+         if (walk%is_jump) self%n_jumps = self%n_jumps + 1
+         if (walk%is_jump) call self%jump%note(state%indicator, walk%n_steps)
+         call self%residual%note(state%solution%residual, walk%n_steps)
+         call self%imbalance%note(state%imbalance, walk%n_steps)
+         call self%indicator%note(state%indicator, walk%n_steps)
+         call find_case_warnings(is_warned, body, model%solver%size_of_body, &
+            model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
+         where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
+         where (is_warned) self%last_warned = walk%n_steps
+         self%n_warned = self%n_warned + merge(1, 0, is_warned)
+         if (walk%watch%is_finished) self%cycles = reshape([self%cycles, walk%watch%numbers], &
+            [n_cycle_numbers, size(self%cycles, 2) + 1])
+         if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
+         call new_lengths(lengths, body%zone, state%solution%status)
+         self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
+            sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
+            state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
+            [n_reached_numbers, size(self%reached, 2) + 1])
+      end associate
+   end subroutine history_result_note_step
+
+   !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps
+   !> make it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
+   pure real(dp) function history_result_error_from_rest(self, history) result(energy_error)
+      class(history_result_t), intent(in) :: self !! the history so far
+      type(history_t), intent(in) :: history !! what the deck says of it
+
+      energy_error = 0.0_dp
+      if (history%has_start()) return
+      ! Strain energy, work and dissipation at the first time.
+      associate (energies => self%reached(7:9, 1))
+         energy_error = energies(2) - energies(1) - energies(3)
+      end associate
+   end function history_result_error_from_rest
+
+   !> Notes the certificate of the last step.
+   pure subroutine history_result_note_certificate(self, violation)
+      class(history_result_t), intent(inout) :: self !! the history so far
+      real(dp), intent(in) :: violation !! the largest violation of the step [-]
+
+      call self%violation%note(violation, self%walk%n_steps)
+      self%n_certified = self%n_certified + 1
+   end subroutine history_result_note_certificate
+
+   !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory where those of
+   !> the last one are not: the last step has its own warnings.
+   subroutine history_result_add_warnings(self, body)
+      class(history_result_t), intent(inout) :: self !! the history; its last step gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      integer :: i
+
+      associate (n_steps => self%walk%n_steps, warnings => self%last%warnings)
+         if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
+            ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
+            'there; most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
+         do i = 1, n_case_warnings
+            if (.not. is_limit_of_model(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
+            call warnings%add(to_text(self%n_warned(i))//' of '//to_text(n_steps)//' steps, step '// &
+               to_text(self%warned_step(i))//' the first: '//case_warning_sentence(i, body%zone))
+         end do
+      end associate
+   end subroutine history_result_add_warnings
+
+   !> Certifies the present step, and writes its grids where they are asked for.
+   subroutine certify_step(cache, model, result, error, files)
+      type(cache_t), intent(in) :: cache !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      type(history_result_t), intent(inout) :: result !! gains the violation
+      type(error_t), allocatable, intent(out) :: error !! the numbers are not finite, or the grids cannot be written
+      type(history_files_t), intent(inout), optional :: files !! gain the grids
+      type(result_t) :: step
+
+      step%wants_error_estimate = result%last%wants_error_estimate
+      call new_step_result(step, cache, model, result%walk, error)
+      if (allocated(error)) return
+      call result%note_certificate(step%certificate%largest())
+      if (present(files)) call files%add_fields(cache%body, result%walk%n_steps, &
+         to_text(result%walk%state%instant%time), step, error)
+   end subroutine certify_step
+
+   !> Makes the result of a step: displacements of all nodes, and their certificate.
+   subroutine new_step_result(step, cache, model, walk, error)
+      type(result_t), intent(inout) :: step !! gains load case, solution, displacements and certificate
+      type(cache_t), intent(in) :: cache !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
+
+      call model%solver%loads%load_case(cache%body, walk%state%instant, step%load_case)
+      step%solution = walk%state%solution
+      step%slip_record = walk%point_record(cache%body)
+      call certify(step, cache%body, error)
+   end subroutine new_step_result
+
+   !> Certifies the last step, gives it what its files show, and ends the tables; without a step there are none.
+   subroutine finish_history(cache, model, config, files, result, error)
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the last step
+      type(history_model_t), intent(in) :: model !! the history
+      type(config_t), intent(in) :: config !! the deck
+      type(history_files_t), intent(inout) :: files !! the files
+      type(history_result_t), intent(inout) :: result !! gains the last step
+      type(error_t), allocatable, intent(out) :: error
+         !! there is no first step, and that is no answer; or the numbers of the last one are not finite
+
+      if (result%walk%n_steps == 0) then
+         ! That there is no first state is an answer; an obstacle that is out of place is none.
+         if (result%walk%fault_kind > 0 .and. result%walk%outcome /= outcome_no_equilibrium) call new_error(error, &
+            result%walk%fault_kind, result%walk%fault)
+         if (.not. allocated(error)) call add_tables(result%files%manifest, config)
+         return
+      end if
+      call result%last%timings%begin(phase_recover)
+      associate (state => result%walk%state)
+         call new_step_result(result%last, cache, model, result%walk, error)
+         if (allocated(error)) return
+         call result%note_certificate(result%last%certificate%largest())
+         call model%solver%loads%pose(cache%body, state%instant, cache%problem)
+      end associate
+      call add_result_warnings(result%last, cache%body)
+      call new_uniqueness(result%last%uniqueness, cache%problem)
+      call result%last%timings%begin(phase_write)
+      call finish_files(files, model, config, result, error)
+   end subroutine finish_history
+
+   !> Notes the number of a step.
+   pure subroutine worst_step_note(self, value, step)
+      class(worst_step_t), intent(inout) :: self !! the largest so far
+      real(dp), intent(in) :: value !! that of the step [-]
+      integer, intent(in) :: step !! the step
+
+      if (.not. value > self%value) return
+      self%value = value
+      self%step = step
+   end subroutine worst_step_note
+
+   !> The numbers of it.
+   pure function worst_step_numbers(self) result(numbers)
+      class(worst_step_t), intent(in) :: self !! the largest so far
+      real(dp) :: numbers(2)
+
+      numbers = [self%value, real(self%step, dp)]
+   end function worst_step_numbers
+
+   !> Says in listing and summary of the last step what the history was, and how far its steps are from being solved.
+   subroutine describe_history(result, config)
+      type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
+      type(config_t), intent(in) :: config !! the deck
+      type(quantity_t), allocatable :: energies(:)
+      real(dp) :: force, length, energy
+
+      result%last%earlier_violation = max(result%violation%value, result%imbalance%value)
+      energies = energies_of(result%walk%state)
+      associate (state => result%walk%state)
+         force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))
+         length = max(0.0_dp, maxval(abs(state%solution%displacement)), maxval(abs(result%cycles(9:10, :))))
+         energy = max(maxval(abs(energies%value)), maxval(abs(result%reached(7:, :))))
+      end associate
+      call list_history(result%last%study_listing, config, result, force, length, energy)
+      call result%last%study_members%add(history_members(config, result), [spread(energy, 1, size(energies)), 0.0_dp])
+   end subroutine describe_history
+
+   !> Makes the section of the listing.
+   subroutine list_history(section, config, result, force, length, energy)
+      type(document_t), intent(inout) :: section !! gains the section
+      type(config_t), intent(in) :: config !! the deck
+      type(history_result_t), intent(in) :: result !! the history
+      real(dp), intent(in) :: force !! the largest force [F]
+      real(dp), intent(in) :: length !! the largest displacement [L]
+      real(dp), intent(in) :: energy !! the largest energy [F L]
+      character(:), allocatable :: text
+      integer :: i
+
+      associate (history => config%history, walk => result%walk)
+         text = heading('Load history')
+         do i = 1, size(history%steps)
+            text = text//labeled('Changes', steps_text(history%steps(i)))
+         end do
+         text = text//constant_loads_text(config)
+         if (len(walk%fault) > 0) text = text//labeled('INCOMPLETE', walk%fault)
+         text = text//labeled('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
+         if (history%has_start()) text = text//labeled('Start', history%start)
+         if (result%n_resumed > 0) text = text//labeled('Resumed', 'behind step '//to_text(result%n_resumed)// &
+            ' of an interrupted run')
+         if (walk%n_given_up > 0) text = text//labeled('Halved', to_text(walk%n_given_up)//' steps')
+         text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
+            short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
+            worst_text('Largest residual', result%residual)//worst_text('Energy identities', result%imbalance)// &
+            worst_text('Step indicator', result%indicator)//labeled('Certified', counted(result%n_certified, 'step')// &
+            '; largest violation '//scientific(result%violation%value)//' in step '// &
+            to_text(result%violation%step))
+         call section%add(text)
+         text = ''
+         if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
+            ' deck; all steps were taken anew')
+         call section%record(text)
+         text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
+         call section%add(text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the'// &
+            ' size of the steps)'//newline//from_rest_text(result%error_from_rest(history), energy, config%units), &
+            [energy])
+         call section%add(times_table(history, result%reached, config%units), [0.0_dp, spread(0.0_dp, 1, 3), &
+            spread(force, 1, 2), spread(energy, 1, 3)])
+         call section%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, length, length, &
+            1.0_dp])
+         call section%add(fretting_text(config, result%cycles))
+         call section%add( &
+            heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
+      end associate
+   end subroutine list_history
+
+   !> The part of the energy error that no size of the steps changes, where there is one.
+   pure function from_rest_text(from_rest, energy, units) result(text)
+      real(dp), intent(in) :: from_rest !! the energy error of the first step from rest [F L]
+      real(dp), intent(in) :: energy !! the largest energy [F L]
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      real(dp), parameter :: rounding = 1.0e-12_dp
+
+      text = ''
+      if (abs(from_rest) > rounding*energy) text = labeled('of it at first', with_unit(short_text(from_rest), units, &
+         'F L')//' (in the step from rest to the first time, which is not divided)')
+   end function from_rest_text
+
+   !> What changes, and between which numbers.
+   pure function steps_text(steps) result(text)
+      type(steps_t), intent(in) :: steps !! the change
+      character(:), allocatable :: text
+      integer :: k
+
+      text = trim(moved_things(steps%target))//" '"//steps%name//"'"
+      do k = 1, steps%n_numbers()
+         text = text//range_text(steps%label(k), steps%table(1 + k, :))
+      end do
+   end function steps_text
+
+   !> A number's name and range.
+   pure function range_text(label, values) result(text)
+      character(*), intent(in) :: label !! its name
+      real(dp), intent(in) :: values(:) !! its values
+      character(:), allocatable :: text
+
+      text = '; '//label//' from '//short_text(minval(values))//' to '//short_text(maxval(values))
+   end function range_text
+
+   !> Says which loads act in full from the first time on.
+   pure function constant_loads_text(config) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      character(:), allocatable :: text
+      integer :: i, k, n
+
+      text = ''
+      n = 0
+      do i = 1, size(config%loads)
+         if (.not. any([(config%history%steps(k)%target == 1 .and. config%history%steps(k)%name &
+            == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
+      end do
+      if (n > 0) text = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
+   end function constant_loads_text
+
+   !> The largest of a number over all steps.
+   pure function worst_text(label, worst) result(text)
+      character(*), intent(in) :: label !! what it is
+      type(worst_step_t), intent(in) :: worst !! the largest
+      character(:), allocatable :: text
+
+      text = labeled(label, scientific(worst%value))
+      if (worst%step > 0) text = labeled(label, scientific(worst%value)//' in step '//to_text(worst%step))
+   end function worst_text
+
+   !> Where the work of the history went; the error is that of the size of the steps.
+   pure function energies_of(state) result(list)
+      type(step_state_t), intent(in) :: state !! the last state
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('work_loads', 'Work of loads', state%load_work), &
+         quantity_t('work_supports', 'Work of supports', state%support_work), &
+         quantity_t('work_obstacles', 'Work of obstacles', state%obstacle_work), &
+         quantity_t('strain_energy', 'Strain energy', state%strain_energy), &
+         quantity_t('dissipation', 'Dissipation', sum(state%dissipation)), &
+         quantity_t('energy_error', 'Energy error', state%energy_error())]
+      list%dimension = 'F L'
+   end function energies_of
+
+   !> The states at the times of the deck, with what the time since the one before took.
+   pure function times_table(history, reached, units) result(text)
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: reached(:, :) !! the times, each with what is known of it
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
+         'tang. force', 'strain energy', 'work', 'dissipated']
+      character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
+         'F L']
+      real(dp) :: before(2)
+      integer :: i, width
+
+      width = column_width(units)
+      text = heading('States at the times of the deck (work and dissipation: since the time before)')// &
+         table_head(history%name(:min(12, len(history%name))), labels, dimensions, units)
+      before = 0.0_dp
+      do i = 1, size(reached, 2)
+         text = text//columns([reached(:7, i), reached(8:, i) - before], width)//newline
+         before = reached(8:, i)
+      end do
+   end function times_table
+
+   !> Width of the columns of a table: of numbers with six digits, or of a unit with a long name.
+   pure integer function column_width(units) result(width)
+      character(*), intent(in) :: units !! names of the units of the case
+
+      width = max(14, 1 + n_characters(unit_of(units, 'F L')))
+   end function column_width
+
+   !> The first line of a table and, where there are units, the second.
+   pure function table_head(first, labels, dimensions, units) result(text)
+      character(*), intent(in) :: first !! what the first column is called, which is measured in nothing
+      character(*), intent(in) :: labels(:) !! what the others are called
+      character(*), intent(in) :: dimensions(:) !! what they are measured in
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = flush_right(first, column_width(units))
+      do i = 1, size(labels)
+         text = text//flush_right(trim(labels(i)), column_width(units))
+      end do
+      text = text//newline
+      if (len_trim(units) == 0) return
+      text = text//repeat(' ', column_width(units))
+      do i = 1, size(dimensions)
+         text = text//flush_right(unit_of(units, trim(dimensions(i))), column_width(units))
+      end do
+      text = trim(text)//newline
+   end function table_head
+
+   !> The cycles: of many the last ones, since these are like each other or not.
+   pure function cycles_table(config, cycles) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer, parameter :: most_shown = 20
+      character(10), parameter :: labels(*) = [character(10) :: 'end', 'work', 'dissipated', 'max. slip', &
+         'max. drift', 'd dissip.', 'd forces', 'outcome']
+      character(3), parameter :: dimensions(size(labels)) = [character(3) :: '', 'F L', 'F L', 'L', 'L', '', '', '']
+      integer :: i, n, n_passed
+
+      text = ''
+      n = size(cycles, 2)
+      if (n == 0) return
+      n_passed = max(0, n - most_shown)
+      text = heading('Cycles (d: changes from the one before, over the larger)')//table_head('cycle', labels, &
+         dimensions, config%units)
+      do i = n_passed + 1, n
+         text = text//flush_right(to_text(nint(cycles(1, i))), column_width(config%units)) &
+            //columns(cycles([3, 5, 7, 9, 10, 11, 12], i), column_width(config%units)) &
+            //flush_right(trim(outcome_name(cycles(:, i))), column_width(config%units))//newline
+      end do
+      if (n_passed > 0) text = text//labeled('Note', 'the first '//to_text(n_passed)//' of '//to_text(n)// &
+         ' cycles are in '//config%name//'.cycles.csv')
+   end function cycles_table
+
+   !> The parameters of fretting of the last cycle.
+   pure function fretting_text(config, cycles) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer :: n
+
+      text = ''
+      n = size(cycles, 2)
+      if (n > 0 .and. config%history%has_fretting) text = heading('Fretting, last cycle (largest of all points)')// &
+         labeled('Ruiz 1', with_unit(short_text(cycles(n_plain_numbers + 1, n)), config%units, 'F/L'))// &
+         labeled('Ruiz 2', with_unit(short_text(cycles(n_plain_numbers + 2, n)), config%units, 'F^2/L^3'))// &
+         labeled('SWT', with_unit(short_text(cycles(n_cycle_numbers, n)), config%units, 'F/L^2'))
+   end function fretting_text
+
+   !> What a cycle is.
+   pure function outcome_name(cycle) result(name)
+      real(dp), intent(in) :: cycle(:) !! the numbers of the cycle
+      character(len(cycle_outcomes)) :: name
+
+      name = cycle_outcomes(nint(cycle(n_plain_numbers)))
+   end function outcome_name
+
+   !> The member of the cycles: how many, what the last one is, and since which one all are that.
+   function cycles_member(history, cycles) result(text)
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer :: n, since
+
+      text = ''
+      n = size(cycles, 2)
+      if (n == 0) return
+      since = n
+      do while (since > 1)
+         if (nint(cycles(n_plain_numbers, since - 1)) /= nint(cycles(n_plain_numbers, n))) exit
+         since = since - 1
+      end do
+      text = ', "cycles": '//to_text(n)//', "cycle_outcome": '//json_string(trim(outcome_name(cycles(:, n))))// &
+         ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', "cycle_dissipation": '// &
+         json_number(cycles(7, n))
+      if (history%has_fretting) text = text//', "max_ruiz_1": '//json_number(cycles(n_plain_numbers + 1, n))// &
+         ', "max_ruiz_2": '//json_number(cycles(n_plain_numbers + 2, n))//', "max_swt": '// &
+         json_number(cycles(n_cycle_numbers, n))
+   end function cycles_member
+
+   !> The members of the summary.
+   function history_members(config, result) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      type(history_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      integer :: i, k
+
+      associate (walk => result%walk, state => result%walk%state)
+         text = '{'//quantity_members(energies_of(state))//', "complete": '//json_logical(len(walk%fault) == 0)// &
+            ', "end": '//json_string(walk%fault)
+         if (len(walk%fault) > 0) text = text//', "end_time": '//json_number(walk%fault_time)
+         text = text//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
+            to_text(result%n_resumed)//', "steps_given_up": '// &
+            to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
+         do i = 1, size(config%history%steps)
+            do k = 1, config%history%steps(i)%n_numbers()
+               if (i > 1 .or. k > 1) text = text//', '
+               text = text//json_string(config%history%steps(i)%label(k))
+            end do
+         end do
+         text = text//'], "time": '//json_number(state%instant%time)
+      end associate
+      text = member('load_history', text//worst_members('residual', result%residual)// &
+         worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &
+         worst_members('violation', result%violation)// &
+         cycles_member(config%history, result%cycles)//'}')
+   end function history_members
+
+   !> The largest of a number over all steps, behind others.
+   pure function worst_members(name, worst) result(text)
+      character(*), intent(in) :: name !! what it is
+      type(worst_step_t), intent(in) :: worst !! the largest
+      character(:), allocatable :: text
+
+      text = ', "'//name//'": '//json_number(worst%value)//', "'//name//'_step": '//to_text(worst%step)
+   end function worst_members
 
    !> Checks the history and reports its size.
    subroutine history_study_check(self, cache, outcome, error)

@@ -6,12 +6,12 @@ module amontons_load_stepper
    use amontons_config, only: config_t
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_history_files, only: history_table_t, history_tables, step_numbers
-   use amontons_history_model, only: history_model_t, instant_t
+   use amontons_history_model, only: history_model_t, instant_t, n_state_numbers, new_step_state, restore_step_state, &
+      step_state_t, take_step
+   use amontons_history_study, only: prepare_history
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t
-   use amontons_solve_history, only: prepare_history
-   use amontons_stepper, only: n_state_numbers, new_step_state, restore_step_state, step_state_t, take_step
    use amontons_text, only: to_text
    implicit none (type, external)
    private

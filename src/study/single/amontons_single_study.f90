@@ -6,7 +6,6 @@ module amontons_single_study
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_convergence, only: has_limit, new_convergence
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
@@ -15,7 +14,7 @@ module amontons_single_study
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
-   use amontons_result, only: outcome_no_equilibrium, result_t, word_no_equilibrium
+   use amontons_result, only: has_limit, new_convergence, outcome_no_equilibrium, result_t, word_no_equilibrium
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
    use amontons_study, only: method_numbers, outcome_t, report_size, solution_line, study_monitor_t, study_options_t, &
