@@ -86,6 +86,8 @@ def _verdict_of_sweep(counts: dict[str, int], is_certified: bool, found: str) ->
     left = []
     if counts["not_converged"]:
         left.append(f"{counts['not_converged']} did not converge: use method = 'auto', or raise max_iterations")
+    if counts.get("numerical_failure"):
+        left.append(f"{counts['numerical_failure']} leave the range of numbers: check units, loads and distances")
     if counts["no_equilibrium"]:
         left.append(f"{counts['no_equilibrium']} have no equilibrium: contact and friction cannot balance their loads")
     found = f"Of {counts['cases']} cases, " + "; ".join(left) + " (column outcome). " + found if left else found

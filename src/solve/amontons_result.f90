@@ -61,9 +61,12 @@ module amontons_result
    !> Converged, but a violation of the certificate is above its limit.
    character(*), parameter, public :: word_not_certified = 'not_certified'
 
+   !> Its numbers left the range of numbers, or have no digit.
+   character(*), parameter, public :: word_numerical_failure = 'numerical_failure'
+
    !> Words for the outcomes that result files have.
-   character(14), parameter :: outcome_names(3) = [character(14) :: word_solved, word_not_converged, &
-      word_no_equilibrium]
+   character(17), parameter :: outcome_names(4) = [character(17) :: word_solved, word_not_converged, &
+      word_no_equilibrium, word_numerical_failure]
 
    !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
    !> `amontons_error`.
@@ -234,8 +237,8 @@ contains
       type(result_t), intent(in) :: result !! its result
       character(:), allocatable :: word
 
-      if (result%outcome == outcome_no_equilibrium) then
-         word = word_no_equilibrium
+      if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) then
+         word = trim(outcome_names(result%outcome))
       else
          word = solution_word(result%solution%is_converged .and. result%is_complete, &
             max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(result%method%tolerance))

@@ -1,5 +1,5 @@
-!> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds; among those on the mesh, zones
-!> of the contact line of few sides, and ends of zones that most of the estimated error comes from.
+!> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds; among those on the mesh,
+!> zones of the contact line of few sides, and ends of zones that most of the estimated error comes from.
 module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded

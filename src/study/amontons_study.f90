@@ -127,13 +127,13 @@ contains
       self%message = 'interrupted after '//place//'; the same command goes on from there'
    end subroutine outcome_interrupt
 
-   !> Notes that there is no solution, or none of every step or row: status 2 without equilibrium, otherwise 4.
+   !> Notes that there is no solution, or none of every step or row: status 4 without convergence, otherwise 2.
    pure subroutine outcome_lack(self, word, message)
       class(outcome_t), intent(inout) :: self !! the outcome
-      character(*), intent(in) :: word !! `word_no_equilibrium` or `word_not_converged`
+      character(*), intent(in) :: word !! `word_no_equilibrium`, `word_not_converged` or `word_numerical_failure`
       character(*), intent(in) :: message !! what is lacking
 
-      self%status = merge(numerical_failure, status_not_converged, word == word_no_equilibrium)
+      self%status = merge(status_not_converged, numerical_failure, word == word_not_converged)
       self%word = word
       self%message = message
    end subroutine outcome_lack

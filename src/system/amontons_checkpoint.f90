@@ -1,10 +1,12 @@
 !> Tables of a long study on the disk, such that a run which dies at any moment can be gone on with.
 !>
 !> The tables grow under names of their own and are renamed at the end. STEM.checkpoint begins with the key of the
-!> study, a text that tells studies apart; each further line counts the bytes of each table and holds the progress of
-!> the study, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What
-!> stands behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum
-!> is wrong, all begins anew.
+!> study, a text that tells studies apart; each further line has the bytes of the tables, the numbers that the study goes
+!> on from, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What stands
+!> behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum is
+!> wrong, all begins anew.
+!>
+!> The numbers are those of an archive: one visit of the parts of a study writes and reads them.
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same tables.
 module amontons_checkpoint
@@ -14,21 +16,29 @@ module amontons_checkpoint
    use amontons_output_file, only: adopt_file, file_lock_t, lock_file, output_file_t
    use amontons_system, only: append_to_file, checksum_t, cut_file, file_checksum, remove_file, text_checksum, &
       wall_seconds
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: comma_separated, newline, read_reals, to_text
    implicit none (type, external)
    private
 
-   public :: checkpoint_t, milestone_t, new_checkpoint
+   public :: archive_t, checkpoint_t, new_checkpoint
 
    !> What a whole line ends with.
    character(*), parameter :: line_end = ' rows'//newline
 
-   !> How far a study is, in one line of text.
-   type, abstract :: milestone_t
+   !> Numbers that parts of a study are written to, or read from: both ends pass the same parts in the same order.
+   type :: archive_t
+      real(dp), allocatable :: numbers(:) !! the numbers, and room for more while they are written
+      logical :: is_read = .false. !! whether they are read
+      logical :: is_whole = .true. !! whether no part was asked for that is not there
+      integer :: n = 0 !! how many numbers were passed
    contains
-      procedure(milestone_read), deferred :: read
-      procedure(milestone_text), deferred :: text
-   end type milestone_t
+      procedure, private :: pass_integer => archive_pass_integer
+      procedure, private :: pass_integers => archive_pass_integers
+      procedure, private :: pass_logical => archive_pass_logical
+      procedure, private :: pass_real => archive_pass_real
+      procedure, private :: pass_reals => archive_pass_reals
+      generic :: pass => pass_integer, pass_integers, pass_logical, pass_real, pass_reals
+   end type archive_t
 
    !> A table that grows.
    type :: growing_table_t
@@ -62,26 +72,69 @@ module amontons_checkpoint
       procedure, public :: table_file => checkpoint_table_file
    end type checkpoint_t
 
-   abstract interface
-      !> Reads the progress from its line.
-      pure subroutine milestone_read(self, text, ok)
-         import :: milestone_t
-         implicit none (type, external)
-         class(milestone_t), intent(inout) :: self !! none; gains the progress
-         character(*), intent(in) :: text !! the line
-         logical, intent(out) :: ok !! whether it is the line of such a progress
-      end subroutine milestone_read
-
-      !> The progress as a line that `read` understands, words between single blanks.
-      pure function milestone_text(self) result(text)
-         import :: milestone_t
-         implicit none (type, external)
-         class(milestone_t), intent(in) :: self !! the progress
-         character(:), allocatable :: text
-      end function milestone_text
-   end interface
-
 contains
+
+   !> Passes real numbers. Those that are not there stay as they are.
+   pure subroutine archive_pass_reals(self, values)
+      class(archive_t), intent(inout) :: self !! the archive
+      real(dp), intent(inout) :: values(:) !! the numbers
+      integer :: last
+
+      if (.not. allocated(self%numbers)) allocate (self%numbers(0))
+      last = self%n + size(values)
+      if (self%is_read) then
+         self%is_whole = self%is_whole .and. last <= size(self%numbers)
+         if (self%is_whole) values = self%numbers(self%n + 1:last)
+      else
+         if (last > size(self%numbers)) self%numbers = [self%numbers, values, self%numbers]
+         self%numbers(self%n + 1:last) = values
+      end if
+      self%n = last
+   end subroutine archive_pass_reals
+
+   !> Passes a real number.
+   pure subroutine archive_pass_real(self, value)
+      class(archive_t), intent(inout) :: self !! the archive
+      real(dp), intent(inout) :: value !! the number
+      real(dp) :: values(1)
+
+      values = value
+      call self%pass(values)
+      value = values(1)
+   end subroutine archive_pass_real
+
+   !> Passes whole numbers.
+   pure subroutine archive_pass_integers(self, values)
+      class(archive_t), intent(inout) :: self !! the archive
+      integer, intent(inout) :: values(:) !! the numbers
+      real(dp) :: reals(size(values))
+
+      reals = values
+      call self%pass(reals)
+      values = nint(max(-real(huge(values), dp), min(real(huge(values), dp), reals)))
+   end subroutine archive_pass_integers
+
+   !> Passes a whole number.
+   pure subroutine archive_pass_integer(self, value)
+      class(archive_t), intent(inout) :: self !! the archive
+      integer, intent(inout) :: value !! the number
+      integer :: values(1)
+
+      values = value
+      call self%pass(values)
+      value = values(1)
+   end subroutine archive_pass_integer
+
+   !> Passes whether something is so.
+   pure subroutine archive_pass_logical(self, value)
+      class(archive_t), intent(inout) :: self !! the archive
+      logical, intent(inout) :: value !! whether it is
+      integer :: number
+
+      number = merge(1, 0, value)
+      call self%pass(number)
+      value = number > 0
+   end subroutine archive_pass_logical
 
    !> Names a checkpoint. Its tables are added before it is opened.
    pure subroutine new_checkpoint(checkpoint, stem)
@@ -109,7 +162,7 @@ contains
    subroutine checkpoint_open(self, key, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, with its tables
       character(*), intent(in) :: key !! what the rows depend on, lines of text
-      class(milestone_t), intent(inout) :: progress !! none; gains what is done already
+      type(archive_t), allocatable, intent(out) :: progress !! what is done already; not allocated for nothing
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
       integer(int64) :: notes_bytes
       logical :: is_found
@@ -119,7 +172,8 @@ contains
       if (allocated(error)) return
       self%start = wall_seconds()
       self%last_save = self%start
-      call find_progress(self, key, progress, notes_bytes, is_found)
+      call find_progress(self, key, progress, notes_bytes)
+      is_found = allocated(progress)
       do i = 1, size(self%tables)
          if (allocated(error)) exit
          associate (table => self%tables(i))
@@ -135,27 +189,25 @@ contains
          end associate
       end do
       ! The notes keep their file, which is locked.
-      if (.not. allocated(error)) call cut_file(self%path, merge(notes_bytes, 0_int64, is_found), error)
+      if (.not. allocated(error)) call cut_file(self%path, notes_bytes, error)
       if (.not. (allocated(error) .or. is_found)) call append_to_file(self%path, .false., key, error)
       if (allocated(error)) call self%close()
    end subroutine checkpoint_open
 
    !> Looks for notes with the same key, and for their last whole line.
-   subroutine find_progress(checkpoint, key, progress, notes_bytes, is_found)
+   subroutine find_progress(checkpoint, key, progress, notes_bytes)
       class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
       character(*), intent(in) :: key !! what the rows depend on
-      class(milestone_t), intent(inout) :: progress !! none; gains that of the last whole line
+      type(archive_t), allocatable, intent(out) :: progress
+         !! that of the last whole line; not allocated unless the tables are those that it tells of
       integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
-      logical, intent(out) :: is_found !! whether there is such a line, and the tables that it tells of
       type(error_t), allocatable :: error
-      class(milestone_t), allocatable :: noted
-      character(:), allocatable :: text, note
-      integer(int64), dimension(size(checkpoint%tables)) :: n_bytes, checksums
-      integer :: last, first, i
-      logical :: is_sound
+      character(:), allocatable :: text
+      real(dp), allocatable :: numbers(:)
+      integer :: last, first, own, i
+      logical :: ok
 
-      is_found = .false.
-      notes_bytes = 0
+      notes_bytes = 0_int64
       call read_text_file(checkpoint%path, text, error)
       if (allocated(error)) return
       checkpoint%is_anew = index(text, line_end) > 0
@@ -163,50 +215,27 @@ contains
       last = index(text, line_end, back=.true.) + len(line_end) - 1
       if (last < len(key) + len(line_end)) return
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
-      call read_note(text(first:last - len(line_end)), n_bytes, checksums, note, is_sound)
-      if (.not. is_sound) return
-      do i = 1, size(checkpoint%tables)
-         call file_checksum(checkpoint%tables(i)%checksum, checkpoint%tables(i)%path, error, n_bytes(i))
-         if (allocated(error)) return
-         associate (found => checkpoint%tables(i)%checksum)
-            if (found%n_bytes /= n_bytes(i) .or. found%value() /= checksums(i)) return
-         end associate
+      text = text(first:last - len(line_end))
+      own = index(text, ' ', back=.true.)
+      if (own == 0) return
+      if (text /= with_checksum(text(:own - 1))) return
+      do i = 1, own - 1
+         if (text(i:i) == ' ') text(i:i) = ','
       end do
-      allocate (noted, mold=progress)
-      call noted%read(note, is_found)
-      if (is_found) call progress%read(note, is_found)
-      checkpoint%is_anew = .not. is_found
+      call read_reals(text(:own - 1), numbers, ok)
+      associate (tables => checkpoint%tables, n => size(checkpoint%tables))
+         if (.not. ok .or. size(numbers) < 2*n) return
+         do i = 1, n
+            call file_checksum(tables(i)%checksum, tables(i)%path, error, nint(numbers(i), int64))
+            if (allocated(error)) return
+            if (any([tables(i)%checksum%n_bytes, tables(i)%checksum%value()] &
+               /= nint([numbers(i), numbers(size(numbers) - n + i)], int64))) return
+         end do
+         allocate (progress, source=archive_t(numbers(n + 1:size(numbers) - n), is_read=.true.))
+      end associate
+      checkpoint%is_anew = .false.
       notes_bytes = last
    end subroutine find_progress
-
-   !> Takes a line of the notes apart, if it is as it was written.
-   subroutine read_note(line, n_bytes, checksums, progress, ok)
-      character(*), intent(in) :: line !! the line without its end
-      integer(int64), intent(out) :: n_bytes(:) !! bytes of each table
-      integer(int64), intent(out) :: checksums(:) !! checksum of each table
-      character(:), allocatable, intent(out) :: progress !! what it tells of the progress
-      logical, intent(out) :: ok !! whether it is
-      integer :: first, last, i, status
-
-      n_bytes = 0
-      checksums = 0
-      last = index(line, ' ', back=.true.) - 1
-      ok = last > 0
-      if (ok) ok = line == with_checksum(line(:last))
-      if (.not. ok) return
-      ! The progress stands between the first words, which are bytes, and the last ones, which are checksums.
-      first = 1
-      do i = 1, size(n_bytes)
-         first = first + index(line(first:), ' ')
-         last = index(line(:max(0, last)), ' ', back=.true.) - 1
-      end do
-      ok = last >= first
-      if (ok) read (line, *, iostat=status) n_bytes
-      if (ok) ok = status == 0
-      if (ok) read (line(last + 1:), *, iostat=status) checksums
-      if (ok) ok = status == 0
-      if (ok) progress = line(first:last)
-   end subroutine read_note
 
    !> A line of the notes with its checksum.
    pure function with_checksum(line) result(text)
@@ -245,7 +274,7 @@ contains
    !> Puts the rows that were added on the disk, and the progress that they stand for.
    subroutine checkpoint_save(self, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
-      class(milestone_t), intent(in) :: progress !! the progress
+      type(archive_t), intent(in) :: progress !! the progress, two numbers or more, the first one whole
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line, checksums
       integer(int64) :: found
@@ -270,7 +299,9 @@ contains
             checksums = checksums//' '//to_text(table%checksum%value())
          end associate
       end do
-      call append_to_file(self%path, .false., with_checksum(line//progress%text()//checksums)//line_end, error)
+      ! The first number stands alone: it says how much is done.
+      line = line//to_text(nint(progress%numbers(1)))//' '//comma_separated(progress%numbers(2:progress%n))//checksums
+      call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
       self%last_save = wall_seconds()
    end subroutine checkpoint_save
 

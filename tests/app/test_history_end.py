@@ -40,6 +40,16 @@ class HistoryEnd(HistoryTest):
         self.assertRegex(self.run_program("--verify", "out", status=4).stderr,
                          "it ends before the history: a step to 0.[0-9]* is possible")
 
+    def test_step_whose_numbers_keep_no_digit_is_a_numerical_failure(self):
+        # The floor is 1000 below: what rounding leaves of this way is more than the forces of the last step.
+        run = self.walk("&case name = 'far' /\n&mesh size = 4.0, 2.0  cells = 8, 4 /\n"
+                        "&material young = 1e6  poisson = 0.25 /\n&support set = 'left'  ux = 0.0 /\n"
+                        "&contact set = 'bottom'  friction = 0.3  point = 0.0, -1000.0 /\n"
+                        "&load name = 'press'  set = 'top'  pressure = 1.0 /\n&history times = 0.0, 1.0, 2.0 /\n"
+                        "&steps load = 'press'  factor = 1.0, 1.0, 1e-9 /\n", status=2)
+        self.assertRegex(run.stderr, "deck.nml: step [0-9]+ .* so far that rounding leaves no digit of their forces")
+        self.assertEqual(self.summary("far")["outcome"], "numerical_failure")
+
     def test_history_ends_where_a_given_bound_bears_no_more(self):
         # As much as the friction above.
         self.assert_no_equilibrium(BLOCK.replace("friction", "slip_bound") + PUSHED, "block",

@@ -353,6 +353,23 @@ class Unsolved(SweepTest):
         # As the deck by itself says.
         self.solve(block(SUPPORT, overlap, PRESSED.replace("1.0", "1e-11")), status=4)
 
+    def test_case_whose_numbers_keep_no_digit_is_a_numerical_failure(self):
+        # The floor is 1000 below: what rounding leaves of this way is more than the forces of the second case.
+        text = block("support set = 'left'  ux = 0.0", PRESSED, "contact set = 'bottom'  point = 0.0, -1000.0",
+                     "sweep load = 'press'  factor = 1.0, 1e-9")
+        alone = self.run_program("--output", "out", self.write("alone.nml", text.replace(
+            "pressure = 1.0", "pressure = 1e-9").replace("&sweep", "!sweep")), status=2)
+        run = self.run_program("--output", "out", self.write("sweep.nml", text), status=2)
+        self.assertIn("sweep.nml: 1 of 2 cases of the sweep failed numerically, case 2 the first: the contact points "
+                      "move by 1000.0, so far that rounding leaves no digit of their forces", run.stderr)
+        self.assertIn("so far that rounding leaves no digit of their forces", alone.stderr)
+        rows, _ = self.table(directory="out")
+        self.assertEqual([row["outcome"] for row in rows], ["solved", "numerical_failure"])
+        self.assertEqual((rows[1]["normal_force"], rows[1]["statuses"]), ("", ""))
+        summary = self.summary(directory="out")
+        self.assertEqual((summary["outcome"], summary["sweep"]["numerical_failure"], summary["sweep"]["not_converged"]),
+                         ("numerical_failure", 1, 0))
+
     def test_cases_that_do_not_converge(self):
         self.write("sweep.nml", block(SUPPORT, CONTACT, PRESSED, PUSHED, "sweep load = 'push'  factor = 0.5, 1.0",
                                       "solver method = 'psor'  max_iterations = 2"))
@@ -364,9 +381,9 @@ class Unsolved(SweepTest):
     def test_numbers_out_of_range_are_left_empty(self):
         self.write("sweep.nml", block(SUPPORT, CONTACT, "load name = 'press'  set = 'top'  pressure = 1e300",
                                       "sweep load = 'press'  factor = 1e-300, 1e20"))
-        self.run_program("--quiet", "sweep.nml", status=4)
+        self.run_program("--quiet", "sweep.nml", status=2)
         rows, _ = self.table()
-        self.assertEqual([row["outcome"] for row in rows], ["solved", "not_converged"])
+        self.assertEqual([row["outcome"] for row in rows], ["solved", "numerical_failure"])
         self.assertEqual(rows[1]["residual"], "")
         self.assertNotRegex((self.directory / "sweep.sweep.csv").read_text(encoding="utf-8"), "(?i)nan|inf")
 

@@ -7,7 +7,7 @@
 module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
-   use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
+   use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint
    use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: status_names
@@ -26,8 +26,8 @@ module amontons_history_files
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_milestone_t, history_row, history_table_t, history_tables, new_history_files, &
-      read_start, step_numbers, table_rows
+   public :: history_files_t, history_row, history_table_t, history_tables, new_history_files, read_start, &
+      step_numbers, table_rows
 
    !> What a table has: the steps.
    integer, parameter :: of_steps = 1
@@ -82,14 +82,6 @@ module amontons_history_files
       procedure, public :: finish => history_files_finish
       procedure, public :: open => history_files_open
    end type history_files_t
-
-   !> The numbers, as a line of a checkpoint.
-   type, extends(milestone_t) :: history_milestone_t
-      real(dp), allocatable :: numbers(:) !! the numbers; not allocated where there are none
-   contains
-      procedure :: read => history_milestone_read
-      procedure :: text => history_milestone_text
-   end type history_milestone_t
 
 contains
 
@@ -381,17 +373,17 @@ contains
    end subroutine new_history_files
 
    !> Opens the files, behind what an earlier run has left of the same history.
-   subroutine history_files_open(self, model, key, milestone, error)
+   subroutine history_files_open(self, model, key, progress, error)
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       character(*), intent(in) :: key !! what the history depends on, lines of text
-      class(milestone_t), intent(inout) :: milestone !! none; gains how far the earlier run came
+      type(archive_t), allocatable, intent(out) :: progress !! how far an earlier run came; not allocated for nothing
       type(error_t), allocatable, intent(out) :: error !! they cannot be written
 
       call make_directory(self%directory, error)
       if (.not. allocated(error) .and. model%history%fields_every > 0) call make_directory(self%directory// &
          self%folder, error)
-      if (.not. allocated(error)) call self%checkpoint%open(key, milestone, error)
+      if (.not. allocated(error)) call self%checkpoint%open(key, progress, error)
       if (.not. allocated(error) .and. model%history%fields_every > 0) call remove_temporaries(self%directory// &
          self%folder)
    end subroutine history_files_open
@@ -452,23 +444,6 @@ contains
          call self%checkpoint%table_file(finished(table), table, self%directory//self%name//self%tables(table)%ending)
       end do
    end subroutine history_files_finish
-
-   !> Reads the numbers.
-   pure subroutine history_milestone_read(self, text, ok)
-      class(history_milestone_t), intent(inout) :: self !! gains the numbers
-      character(*), intent(in) :: text !! the line
-      logical, intent(out) :: ok !! whether it holds numbers and nothing else
-
-      call read_reals(trim(adjustl(text)), self%numbers, ok)
-   end subroutine history_milestone_read
-
-   !> The numbers as a line.
-   pure function history_milestone_text(self) result(text)
-      class(history_milestone_t), intent(in) :: self !! the numbers
-      character(:), allocatable :: text
-
-      text = comma_separated(self%numbers)
-   end function history_milestone_text
 
    !> Reads the numbers of the state that a history starts from.
    subroutine read_start(numbers, history, error)

@@ -6,15 +6,16 @@
 !> step can be given up and taken again with another length.
 !>
 !> Energies need no displacements of nodes. Loads and prescribed displacements are sums of parts, f = sum c_i f_i and
-!> u_p = sum c_i u_pi. The field of all nodes is then u = sum c_i u_i + E v: u_i answers part i with v = 0, E extends the
-!> contact displacements v by equilibrium. Any force field G does the work `v . condense(G)` on E v, so that a few
+!> u_p = sum c_i u_pi. The field of all nodes is then u = sum c_i u_i + E v: u_i answers part i with v = 0, E extends
+!> the contact displacements v by equilibrium. Any force field G does the work `v . condense(G)` on E v, so that a few
 !> vectors and small matrices, computed once, give every energy of a step in O(m^2) operations.
 module amontons_history_model
    use amontons_body, only: body_t
+   use amontons_checkpoint, only: archive_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_friction_law, only: open_point, slip_minus
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
@@ -98,6 +99,7 @@ module amontons_history_model
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
       integer :: outcome = outcome_not_converged !! what came of the loads
       character(:), allocatable :: reason !! why there is no solution; empty for one, and for one not converged
+      integer :: error_kind = numerical_failure !! the kind of the error that this is
    contains
       procedure :: energy_error => step_state_energy_error
       procedure :: numbers => step_state_numbers
@@ -434,7 +436,8 @@ contains
       else
          ! The slip before goes on, so that the method begins with the statuses before.
          after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
-         call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason)
+         call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason, &
+            after%error_kind)
       end if
       if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
@@ -467,11 +470,33 @@ contains
    pure function step_state_numbers(self) result(numbers)
       class(step_state_t), intent(in) :: self !! the state
       real(dp), allocatable :: numbers(:)
+      type(step_state_t) :: state
+      type(archive_t) :: archive
 
-      numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
-         real([self%solution%n_iterations, self%solution%status], dp), self%solution%force, &
-         self%solution%displacement, self%instant%anchor, self%accumulated_slip, self%dissipation, self%worn]
+      state = self
+      call visit(state, archive)
+      numbers = archive%numbers(:archive%n)
    end function step_state_numbers
+
+   !> Writes to an archive what a state must be restored from, or reads it.
+   pure subroutine visit(state, archive)
+      type(step_state_t), intent(inout) :: state !! the state
+      type(archive_t), intent(inout) :: archive !! the archive
+
+      call archive%pass(state%instant%time)
+      call archive%pass(state%load_work)
+      call archive%pass(state%support_work)
+      call archive%pass(state%obstacle_work)
+      call archive%pass(state%solution%residual)
+      call archive%pass(state%solution%n_iterations)
+      call archive%pass(state%solution%status)
+      call archive%pass(state%solution%force)
+      call archive%pass(state%solution%displacement)
+      call archive%pass(state%instant%anchor)
+      call archive%pass(state%accumulated_slip)
+      call archive%pass(state%dissipation)
+      call archive%pass(state%worn)
+   end subroutine visit
 
    !> Restores a state from its numbers, to the last bit.
    subroutine restore_step_state(state, model, body, problem, numbers, instant, error)
@@ -484,6 +509,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! they are those of another body
       ! Of a bound, as far as forces that a method left or a file rounded reach it.
       real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp
+      type(archive_t) :: archive
       integer :: m
 
       m = body%zone%n_points
@@ -493,30 +519,19 @@ contains
          return
       end if
       state%instant = instant
-      state%load_work = numbers(2)
-      state%support_work = numbers(3)
-      state%obstacle_work = numbers(4)
       call new_contact_solution(state%solution, m)
-      associate (solution => state%solution, points => numbers(n_single + m + 1:))
-         solution%residual = numbers(5)
-         solution%n_iterations = nint(numbers(n_single))
-         solution%history = spread(solution%residual, 1, solution%n_iterations)
-         solution%is_converged = .true.
-         solution%force = points(:2*m)
-         solution%displacement = points(2*m + 1:4*m)
-         state%instant%anchor = points(4*m + 1:5*m)
-         state%slip = solution%displacement(m + 1:) - state%instant%anchor
-         state%accumulated_slip = points(5*m + 1:6*m)
-         state%dissipation = points(6*m + 1:7*m)
-         state%worn = points(7*m + 1:)
-      end associate
+      allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m))
+      archive = archive_t(numbers, is_read=.true.)
+      call visit(state, archive)
+      state%solution%history = spread(state%solution%residual, 1, state%solution%n_iterations)
+      state%solution%is_converged = .true.
+      state%slip = state%solution%displacement(m + 1:) - state%instant%anchor
       call model%solver%loads%pose(body, state%instant, problem)
       state%outcome = outcome_solved
-      state%solution%status = problem%status(state%solution%displacement, state%solution%force)
       ! On a bound of the law, where a held point stays what it was, forces do not tell.
-      associate (force => state%solution%force, status => numbers(n_single + 1:n_single + m))
-         where (abs(force(m + 1:)) >= nearly*problem%bound(force(:m))) state%solution%status = &
-            nint(max(real(open_point, dp), min(real(slip_minus, dp), status)))
+      associate (force => state%solution%force, status => state%solution%status)
+         status = merge(max(open_point, min(slip_minus, status)), problem%status(state%solution%displacement, force), &
+            abs(force(m + 1:)) >= nearly*problem%bound(force(:m)))
       end associate
       call complete(state, model, problem)
    end subroutine restore_step_state

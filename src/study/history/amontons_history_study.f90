@@ -2,12 +2,12 @@
 !> step, and what listing and summary say of the way there.
 module amontons_history_study
    use amontons_body, only: body_t
-   use amontons_checkpoint, only: checkpoint_t
+   use amontons_checkpoint, only: archive_t, checkpoint_t
    use amontons_config, only: config_t, effective_deck
    use amontons_document, only: document_t, json_logical, json_number, json_string, quantity_members
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown, moved_things, steps_t
-   use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
+   use amontons_history_files, only: history_files_t, new_history_files, read_start
    use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
    use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_cycle_numbers, n_plain_numbers, new_history_walk
    use amontons_key_results, only: lengths_t, new_lengths, resultants
@@ -17,15 +17,15 @@ module amontons_history_study
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: quantity_t
    use amontons_report, only: member, study_files_t, write_report
-   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t, word_no_equilibrium, &
-      word_not_converged
+   use amontons_result, only: outcome_numbers, word_numerical_failure, certificate_limit, outcome_no_equilibrium, &
+      result_t, word_no_equilibrium, word_not_converged
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
    use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: columns, counted, flush_right, heading, labeled, n_characters, newline, scientific, &
-      short_text, to_text, unit_of, with_unit
+   use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, n_characters, newline, &
+      scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: new_uniqueness
    use amontons_version, only: version
    implicit none (type, external)
@@ -43,7 +43,7 @@ module amontons_history_study
       integer :: step = 0 !! the step; 0 if none had more than 0
    contains
       procedure :: note => worst_step_note
-      procedure :: numbers => worst_step_numbers
+      procedure :: visit => worst_step_visit
    end type worst_step_t
 
    !> The result of a history. Its steps are on the disk.
@@ -72,6 +72,7 @@ module amontons_history_study
       procedure :: error_from_rest => history_result_error_from_rest
       procedure :: note_certificate => history_result_note_certificate
       procedure :: note_step => history_result_note_step
+      procedure, private :: visit => history_result_visit
    end type history_result_t
 
    !> The study of a history.
@@ -123,21 +124,21 @@ contains
       type(history_files_t), intent(out) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the way, and what is known of it
       type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
-      type(history_milestone_t) :: milestone
+      type(archive_t), allocatable :: progress
+      real(dp), allocatable :: start(:)
       character(:), allocatable :: key
 
       key = '! Amontons '//version//', a history under way; contact problem '// &
          model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
-      call start_history(result, cache, model, milestone%numbers, error)
+      call start_history(result, cache, model, start, error)
       if (allocated(error)) return
-      if (allocated(milestone%numbers)) then
-         key = key//milestone%text()//newline
-         deallocate (milestone%numbers)
-      end if
+      if (allocated(start)) key = key//comma_separated(start)//newline
       call new_history_files(files, model, cache%body, result%walk, directory, config)
-      call files%open(model, key, milestone, error)
-      if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
-         result, error)
+      call files%open(model, key, progress, error)
+      if (allocated(error) .or. .not. allocated(progress)) return
+      call result%visit(progress)
+      call result%walk%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
+      result%n_resumed = result%walk%n_steps
    end subroutine begin_history
 
    !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck:
@@ -176,48 +177,49 @@ contains
    end subroutine start_history
 
    !> Notes how far the history is.
-   subroutine note_milestone(files, result, error)
+   subroutine note_progress(files, result, error)
       type(history_files_t), intent(inout) :: files !! the files
-      type(history_result_t), intent(in) :: result !! the history so far
+      type(history_result_t), intent(inout) :: result !! the history so far
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
-      type(history_milestone_t) :: milestone
+      type(archive_t) :: progress
+      real(dp), allocatable :: numbers(:)
 
       if (result%walk%n_steps == 0) return
-      milestone%numbers = [real(result%n_certified, dp), result%residual%numbers(), result%imbalance%numbers(), &
-         result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), &
-         real([result%n_jumps, result%n_warned, result%warned_step, result%last_warned, size(result%reached, 2), &
-         size(result%cycles, 2)], dp), reshape(result%reached, [size(result%reached)]), &
-         reshape(result%cycles, [size(result%cycles)]), result%walk%numbers()]
-      call files%checkpoint%save(milestone, error)
-   end subroutine note_milestone
+      call result%visit(progress)
+      numbers = result%walk%numbers()
+      call progress%pass(numbers)
+      call files%checkpoint%save(progress, error)
+   end subroutine note_progress
 
-   !> Goes on from such a note.
-   subroutine go_on(cache, model, numbers, result, error)
-      type(cache_t), intent(inout) :: cache !! the body
-      type(history_model_t), intent(in) :: model !! the history
-      real(dp), intent(in) :: numbers(:) !! the numbers of the note
-      type(history_result_t), intent(inout) :: result !! the history, new
-      type(error_t), allocatable, intent(out) :: error !! the note does not fit
-      integer, parameter :: n = n_case_warnings, n_before = 14 + 3*n
-      integer :: first, last
+   !> Writes to an archive what is known of the steps so far, or reads it.
+   pure subroutine history_result_visit(self, archive)
+      class(history_result_t), intent(inout) :: self !! the history so far
+      type(archive_t), intent(inout) :: archive !! the archive
+      integer :: n(2), i
 
-      result%n_certified = nint(numbers(1))
-      result%residual = worst_step_t(numbers(2), nint(numbers(3)))
-      result%imbalance = worst_step_t(numbers(4), nint(numbers(5)))
-      result%indicator = worst_step_t(numbers(6), nint(numbers(7)))
-      result%violation = worst_step_t(numbers(8), nint(numbers(9)))
-      result%jump = worst_step_t(numbers(10), nint(numbers(11)))
-      result%n_jumps = nint(numbers(12))
-      result%n_warned = nint(numbers(13:12 + n))
-      result%warned_step = nint(numbers(13 + n:12 + 2*n))
-      result%last_warned = nint(numbers(13 + 2*n:12 + 3*n))
-      first = n_before + n_reached_numbers*nint(numbers(n_before - 1))
-      last = first + n_cycle_numbers*nint(numbers(n_before))
-      result%reached = reshape(numbers(n_before + 1:first), [n_reached_numbers, nint(numbers(n_before - 1))])
-      result%cycles = reshape(numbers(first + 1:last), [n_cycle_numbers, nint(numbers(n_before))])
-      call result%walk%restore(model, cache%body, cache%problem, numbers(last + 1:), error)
-      result%n_resumed = result%walk%n_steps
-   end subroutine go_on
+      call archive%pass(self%n_certified)
+      call self%residual%visit(archive)
+      call self%imbalance%visit(archive)
+      call self%indicator%visit(archive)
+      call self%violation%visit(archive)
+      call self%jump%visit(archive)
+      call archive%pass(self%n_jumps)
+      call archive%pass(self%n_warned)
+      call archive%pass(self%warned_step)
+      call archive%pass(self%last_warned)
+      n = [size(self%reached, 2), size(self%cycles, 2)]
+      call archive%pass(n)
+      if (archive%is_read) then
+         self%reached = reshape([real(dp) ::], [n_reached_numbers, n(1)], pad=[0.0_dp])
+         self%cycles = reshape([real(dp) ::], [n_cycle_numbers, n(2)], pad=[0.0_dp])
+      end if
+      do i = 1, n(1)
+         call archive%pass(self%reached(:, i))
+      end do
+      do i = 1, n(2)
+         call archive%pass(self%cycles(:, i))
+      end do
+   end subroutine history_result_visit
 
    !> Makes what the steps need: the condensed body and the model of the history.
    subroutine prepare_history(cache, config, model, last, error)
@@ -303,12 +305,12 @@ contains
             is_due = files%checkpoint%is_due()
             if (is_due .or. modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, &
                history%n_steps(), 'steps')
-            if (is_due) call note_milestone(files, result, error)
+            if (is_due) call note_progress(files, result, error)
             if (allocated(error)) return
          end do
       end associate
       call result%add_warnings(cache%body)
-      call note_milestone(files, result, error)
+      call note_progress(files, result, error)
    end subroutine take_steps
 
    !> Notes what is remarkable of the last step.
@@ -455,13 +457,14 @@ contains
       self%step = step
    end subroutine worst_step_note
 
-   !> The numbers of it.
-   pure function worst_step_numbers(self) result(numbers)
-      class(worst_step_t), intent(in) :: self !! the largest so far
-      real(dp) :: numbers(2)
+   !> Writes it to an archive, or reads it.
+   pure subroutine worst_step_visit(self, archive)
+      class(worst_step_t), intent(inout) :: self !! the largest so far
+      type(archive_t), intent(inout) :: archive !! the archive
 
-      numbers = [self%value, real(self%step, dp)]
-   end function worst_step_numbers
+      call archive%pass(self%value)
+      call archive%pass(self%step)
+   end subroutine worst_step_visit
 
    !> Says in listing and summary of the last step what the history was, and how far its steps are from being solved.
    subroutine describe_history(result, config)
@@ -802,7 +805,10 @@ contains
       if (len(result%walk%fault) > 0) then
          word = word_not_converged
          if (result%walk%outcome == outcome_no_equilibrium) word = word_no_equilibrium
+         if (result%walk%outcome == outcome_numbers) word = word_numerical_failure
          call outcome%lack(word, result%walk%fault)
+         ! Memory may have run out.
+         if (result%walk%outcome == outcome_numbers) outcome%status = result%walk%fault_kind
       end if
       outcome%warnings = result%last%warnings
       if (result%walk%n_steps == 0) then

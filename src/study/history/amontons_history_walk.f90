@@ -10,8 +10,9 @@
 !> the largest values of some numbers over the steps of the cycle, so that no step need be kept.
 module amontons_history_walk
    use amontons_body, only: body_t
+   use amontons_checkpoint, only: archive_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t, new_step_state, restore_step_state, step_state_t, &
       take_step
@@ -35,8 +36,6 @@ module amontons_history_walk
    integer, parameter :: n_plain_numbers = 14
    !> Numbers of a cycle, all of them.
    integer, parameter :: n_cycle_numbers = n_plain_numbers + 3
-   !> What is noted besides the numbers of the points.
-   integer, parameter :: n_single = 8
    !> What is noted of each point.
    integer, parameter :: n_per_point = 6
 
@@ -255,12 +254,38 @@ contains
    pure function cycle_watch_noted(self) result(numbers)
       class(cycle_watch_t), intent(in) :: self !! the cycle
       real(dp), allocatable :: numbers(:)
+      type(cycle_watch_t) :: watch
+      type(archive_t) :: archive
 
-      numbers = reshape(self%fretting%extreme, [size(self%fretting%extreme)])
-      if (size(self%points) > 0) numbers = [merge(1.0_dp, 0.0_dp, [self%is_begun, self%has_before]), &
-         real(self%n_steps, dp), self%begin, self%work, self%strain_energy, self%turnover, self%dissipation_before, &
-         reshape(self%points, [size(self%points)]), numbers]
+      watch = self
+      allocate (archive%numbers(0))
+      call visit(watch, archive)
+      numbers = archive%numbers(:archive%n)
    end function cycle_watch_noted
+
+   !> Writes to an archive what a cycle must be restored from, or reads it.
+   pure subroutine visit(watch, archive)
+      type(cycle_watch_t), intent(inout) :: watch !! the cycle
+      type(archive_t), intent(inout) :: archive !! the archive
+      integer :: i
+
+      if (size(watch%points) > 0) then
+         call archive%pass(watch%is_begun)
+         call archive%pass(watch%has_before)
+         call archive%pass(watch%n_steps)
+         call archive%pass(watch%begin)
+         call archive%pass(watch%work)
+         call archive%pass(watch%strain_energy)
+         call archive%pass(watch%turnover)
+         call archive%pass(watch%dissipation_before)
+         do i = 1, size(watch%points, 2)
+            call archive%pass(watch%points(:, i))
+         end do
+      end if
+      do i = 1, size(watch%fretting%extreme, 2)
+         call archive%pass(watch%fretting%extreme(:, i))
+      end do
+   end subroutine visit
 
    !> Restores the cycle from its numbers. Those of a history with other cycles leave it to begin anew.
    pure subroutine cycle_watch_restore(self, model, state, numbers)
@@ -268,23 +293,13 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at the end of the last step
       real(dp), intent(in) :: numbers(:) !! the numbers
-      integer :: n
+      type(archive_t) :: archive
 
       if (allocated(model%surface)) call self%fretting%begin(model%surface, surface_stress(model, state), &
          position(state))
-      n = merge(n_single + size(self%points), 0, size(self%points) > 0)
-      if (size(numbers) /= n + size(self%fretting%extreme)) return
-      self%fretting%extreme = reshape(numbers(n + 1:), shape(self%fretting%extreme))
-      if (n == 0) return
-      self%is_begun = numbers(1) > 0.0_dp
-      self%has_before = numbers(2) > 0.0_dp
-      self%n_steps = nint(numbers(3))
-      self%begin = numbers(4)
-      self%work = numbers(5)
-      self%strain_energy = numbers(6)
-      self%turnover = numbers(7)
-      self%dissipation_before = numbers(n_single)
-      self%points = reshape(numbers(n_single + 1:n), shape(self%points))
+      if (size(numbers) /= size(self%noted())) return
+      archive = archive_t(numbers, is_read=.true.)
+      call visit(self, archive)
    end subroutine cycle_watch_restore
 
    !> Begins a cycle.
@@ -478,7 +493,7 @@ contains
          walk%fault_kind = error%kind
          call give_up(walk, time, error%message)
       else if (len(next%reason) > 0) then
-         walk%fault_kind = numerical_failure
+         walk%fault_kind = next%error_kind
          call give_up(walk, time, next%reason)
       else if (.not. next%solution%is_converged) then
          call give_up(walk, time, 'not converged with the smallest step')

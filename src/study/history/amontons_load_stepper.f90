@@ -4,7 +4,7 @@
 !> nothing but the state it returns, so that it can be taken again from where it began.
 module amontons_load_stepper
    use amontons_config, only: config_t
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_files, only: history_table_t, history_tables, step_numbers
    use amontons_history_model, only: history_model_t, instant_t, n_state_numbers, new_step_state, restore_step_state, &
       step_state_t, take_step
@@ -77,7 +77,7 @@ contains
       if (.not. allocated(error)) call self%model%acting(self%cache%body, time, changes, instant, error)
       if (allocated(error)) return
       call take_step(next, self%model, self%cache%body, self%cache%problem, start, instant)
-      if (len(next%reason) > 0) call new_error(error, numerical_failure, next%reason)
+      if (len(next%reason) > 0) call new_error(error, next%error_kind, next%reason)
       if (allocated(error)) return
       is_converged = next%solution%is_converged
       after = [before(1) + 1.0_dp, changes, next%numbers()]

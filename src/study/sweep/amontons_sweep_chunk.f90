@@ -8,7 +8,7 @@
 !> in a place that all threads share.
 module amontons_sweep_chunk
    use amontons_body, only: body_t
-   use amontons_checkpoint, only: milestone_t
+   use amontons_checkpoint, only: archive_t
    use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
@@ -16,7 +16,7 @@ module amontons_sweep_chunk
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_document, only: field, status_runs
-   use amontons_error, only: error_t, warning_list_t
+   use amontons_error, only: error_t, numerical_failure, warning_list_t
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
       new_lengths, resultants, set_results
    use amontons_kinds, only: dp, int64
@@ -41,7 +41,8 @@ module amontons_sweep_chunk
       sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes, as listings have them.
-   character(14), parameter :: outcome_labels(3) = [character(14) :: 'Converged', 'NOT CONVERGED', 'No equilibrium']
+   character(14), parameter :: outcome_labels(size(outcome_names)) = [character(14) :: 'Converged', 'NOT CONVERGED', &
+      'No equilibrium', 'Numbers failed']
 
    !> What is kept of one case.
    type :: case_result_t
@@ -52,12 +53,15 @@ module amontons_sweep_chunk
       real(dp) :: force_error = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
       logical :: is_warned(size(case_warning_names)) = .false. !! what is doubtful about it, if it converged
+   contains
+      procedure :: is_empty => case_result_is_empty
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
-   type, extends(milestone_t) :: sweep_statistics_t
+   type :: sweep_statistics_t
       integer :: n_cases = 0 !! number of cases
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
+      integer :: failed_case = 0 !! the first case whose numbers are at fault; 0 if there is none
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
@@ -75,8 +79,7 @@ module amontons_sweep_chunk
       procedure :: append => sweep_statistics_append
       procedure :: is_answered => sweep_statistics_is_answered
       procedure :: outcome => sweep_statistics_outcome
-      procedure :: read => sweep_statistics_read
-      procedure :: text => sweep_statistics_text
+      procedure :: visit => sweep_statistics_visit
    end type sweep_statistics_t
 
    !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
@@ -101,6 +104,10 @@ module amontons_sweep_chunk
       character(:), allocatable :: rows !! rows of its cases
       type(sweep_statistics_t) :: statistics !! what is known of them together, numbered from 1
       type(case_result_t) :: results(chunk_length) !! what is kept of its cases
+      character(:), allocatable :: fault !! why the numbers of its last case without any are at fault
+      integer :: fault_kind = 0 !! the kind of that error; 0 for none
+   contains
+      procedure :: is_broken => chunk_is_broken
    end type chunk_t
 
 contains
@@ -172,9 +179,16 @@ contains
       result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
       if (result%has_solution) return
       ! What leaves the range of numbers is no solution, however small its residual.
-      result%outcome = outcome_not_converged
+      result%outcome = outcome_numbers
       result%is_warned = .false.
    end subroutine set_numbers
+
+   !> Whether there is no solution to take numbers from.
+   elemental logical function case_result_is_empty(self) result(is_empty)
+      class(case_result_t), intent(in) :: self !! the result
+
+      is_empty = self%outcome == outcome_no_equilibrium .or. self%outcome == outcome_numbers
+   end function case_result_is_empty
 
    !> Adds the next case.
    pure subroutine sweep_statistics_add(self, result)
@@ -185,6 +199,7 @@ contains
       one%n_cases = 1
       one%n_outcomes(result%outcome) = 1
       one%n_iterations = result%n_iterations
+      if (result%outcome == outcome_numbers) one%failed_case = 1
       if (result%outcome == outcome_solved) then
          one%residual = result%residual
          one%residual_case = 1
@@ -210,6 +225,7 @@ contains
       self%n_cases = n + next%n_cases
       self%n_outcomes = self%n_outcomes + next%n_outcomes
       self%n_iterations = self%n_iterations + next%n_iterations
+      if (self%failed_case == 0 .and. next%failed_case > 0) self%failed_case = n + next%failed_case
       if (next%residual_case == 0) return
       where (self%n_warned == 0 .and. next%n_warned > 0) self%warned_case = n + next%warned_case
       self%n_warned = self%n_warned + next%n_warned
@@ -254,66 +270,53 @@ contains
    pure logical function sweep_statistics_is_answered(self) result(is_answered)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
 
-      is_answered = self%n_outcomes(outcome_not_converged) == 0
+      is_answered = sum(self%n_outcomes([outcome_not_converged, outcome_numbers])) == 0
    end function sweep_statistics_is_answered
 
-   !> What became of the cases together, in a word: one that did not converge counts first, no equilibrium only where no
-   !> case has one.
+   !> What became of the cases together, in a word: one without an answer counts first, no equilibrium only where no case
+   !> has one.
    pure function sweep_statistics_outcome(self) result(word)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: word
+      integer :: outcome
 
-      if (self%n_outcomes(outcome_not_converged) > 0) then
-         word = trim(outcome_names(outcome_not_converged))
-      else if (self%n_outcomes(outcome_solved) == 0) then
-         word = trim(outcome_names(outcome_no_equilibrium))
-      else
-         word = trim(outcome_names(outcome_solved))
-      end if
+      outcome = outcome_solved
+      if (self%n_outcomes(outcome_solved) == 0) outcome = outcome_no_equilibrium
+      if (self%n_outcomes(outcome_not_converged) > 0) outcome = outcome_not_converged
+      if (self%failed_case > 0) outcome = outcome_numbers
+      word = trim(outcome_names(outcome))
    end function sweep_statistics_outcome
 
-   !> The statistics as a line that `read` understands.
-   pure function sweep_statistics_text(self) result(text)
-      class(sweep_statistics_t), intent(in) :: self !! the statistics
-      character(:), allocatable :: text
-      integer :: n, i
+   !> Writes the statistics to an archive, or reads them.
+   pure subroutine sweep_statistics_visit(self, archive)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
+      type(archive_t), intent(inout) :: archive !! the archive
+      real(dp) :: n_iterations
+      integer :: n
 
       n = 0
       if (allocated(self%least)) n = size(self%least)
-      text = to_text(self%n_cases)//' '//to_text(n)//' '//to_text(self%n_iterations)
-      do i = 1, size(outcome_names)
-         text = text//' '//to_text(self%n_outcomes(i))
-      end do
-      text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
-         //' '//to_text(self%worst_case)//' '//to_text(self%force_error)
-      do i = 1, size(case_warning_names)
-         text = text//' '//to_text(self%n_warned(i))//' '//to_text(self%warned_case(i))
-      end do
-      do i = 1, n
-         text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
-            //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
-      end do
-   end function sweep_statistics_text
-
-   !> Reads a statistics from its line.
-   pure subroutine sweep_statistics_read(self, text, ok)
-      class(sweep_statistics_t), intent(inout) :: self !! the statistics
-      character(*), intent(in) :: text !! the line
-      logical, intent(out) :: ok !! whether it is the line of a statistics
-      integer :: n, status, i
-
-      read (text, *, iostat=status) self%n_cases, n
-      ! Each number takes at least two characters.
-      ok = status == 0 .and. n >= 0 .and. n < len(text)
-      if (.not. ok) return
-      if (allocated(self%least)) deallocate (self%least, self%greatest, self%least_case, self%greatest_case)
-      if (n > 0) allocate (self%least(n), self%greatest(n), self%least_case(n), self%greatest_case(n))
-      read (text, *, iostat=status) self%n_cases, n, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%worst_case, self%force_error, &
-         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), &
-         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n)
-      ok = status == 0
-   end subroutine sweep_statistics_read
+      n_iterations = real(self%n_iterations, dp)
+      call archive%pass(self%n_cases)
+      call archive%pass(n)
+      call archive%pass(n_iterations)
+      call archive%pass(self%n_outcomes)
+      call archive%pass(self%failed_case)
+      call archive%pass(self%residual_case)
+      call archive%pass(self%residual)
+      call archive%pass(self%worst_case)
+      call archive%pass(self%force_error)
+      call archive%pass(self%n_warned)
+      call archive%pass(self%warned_case)
+      self%n_iterations = nint(n_iterations, int64)
+      if (n == 0 .or. .not. archive%is_whole) return
+      if (.not. allocated(self%least)) allocate (self%least(n), self%greatest(n), self%least_case(n), &
+         self%greatest_case(n))
+      call archive%pass(self%least)
+      call archive%pass(self%least_case)
+      call archive%pass(self%greatest)
+      call archive%pass(self%greatest_case)
+   end subroutine sweep_statistics_visit
 
    !> The header.
    pure function sweep_header(sweep, keys) result(text)
@@ -468,8 +471,16 @@ contains
       integer, intent(in) :: n_cases !! the last case there is
 
       chunk%first = n_before + 1
+      chunk%fault = ''
       chunk%last = n_before + min(chunk_length, n_cases - n_before)
    end subroutine new_chunk
+
+   !> Whether a case could not be solved for a reason that is none of its numbers: memory ran out.
+   elemental logical function chunk_is_broken(self) result(is_broken)
+      class(chunk_t), intent(in) :: self !! the chunk
+
+      is_broken = self%fault_kind > 0 .and. self%fault_kind /= numerical_failure
+   end function chunk_is_broken
 
    !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep. A single chunk leaves the
    !> threads to the loops within it.
@@ -515,8 +526,9 @@ contains
       integer :: i
 
       call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
-      call find_numbers(task, body, chunk, solutions)
       chunk%rows = ''
+      if (chunk%is_broken()) return
+      call find_numbers(task, body, chunk, solutions)
       do i = 1, chunk%last - chunk%first + 1
          call status_runs(runs, solutions(i)%status, body%zone%set)
          call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
@@ -555,7 +567,7 @@ contains
       type(contact_solution_t), intent(inout) :: solutions(chunk_length) !! their solutions
       type(acting_t) :: acting
       character(:), allocatable :: reason
-      integer :: i, number, neighbor, outcome
+      integer :: i, number, neighbor, outcome, kind
 
       call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
@@ -570,7 +582,12 @@ contains
             if (solutions(neighbor)%is_converged) solutions(i) = solutions(neighbor)
          end if
          call forget_start(problem, solutions(i))
-         call task%solver%solve(body, acting, problem, solutions(i), outcome, reason)
+         call task%solver%solve(body, acting, problem, solutions(i), outcome, reason, kind)
+         if (outcome == outcome_numbers) then
+            chunk%fault_kind = kind
+            call move_alloc(reason, chunk%fault)
+            if (chunk%is_broken()) return
+         end if
          call keep(task, body, acting, problem, solutions(i), outcome, chunk%results(i))
       end do
    end subroutine solve_cases
@@ -589,7 +606,7 @@ contains
       call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
          associate (kept => chunk%results(i), loads => task%solver%loads)
-            if (kept%outcome == outcome_no_equilibrium) then
+            if (kept%is_empty()) then
                kept%quantity = spread(0.0_dp, 1, task%n_quantities)
             else
                call set_case(task, chunk%first + i - 1, acting)
@@ -620,8 +637,7 @@ contains
          return
       end if
       cases = [(i, i=1, n)]
-      cases = pack(cases, chunk%results(:n)%outcome /= outcome_no_equilibrium .and. &
-         solutions(:n)%residual < huge(1.0_dp))
+      cases = pack(cases, .not. chunk%results(:n)%is_empty() .and. solutions(:n)%residual < huge(1.0_dp))
       do first = 1, size(cases), n_together
          associate (some => cases(first:min(size(cases), first + n_together - 1)))
             call find_peaks(peaks, task, body, chunk, solutions, some)
@@ -674,10 +690,9 @@ contains
       type(case_result_t), intent(out) :: kept !! what is kept of it
       integer, allocatable :: reached(:)
 
-      ! Rows know no reasons: numbers that are none did not converge.
-      kept%outcome = merge(outcome_not_converged, outcome, outcome == outcome_numbers)
+      kept%outcome = outcome
       kept%n_iterations = solution%n_iterations
-      if (outcome == outcome_no_equilibrium) return
+      if (kept%is_empty()) return
       kept%residual = solution%residual
       kept%force_error = force_error(problem, solution, task%solver%loads%largest_force(acting%factor))
       if (.not. solution%is_converged) return

@@ -5,6 +5,7 @@
 !> the last bit share the cases. Of the chunks of a batch each has those of its number, counted round. A chunk begins at
 !> rest wherever it is solved: the rows are those that one rank would find.
 module amontons_sweep_ranks
+   use amontons_checkpoint, only: archive_t
    use amontons_config, only: config_t, effective_deck, read_config_text
    use amontons_distributed, only: all_ranks, broadcast, check_room, first_free_order, follow_order, give_order, &
       channel_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
@@ -15,6 +16,7 @@ module amontons_sweep_ranks
    use amontons_study, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, prepare_sweep, solve_chunks, sweep_task_t
    use amontons_system, only: return_memory
+   use amontons_text, only: comma_separated, read_reals
    use amontons_threads, only: n_threads
    implicit none (type, external)
    private
@@ -189,12 +191,19 @@ contains
    subroutine pass_chunk(channel, chunk)
       type(channel_t), intent(in) :: channel !! the channel
       type(chunk_t), intent(inout) :: chunk !! the chunk, solved; of the receiver, not yet
+      type(archive_t) :: archive
       character(:), allocatable :: text
 
-      if (channel%is_sender) text = chunk%statistics%text()
+      if (channel%is_sender) call chunk%statistics%visit(archive)
+      if (channel%is_sender) text = comma_separated(archive%numbers(:archive%n))
       call channel%pass(chunk%rows)
+      call channel%pass(chunk%fault)
+      call channel%pass(chunk%fault_kind)
       call channel%pass(text)
-      if (.not. channel%is_sender) call chunk%statistics%read(text, chunk%is_done)
+      if (channel%is_sender) return
+      archive%is_read = .true.
+      call read_reals(text, archive%numbers, chunk%is_done)
+      if (chunk%is_done) call chunk%statistics%visit(archive)
    end subroutine pass_chunk
 
    !> Has the other ranks forget the sweep.
