@@ -355,9 +355,9 @@ contains
       character(*), intent(in) :: name !! name of the case
       type(manifest_t), intent(in) :: manifest !! the manifest of the new results
       type(manifest_t) :: earlier
-      character(:), allocatable :: summary, fault
-      integer :: i, n, slash
-      logical :: is_of_case
+      character(:), allocatable :: summary, fault, path
+      integer :: i, n, slash, k
+      logical :: is_of_case, is_removable
 
       ! Where it cannot be read, or it was changed, nothing is named.
       call read_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
@@ -370,7 +370,13 @@ contains
             is_of_case = index(file%name, name//'.') == 1 .and. slash == 0 .or. &
                file%name(:slash) == name//'.sweep/' .or. file%name(:slash) == name//'.history/'
             if (.not. is_of_case .or. is_among(manifest%outputs, file%name)) cycle
-            if (.not. is_removable(file, directory, manifest%inputs)) cycle
+            ! What has changed since, or the new run has read, is kept.
+            path = directory//'/'//file%name
+            is_removable = len(file%fault(path)) == 0
+            do k = 1, manifest%inputs%n
+               if (absolute_path(manifest%inputs%files(k)%name) == absolute_path(path)) is_removable = .false.
+            end do
+            if (.not. is_removable) cycle
             n = n + 1
             files(n)%text = directory//'/'//file%name
          end associate
@@ -390,21 +396,6 @@ contains
       end do
       is_among = .false.
    end function is_among
-
-   !> Whether a file is still the one that was written, and none that the new run has read.
-   logical function is_removable(file, directory, inputs)
-      type(manifest_file_t), intent(in) :: file !! what is known of it
-      character(*), intent(in) :: directory !! output directory
-      type(manifest_list_t), intent(in) :: inputs !! the files that were read
-      character(:), allocatable :: path
-      integer :: i
-
-      path = directory//'/'//file%name
-      is_removable = len(file%fault(path)) == 0
-      do i = 1, inputs%n
-         if (absolute_path(inputs%files(i)%name) == absolute_path(path)) is_removable = .false.
-      end do
-   end function is_removable
 
    !> Opens a collection under a temporary name.
    subroutine new_collection(collection, path, units, error)

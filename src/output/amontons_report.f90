@@ -15,8 +15,7 @@ module amontons_report
    use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_quantity, only: quantity_t, scales
-   use amontons_result, only: certificate_limit, has_bar, has_converged, outcome_word, refined_quantity_t, result_t, &
-      verdict_names
+   use amontons_result, only: certificate_limit, has_bar, has_converged, outcome_word, result_t, verdict_names
    use amontons_system, only: file_name_t, make_directory, peak_memory_mb
    use amontons_terminal, only: phase_names, phase_write, timings_t
    use amontons_text, only: comma_separated, newline, to_text
@@ -178,6 +177,8 @@ contains
       class(case_label_t), intent(in) :: label !! what the case is called
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      integer :: i
 
       associate (solution => result%solution, certificate => result%certificate)
          call add_head(summary, label, result%method%method, outcome_word(result), result%warnings)
@@ -208,7 +209,23 @@ contains
             scales(resultants(solution%force)))
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
             result%error_estimate%quantities()))
-         if (allocated(result%convergence)) call summary%add(convergence_member(result%convergence))
+         if (allocated(result%convergence)) then
+            ! The numbers of a case on refined meshes as a member.
+            text = ''
+            do i = 1, size(result%convergence)
+               associate (judged => result%convergence(i)%convergence)
+                  if (i > 1) text = text//', '
+                  text = text//json_string(trim(result%convergence(i)%quantity%key))//': {"values": ['// &
+                     json_numbers(judged%value)//'], "verdict": '//json_string(trim(verdict_names(judged%verdict)))// &
+                     ', '//quantity_members([ quantity_t('order', '', judged%order), quantity_t('extrapolated', '', &
+                     judged%extrapolated)])//', "error_bar": '
+                  if (has_bar(judged)) text = text//json_number(judged%bar)//'}'
+                  if (.not. has_bar(judged)) text = text//'null}'
+               end associate
+            end do
+            text = member('convergence', '{'//text//'}')
+            call summary%add(text)
+         end if
          call summary%record(last_members(result%timings))
       end associate
    end subroutine new_summary
@@ -231,27 +248,6 @@ contains
       end do
       text = member(name, '['//text(min(3, len(text) + 1):)//']')
    end function intervals_member
-
-   !> The numbers of a case on refined meshes as a member.
-   pure function convergence_member(list) result(text)
-      type(refined_quantity_t), intent(in) :: list(:) !! the numbers
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(list)
-         associate (judged => list(i)%convergence)
-            if (i > 1) text = text//', '
-            text = text//json_string(trim(list(i)%quantity%key))//': {"values": ['//json_numbers(judged%value)// &
-               '], "verdict": '//json_string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
-               quantity_t('order', '', judged%order), quantity_t('extrapolated', '', judged%extrapolated)])// &
-               ', "error_bar": '
-            if (has_bar(judged)) text = text//json_number(judged%bar)//'}'
-            if (.not. has_bar(judged)) text = text//'null}'
-         end associate
-      end do
-      text = member('convergence', '{'//text//'}')
-   end function convergence_member
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
    !> deck, and NAME.solutions.csv if all solutions are known; without a state to show only listing, deck and summary.

@@ -72,12 +72,20 @@ contains
       type(file_lock_t) :: lock
       type(row_t), allocatable :: rows(:)
       integer :: i, n
+      logical :: has_folder, has_deck
 
       call make_directory(directory, error)
       if (allocated(error)) return
       call lock_directory(lock, directory//'/')
       call read_rows(directory//'/batch.csv', size(outcomes), rows, n)
-      call drop_gone_failures(rows(:n))
+      ! Failed decks that are not in their folder any more are removed: nothing is left of them.
+      do i = 1, n
+         if (has_results(rows(i)%word)) cycle
+         inquire (file=rows(i)%deck, exist=has_deck)
+         if (has_deck) cycle
+         inquire (file=rows(i)%deck(:scan(rows(i)%deck, '/', back=.true.))//'.', exist=has_folder)
+         if (has_folder .and. rows(i)%deck /= '-') rows(i)%text = ''
+      end do
       do i = 1, size(outcomes)
          call put_row(rows, n, outcomes(i), notes)
       end do
@@ -158,21 +166,6 @@ contains
       next = next + 1
    end subroutine take_field
 
-   !> Removes failed decks that are not in their folder any more: nothing is left of them.
-   subroutine drop_gone_failures(rows)
-      type(row_t), intent(inout) :: rows(:) !! the rows; those that are removed lose their text
-      logical :: has_folder, has_deck
-      integer :: i
-
-      do i = 1, size(rows)
-         if (has_results(rows(i)%word)) cycle
-         inquire (file=rows(i)%deck, exist=has_deck)
-         if (has_deck) cycle
-         inquire (file=rows(i)%deck(:scan(rows(i)%deck, '/', back=.true.))//'.', exist=has_folder)
-         if (has_folder .and. rows(i)%deck /= '-') rows(i)%text = ''
-      end do
-   end subroutine drop_gone_failures
-
    !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps
    !> its row.
    subroutine put_row(rows, n, outcome, notes)
@@ -180,8 +173,9 @@ contains
       integer, intent(inout) :: n !! number of rows
       type(outcome_t), intent(in) :: outcome !! what became of the deck
       type(warning_list_t), intent(inout) :: notes !! gains the decks whose results were replaced
-      character(:), allocatable :: deck
+      character(:), allocatable :: deck, sentence, text
       integer :: i, at
+      logical :: is_there
 
       deck = one_line(outcome%deck)
       at = 0
@@ -193,7 +187,18 @@ contains
             rows(i)%text = ''
          else if (rows(i)%name == outcome%name .and. has_results(rows(i)%word) .and. has_results(outcome%word) .and. &
             outcome%word /= 'unchanged') then
-            call replace_results(rows(i), deck, notes)
+            ! Notes that the results of a deck were replaced by those of another one with the same case name.
+            inquire (file=rows(i)%deck, exist=is_there)
+            if (.not. is_there) then
+               rows(i)%text = ''
+            else if (rows(i)%word /= 'replaced') then
+               sentence = "its results were replaced by those of '"//deck//"', which has the same case name '"// &
+                  rows(i)%name//"'; give each its own &case name"
+               rows(i)%word = 'replaced'
+               rows(i)%text = field(rows(i)%deck)//','//field(rows(i)%name)//','//rows(i)%word//','//rows(i)%status// &
+                  repeat(',', size(number_keys) + 2)//field(sentence)//newline
+               call notes%add(rows(i)%deck//': warning: '//sentence)
+            end if
          end if
       end do
       if (at == 0) then
@@ -202,7 +207,23 @@ contains
       else if (outcome%word == 'unchanged' .and. rows(at)%word == word_solved) then
          return
       end if
-      call new_row(rows(at), row_text(outcome))
+      ! The row of a deck.
+      text = field(one_line(outcome%deck))//','//field(outcome%name)//','
+      if (outcome%word == 'unchanged') then
+         text = text//word_solved
+      else
+         text = text//outcome%word
+      end if
+      text = text//','//to_text(outcome%status)
+      do i = 1, size(number_keys)
+         text = text//','
+         if (.not. allocated(outcome%numbers)) cycle
+         if (.not. any(outcome%numbers%key == number_keys(i))) cycle
+         if (i == 1) text = text//to_text(nint(value_of(outcome%numbers, number_keys(i))))
+         if (i > 1) text = text//to_text(value_of(outcome%numbers, number_keys(i)))
+      end do
+      text = text//','//scientific(outcome%seconds)//','//field(one_line(outcome%message))//newline
+      call new_row(rows(at), text)
    end subroutine put_row
 
    !> Whether a deck of an outcome has files of its case.
@@ -225,28 +246,6 @@ contains
       if (is_there) is_same_file = absolute_path(first) == absolute_path(second)
    end function is_same_file
 
-   !> Notes that the results of a deck were replaced by those of another one with the same case name. If the deck itself
-   !> is gone, renamed for example, its row goes, too.
-   subroutine replace_results(row, deck, notes)
-      type(row_t), intent(inout) :: row !! the row of the deck
-      character(*), intent(in) :: deck !! the deck whose results are there now
-      type(warning_list_t), intent(inout) :: notes !! gains a sentence
-      character(:), allocatable :: sentence
-      logical :: is_there
-
-      inquire (file=row%deck, exist=is_there)
-      if (.not. is_there) then
-         row%text = ''
-      else if (row%word /= 'replaced') then
-         sentence = "its results were replaced by those of '"//deck//"', which has the same case name '"//row%name// &
-            "'; give each its own &case name"
-         row%word = 'replaced'
-         row%text = field(row%deck)//','//field(row%name)//','//row%word//','//row%status// &
-            repeat(',', size(number_keys) + 2)//field(sentence)//newline
-         call notes%add(row%deck//': warning: '//sentence)
-      end if
-   end subroutine replace_results
-
    !> All rows as one text.
    pure function joined(rows) result(text)
       type(row_t), intent(in) :: rows(:) !! the rows
@@ -264,29 +263,6 @@ contains
          length = length + len(rows(i)%text)
       end do
    end function joined
-
-   !> The row of a deck. Its message is one line.
-   pure function row_text(outcome) result(text)
-      type(outcome_t), intent(in) :: outcome !! what became of the deck
-      character(:), allocatable :: text
-      integer :: i
-
-      text = field(one_line(outcome%deck))//','//field(outcome%name)//','
-      if (outcome%word == 'unchanged') then
-         text = text//word_solved
-      else
-         text = text//outcome%word
-      end if
-      text = text//','//to_text(outcome%status)
-      do i = 1, size(number_keys)
-         text = text//','
-         if (.not. allocated(outcome%numbers)) cycle
-         if (.not. any(outcome%numbers%key == number_keys(i))) cycle
-         if (i == 1) text = text//to_text(nint(value_of(outcome%numbers, number_keys(i))))
-         if (i > 1) text = text//to_text(value_of(outcome%numbers, number_keys(i)))
-      end do
-      text = text//','//scientific(outcome%seconds)//','//field(one_line(outcome%message))//newline
-   end function row_text
 
    !> A text of several lines as one.
    pure function one_line(lines) result(text)

@@ -98,10 +98,18 @@ contains
       type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(inout) :: is_done(:) !! which points were taken (m)
-      integer :: order(zone%n_points), n, p
+      integer :: order(zone%n_points), n, p, i
+      logical :: has_predecessor(zone%n_points)
+      real(dp) :: share
 
       n = 0
-      p = first_point(zone, is_done)
+      ! The point that the next chain begins with.
+      has_predecessor = .false.
+      do p = 1, zone%n_points
+         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
+      end do
+      p = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
+      if (p == 0) p = findloc(is_done, .false., dim=1)
       do while (p > 0)
          if (is_done(p)) exit
          is_done(p) = .true.
@@ -110,31 +118,7 @@ contains
          p = zone%next(p)
       end do
       chain%point = order(:n)
-      call set_lengths(chain, zone)
-   end subroutine next_chain
-
-   !> The point that the next chain begins with: one without a predecessor, else any that is left; 0 if none is.
-   pure integer function first_point(zone, is_done) result(point)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      logical, intent(in) :: is_done(:) !! which points were taken (m)
-      logical :: has_predecessor(zone%n_points)
-      integer :: p
-
-      has_predecessor = .false.
-      do p = 1, zone%n_points
-         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
-      end do
-      point = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
-      if (point == 0) point = findloc(is_done, .false., dim=1)
-   end function first_point
-
-   !> Finds where the points of a chain are along the line, and where their tributary lengths end.
-   pure subroutine set_lengths(chain, zone)
-      type(chain_t), intent(inout) :: chain !! has its points; gains the lengths
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer :: i, n
-
-      n = size(chain%point)
+      ! Where the points are along the line, and where their tributary lengths end.
       allocate (chain%arc(n), chain%bound(0:n))
       if (n == 0) return
       associate (order => chain%point)
@@ -142,36 +126,28 @@ contains
          do i = 2, n
             chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
          end do
-         chain%bound(0) = first_bound(chain%arc, zone%weight(order), zone%is_cell(order(1)))
+         ! The tributary length of the first one begins at an end point of the line, before any other, as where a
+         ! support holds the node before.
+         chain%bound(0) = -0.5_dp*zone%weight(order(1))
+         if (n == 2 .and. zone%weight(order(1)) < 0.75_dp*chain%arc(n)) chain%bound(0) = 0.0_dp
+         if (n >= 3 .and. .not. zone%is_cell(order(1))) then
+            ! The second point's tributary length, over the half of the sides or half sides next to it, is 1 for a node
+            ! of linear sides, 2/3 for a corner of quadratic ones and 4/3 for a middle. It begins accordingly: in the
+            ! middle of the side before, at two thirds or at one third of the half side before.
+            associate (ratio => 2.0_dp*zone%weight(order(2))/(chain%arc(3) - chain%arc(1)))
+               share = 0.5_dp
+               if (ratio < 5.0_dp/6.0_dp) share = 2.0_dp/3.0_dp
+               if (ratio > 7.0_dp/6.0_dp) share = 1.0_dp/3.0_dp
+            end associate
+            chain%bound(0) = share*chain%arc(2) - zone%weight(order(1))
+         end if
          if (allocated(zone%pairs)) call begin_where_covered(chain%bound(0), zone%pairs(zone%set(order(1))), &
             order(1) - findloc(zone%set, zone%set(order(1)), dim=1) + 1)
          do i = 1, n
             chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
          end do
       end associate
-   end subroutine set_lengths
-
-   !> Where the tributary length of the first point of a chain begins: at an end point of the line, before any other, as
-   !> where a support holds the node before.
-   pure real(dp) function first_bound(arc, weight, is_cell) result(bound)
-      real(dp), intent(in) :: arc(:) !! where the points are along the line, from the first one on (n) [L]
-      real(dp), intent(in) :: weight(:) !! their tributary lengths (n) [L]
-      logical, intent(in) :: is_cell !! whether they are cells, with the point in the middle
-      real(dp) :: share
-
-      bound = -0.5_dp*weight(1)
-      if (size(arc) == 2 .and. weight(1) < 0.75_dp*arc(size(arc))) bound = 0.0_dp
-      if (size(arc) < 3 .or. is_cell) return
-      ! The second point's tributary length, over the half of the sides or half sides next to it, is 1 for a node of
-      ! linear sides, 2/3 for a corner of quadratic ones and 4/3 for a middle. It begins accordingly: in the middle of
-      ! the side before, at two thirds or at one third of the half side before.
-      associate (ratio => 2.0_dp*weight(2)/(arc(3) - arc(1)))
-         share = 0.5_dp
-         if (ratio < 5.0_dp/6.0_dp) share = 2.0_dp/3.0_dp
-         if (ratio > 7.0_dp/6.0_dp) share = 1.0_dp/3.0_dp
-      end associate
-      bound = share*arc(2) - weight(1)
-   end function first_bound
+   end subroutine next_chain
 
    !> Begins a chain of corners of a slave where the master does, which may be in the middle of a side.
    pure subroutine begin_where_covered(begin, pair, point)

@@ -66,6 +66,7 @@ contains
       type(parting_t), intent(in) :: parting !! what belongs to which part
       type(method_options_t), intent(in) :: options !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! there is no such method; a load or support does not fit
+      real(dp), allocatable :: spins(:, :)
 
       call new_contact_method(solver%method, options, error)
       if (.not. allocated(error)) call new_load_family(solver%loads, body, load_case, parting, error)
@@ -73,7 +74,12 @@ contains
       solver%is_auto = options%method == 'auto'
       solver%size_of_body = body_size(body)
       ! Which points are in reach of an obstacle that moves is known member by member.
-      solver%may_spin = can_spin(body, load_case%is_in_reach .and. .not. parting%moves_obstacles)
+      solver%may_spin = size(body%rigid_modes, 2) > 0
+      if (solver%may_spin) then
+         call new_spins(spins, on_round_line(body%zone, body%motions), body, load_case%is_in_reach .and. &
+            .not. parting%moves_obstacles)
+         solver%may_spin = size(spins, 2) > 0
+      end if
       solver%may_move = size(body%common_motions, 2) > 0
    end subroutine new_load_solver
 
@@ -279,13 +285,17 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
+      ! What rounding leaves of normals that agree.
+      real(dp), parameter :: same = 1.0e-9_dp
       real(dp), allocatable :: amounts(:)
       character(:), allocatable :: motion
+      logical :: is_round_line
 
       call find_spin(amounts, body, is_in_reach, problem, solution)
       if (.not. allocated(amounts)) return
       motion = largest_motion(body%motions, amounts)
-      if (solution%is_converged .and. is_round(body%zone)) then
+      is_round_line = any(abs(round_normals(body%zone) - body%zone%normal) > same)
+      if (solution%is_converged .and. is_round_line) then
          call new_error(error, numerical_failure, 'no equilibrium but for the irregularities of the mesh: on the '// &
             'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
             '; add a support or friction')
@@ -294,27 +304,6 @@ contains
             'balance the loads; '//motion//'; add a support or friction')
       end if
    end subroutine check_spin
-
-   !> Whether the normal of some point is not that of the round line through it.
-   pure logical function is_round(zone)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      ! What rounding leaves of normals that agree.
-      real(dp), parameter :: same = 1.0e-9_dp
-
-      is_round = any(abs(round_normals(zone) - zone%normal) > same)
-   end function is_round
-
-   !> Whether a body has a motion that friction alone opposes where all points are in reach that are now.
-   logical function can_spin(body, is_in_reach)
-      type(body_t), intent(in) :: body !! the body
-      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
-      real(dp), allocatable :: spins(:, :)
-
-      can_spin = size(body%rigid_modes, 2) > 0
-      if (.not. can_spin) return
-      call new_spins(spins, on_round_line(body%zone, body%motions), body, is_in_reach)
-      can_spin = size(spins, 2) > 0
-   end function can_spin
 
    !> Finds a motion that friction cannot hold.
    subroutine find_spin(amounts, body, is_in_reach, problem, solution)

@@ -12,7 +12,7 @@ module amontons_model_warnings
    use amontons_material, only: on_axis
    use amontons_mesh, only: find_named, number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
-   use amontons_obstacle, only: find_self_crossing, obstacle_t
+   use amontons_obstacle, only: find_self_crossing
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text
@@ -54,12 +54,44 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      integer :: i
+      real(dp), parameter :: radial(2) = [1.0_dp, 0.0_dp]
+      integer :: i, n_locking(2), element, n_free, node
+      character(:), allocatable :: remedy
+      integer, allocatable :: nodes(:)
+      type(error_t), allocatable :: error
 
       do i = 1, body%mesh%warnings%n()
          call warnings%add(body%mesh%warnings%item(i))
       end do
-      call add_material_warnings(warnings, body, load_case)
+      ! Adds the warnings on the materials of a body.
+      ! Warns of linear elements that lock.
+      n_locking = 0
+      do element = 1, body%mesh%n_elements
+         associate (material => body%materials%list(body%materials%of_element(element)), &
+            kind => body%mesh%element_kind(element))
+            if (.not. material%locks()) cycle
+            if (kind == tri3) n_locking(tri3) = n_locking(tri3) + 1
+            if (kind == quad4 .and. .not. material%has_mean_dilatation) n_locking(quad4) = n_locking(quad4) + 1
+         end associate
+      end do
+      if (sum(n_locking) /= 0) then
+         remedy = "use formulation = 'b-bar', or quad8"
+         if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
+         call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
+            trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
+            "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
+            ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
+      end if
+      associate (poisson => minval(body%materials%list%poisson))
+         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
+            '; negative ratios are rare')
+      end associate
+      if (any(body%materials%list%formulation == 'b-bar') .and. all(body%mesh%element_kind /= quad4)) then
+         call warnings%add("formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      end if
+      if (any(load_case%loads%target == load_by_temperature) .and. .not. &
+         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
+         'temperature has no effect: no material has a coefficient of thermal expansion')
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
             trim(stated)//', the deck computes '//trim(hypothesis))
@@ -80,38 +112,7 @@ contains
       do i = 1, size(body%ties)
          call add_pair_warnings(warnings, body%ties(i))
       end do
-      call add_shared_places(warnings, body, load_case)
-      call add_repeated_forces(warnings, body, load_case)
-      call add_loose_pieces(warnings, body)
-      call add_free_axis(warnings, body)
-   end subroutine add_model_warnings
-
-   !> Adds the warnings on the materials of a body.
-   pure subroutine add_material_warnings(warnings, body, load_case)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-
-      call add_locking(warnings, body)
-      associate (poisson => minval(body%materials%list%poisson))
-         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
-            '; negative ratios are rare')
-      end associate
-      if (any(body%materials%list%formulation == 'b-bar') .and. all(body%mesh%element_kind /= quad4)) then
-         call warnings%add("formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
-      end if
-      if (any(load_case%loads%target == load_by_temperature) .and. .not. &
-         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
-         'temperature has no effect: no material has a coefficient of thermal expansion')
-   end subroutine add_material_warnings
-
-   !> Warns of supports and loads at points where bodies that are not joined have nodes.
-   pure subroutine add_shared_places(warnings, body, load_case)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      integer :: i
-
+      ! Warns of supports and loads at points where bodies that are not joined have nodes.
       do i = 1, size(load_case%supports)
          if (len(load_case%supports(i)%set) == 0) call add_shared_place(warnings, 'support', body%mesh%coordinates, &
             load_case%supports(i)%point)
@@ -120,17 +121,7 @@ contains
          if (load_case%loads(i)%target == load_on_nodes .and. len(load_case%loads(i)%set) == 0) call add_shared_place( &
             warnings, 'load', body%mesh%coordinates, load_case%loads(i)%point)
       end do
-   end subroutine add_shared_places
-
-   !> Warns of forces that act on each node of a boundary set: their sum grows with the number of nodes.
-   pure subroutine add_repeated_forces(warnings, body, load_case)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      integer, allocatable :: nodes(:)
-      type(error_t), allocatable :: error
-      integer :: i
-
+      ! Warns of forces that act on each node of a boundary set.
       do i = 1, size(load_case%loads)
          associate (load => load_case%loads(i))
             if (load%target /= load_on_nodes .or. len(load%set) == 0) cycle
@@ -141,7 +132,14 @@ contains
                'total_force gives the sum')
          end associate
       end do
-   end subroutine add_repeated_forces
+      call add_loose_pieces(warnings, body)
+      associate (is_on_axis => on_axis(body%mesh, body%materials))
+         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
+            node=1, body%mesh%n_nodes)])
+      end associate
+      if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
+         trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
+   end subroutine add_model_warnings
 
    !> Warns where parts of a mesh share no nodes and no contact or tie joins them.
    pure subroutine add_loose_pieces(warnings, body)
@@ -175,31 +173,6 @@ contains
          to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
    end subroutine add_shared_place
 
-   !> Warns of linear elements that lock: of a standard formulation and nearly incompressible.
-   pure subroutine add_locking(warnings, body)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      type(body_t), intent(in) :: body !! the body
-      integer :: n_locking(2), element
-      character(:), allocatable :: remedy
-
-      n_locking = 0
-      do element = 1, body%mesh%n_elements
-         associate (material => body%materials%list(body%materials%of_element(element)), &
-            kind => body%mesh%element_kind(element))
-            if (.not. material%locks()) cycle
-            if (kind == tri3) n_locking(tri3) = n_locking(tri3) + 1
-            if (kind == quad4 .and. .not. material%has_mean_dilatation) n_locking(quad4) = n_locking(quad4) + 1
-         end associate
-      end do
-      if (sum(n_locking) == 0) return
-      remedy = "use formulation = 'b-bar', or quad8"
-      if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
-      call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
-         trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
-         "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
-         ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
-   end subroutine add_locking
-
    !> Warns of what is doubtful about a contact set.
    pure subroutine add_contact_warnings(warnings, body, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
@@ -209,7 +182,8 @@ contains
       ! What rounding may leave of a depth of 0, as a share of the body's size.
       real(dp), parameter :: rounding = 1.0e-6_dp
       character(:), allocatable :: name
-      logical :: is_of_set(body%zone%n_points)
+      logical :: is_of_set(body%zone%n_points), crosses
+      real(dp) :: place(2)
 
       name = "contact set '"//load_case%contacts(set)%set//"': "
       is_of_set = body%zone%set == set
@@ -225,7 +199,11 @@ contains
          if (all(zone%is_tangent_fixed .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
-         call add_obstacle_warnings(warnings, name, load_case%contacts(set)%obstacle)
+         if (allocated(load_case%contacts(set)%obstacle%line)) then
+            call find_self_crossing(load_case%contacts(set)%obstacle%line, crosses, place)
+            if (crosses) call warnings%add(name//'the polyline of the obstacle crosses itself at '// &
+               warnings%place(place)//' of its file: its inside is undefined there')
+         end if
          call add_table_warning(warnings, name//'friction_table', load_case%contacts(set)%friction, zone, set)
          call add_table_warning(warnings, name//'slip_bound_table', load_case%contacts(set)%slip_bound, zone, set)
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
@@ -235,20 +213,6 @@ contains
          end associate
       end associate
    end subroutine add_contact_warnings
-
-   !> Warns of a polyline that crosses itself.
-   pure subroutine add_obstacle_warnings(warnings, name, obstacle)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! how the warning begins
-      type(obstacle_t), intent(in) :: obstacle !! the obstacle
-      real(dp) :: place(2)
-      logical :: crosses
-
-      if (.not. allocated(obstacle%line)) return
-      call find_self_crossing(obstacle%line, crosses, place)
-      if (crosses) call warnings%add(name//'the polyline of the obstacle crosses itself at '//warnings%place(place)// &
-         ' of its file: its inside is undefined there')
-   end subroutine add_obstacle_warnings
 
    !> Warns of a table along the line that has no station on it.
    pure subroutine add_table_warning(warnings, name, field, zone, set)
@@ -430,20 +394,5 @@ contains
             *norm2(surface%normal(:, 2, i) - surface%normal(:, 1, i))/8.0_dp)
       end do
    end function largest_bulge
-
-   !> Warns of nodes on the axis of revolution that no support holds there: the body may open a hole along its axis.
-   pure subroutine add_free_axis(warnings, body)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      type(body_t), intent(in) :: body !! the body
-      real(dp), parameter :: radial(2) = [1.0_dp, 0.0_dp]
-      integer :: n_free, node
-
-      associate (is_on_axis => on_axis(body%mesh, body%materials))
-         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
-            node=1, body%mesh%n_nodes)])
-      end associate
-      if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
-         trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
-   end subroutine add_free_axis
 
 end module amontons_model_warnings

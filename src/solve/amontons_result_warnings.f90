@@ -56,8 +56,11 @@ contains
    subroutine add_result_warnings(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
+      ! The cosine of 30 degrees.
+      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
       integer, allocatable :: reached(:)
-      integer :: peak, status(body%zone%n_points)
+      integer :: peak, status(body%zone%n_points), set, i, first
+      real(dp) :: depth, place(2)
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
@@ -70,7 +73,11 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, status)
       call add_reached_ends(result, body, reached)
-      call add_corner(result, body)
+      call find_corner_penetration(body%mesh, result%load_case%contacts, result%displacement, depth, place, set)
+      if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
+         "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
+         result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
+         'there, so that its sides are smaller than the obstacle')
       associate (is_closed => status /= open_point, zone => body%zone, lacks => lacks_points(status))
          if (lacks(1)) then
             call add_no_contact(result, zone)
@@ -83,13 +90,25 @@ contains
                peak = jump_at(zone, pressure)
                ! The pressure grows at an end because the set ends there, not because the mesh is coarse.
                if (peak > 0 .and. .not. is_at_end(body, reached, peak)) then
-                  call add_pressure_jump(result, body, pressure)
+                  peak = jump_at(body%zone, pressure)
+                  call result%warnings%add('the largest pressure '// &
+                     result%warnings%number(pressure(peak), 'F/L^2')//' at '// &
+                     result%warnings%place(body%zone%position(:, peak))//' is more than twice that of the points '// &
+                     'beside it: the mesh is too coarse for it, or it grows without bound at an edge'// &
+                     error_clause(result, body, [(i == peak, i=1, size(pressure))])//'; refine it there, or see '// &
+                     'with --refine 2 whether it converges')
                else if (peak == 0) then
                   call add_mesh_warnings(result, body, status)
                end if
             end associate
          end if
-         call add_aslant_points(result%warnings, zone, result%load_case%cosine, is_closed)
+         associate (is_aslant => is_closed .and. result%load_case%cosine < smallest_cosine)
+            first = findloc(is_aslant, .true., dim=1)
+            if (first > 0) call result%warnings%add(counted(count(is_aslant), 'closed contact point')// &
+               ', the first at '//result%warnings%place(zone%position(:, first))// &
+               ", more than 30 degrees off the obstacle's normal; end the "// &
+               'contact set at the corner, or give gap_direction')
+         end associate
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
       call add_far_slips(result%warnings, body%zone, result%displacement, status)
@@ -133,20 +152,6 @@ contains
          body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets so that they '// &
          'contain all that may touch, or end the obstacle')
    end subroutine add_reached_ends
-
-   !> Warns of a corner of an obstacle that penetrates a side between contact points.
-   subroutine add_corner(result, body)
-      type(result_t), intent(inout) :: result !! the result; gains the warning
-      type(body_t), intent(in) :: body !! the body
-      real(dp) :: depth, place(2)
-      integer :: set
-
-      call find_corner_penetration(body%mesh, result%load_case%contacts, result%displacement, depth, place, set)
-      if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
-         "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
-         result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
-         'there, so that its sides are smaller than the obstacle')
-   end subroutine add_corner
 
    !> What is doubtful about a case of a sweep as a sentence.
    pure function case_warning_sentence(kind, zone) result(sentence)
@@ -213,8 +218,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       ! Slips, over the largest displacement, and shares of the force that count [-].
       real(dp), parameter :: least_slip = 1.0e-3_dp, least_share = 1.0e-4_dp
-      real(dp) :: lost(body%zone%n_points), share
-      integer :: set, p
+      real(dp) :: lost(body%zone%n_points), share, slip
+      integer :: set, p, nearest
 
       associate (zone => body%zone, normal => result%solution%force(:body%zone%n_points), &
          load_case => result%load_case, largest => maxval(abs(result%displacement)))
@@ -223,7 +228,16 @@ contains
             if (.not. zone%is_tangent_fixed(p) .or. zone%is_cell(p) .or. &
                .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
             if (.not. zone%pairs(zone%set(p))%is_set()) cycle
-            if (abs(slip_of_supports(body, result%displacement, p)) > least_slip*largest) lost(p) = normal(p)
+            ! By how much a corner of a slave slides along the nearest corner of its master [L].
+            associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(p)))
+               associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
+                  nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
+                     - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
+               end associate
+               slip = dot_product(turned(zone%normal(:, p)), result%displacement(:, pair%node(p &
+                  - findloc(zone%set, zone%set(p), dim=1) + 1)) - result%displacement(:, nearest))
+            end associate
+            if (abs(slip) > least_slip*largest) lost(p) = normal(p)
          end do
          do set = 1, size(zone%pairs)
             if (.not. any(lost > 0.0_dp .and. zone%set == set)) cycle
@@ -236,23 +250,6 @@ contains
          end do
       end associate
    end subroutine add_lost_friction
-
-   !> By how much a corner of a slave slides along the nearest corner of its master [L].
-   pure real(dp) function slip_of_supports(body, displacement, point) result(slip)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      integer, intent(in) :: point !! the point
-      integer :: nearest
-
-      associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(point)))
-         associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
-            nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
-               - spread(zone%position(:, point), 2, size(corners)), dim=1), dim=1))
-         end associate
-         slip = dot_product(turned(zone%normal(:, point)), displacement(:, pair%node(point &
-            - findloc(zone%set, zone%set(point), dim=1) + 1)) - displacement(:, nearest))
-      end associate
-   end function slip_of_supports
 
    !> Warns of contact pairs and ties whose forces make a couple across the gap between them that is not small.
    pure subroutine add_couples(result, body)
@@ -410,22 +407,6 @@ contains
       end do
    end subroutine find_strain
 
-   !> Warns of a largest pressure that is more than twice that of each of its neighbors.
-   pure subroutine add_pressure_jump(result, body, pressure)
-      type(result_t), intent(inout) :: result !! the result; gains the warning
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: pressure(:) !! pressures of the contact points (m) [F/L^2]
-      integer :: i, peak
-
-      peak = jump_at(body%zone, pressure)
-      call result%warnings%add('the largest pressure '// &
-         result%warnings%number(pressure(peak), 'F/L^2')//' at '// &
-         result%warnings%place(body%zone%position(:, peak))//' is more than twice that of the points '// &
-         'beside it: the mesh is too coarse for it, or it grows without bound at an edge'// &
-         error_clause(result, body, [(i == peak, i=1, size(pressure))])//'; refine it there, or see '// &
-         'with --refine 2 whether it converges')
-   end subroutine add_pressure_jump
-
    !> The point of the largest pressure, if that is more than twice that of each of its neighbors; else 0.
    pure integer function jump_at(zone, pressure) result(peak)
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -438,24 +419,6 @@ contains
       if (zone%next(peak) > 0) neighbor = max(neighbor, pressure(zone%next(peak)))
       if (.not. pressure(peak) > large_jump*max(neighbor, 0.0_dp)) peak = 0
    end function jump_at
-
-   !> Warns of closed points whose normals are far from that of the obstacle.
-   pure subroutine add_aslant_points(warnings, zone, cosine, is_closed)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: cosine(:) !! of the angle between each normal and the way into the obstacle (m) [-]
-      logical, intent(in) :: is_closed(:) !! whether each point is closed (m)
-      ! The cosine of 30 degrees.
-      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
-      integer :: first
-
-      associate (is_aslant => is_closed .and. cosine < smallest_cosine)
-         first = findloc(is_aslant, .true., dim=1)
-         if (first > 0) call warnings%add(counted(count(is_aslant), 'closed contact point')//', the first at '// &
-            warnings%place(zone%position(:, first))//", more than 30 degrees off the obstacle's normal; end the "// &
-            'contact set at the corner, or give gap_direction')
-      end associate
-   end subroutine add_aslant_points
 
    !> Warns of points out of reach that end up in the obstacle.
    subroutine add_passed_points(warnings, body, load_case, displacement)
@@ -490,8 +453,11 @@ contains
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: status(:) !! statuses of the points, those whose force is rounding open (m)
+      real(dp), parameter :: most_of_it = 2.0_dp/3.0_dp
+      real(dp), parameter :: large_error = 0.05_dp
       logical :: is_end(body%zone%n_points)
-      integer :: n_per_side, n_before
+      integer :: n_per_side, n_before, p
+      real(dp) :: share
 
       n_before = result%warnings%n()
       associate (zone => body%zone, kind => body%mesh%element_kind)
@@ -500,7 +466,18 @@ contains
          call add_short_zones(result, body, is_end, 'contact', status /= open_point, n_per_side)
          call add_short_zones(result, body, is_end, 'stick', status == stick_point, n_per_side)
       end associate
-      if (result%warnings%n() == n_before) call add_uncertain_ends(result, body, is_end)
+      if (result%warnings%n() == n_before) then
+         ! Warns where the elements at the ends of zones make more than two thirds of a large estimated error.
+         if (.not. any(is_end)) return
+         if (.not. allocated(result%error_estimate)) return
+         if (result%error_estimate%relative < large_error) return
+         share = share_at(result, body, is_end)
+         if (share <= most_of_it) return
+         p = findloc(is_end, .true., dim=1)
+         call result%warnings%add(percent(share)//' of the estimated error is in the elements at the ends of the '// &
+            'contact and stick zones, the first at '//result%warnings%place(body%zone%position(:, p))// &
+            ': refine the mesh there')
+      end if
    end subroutine add_mesh_warnings
 
    !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
@@ -523,7 +500,14 @@ contains
       associate (zone => body%zone)
          do first = 1, zone%n_points
             if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
-            call follow_zone(is_zone, last, first, zone%next, is_inside)
+            ! Follows a zone along the line.
+            is_zone = .false.
+            last = first
+            is_zone(last) = .true.
+            do while (is_in(is_inside, zone%next(last)))
+               last = zone%next(last)
+               is_zone(last) = .true.
+            end do
             n = count(is_zone)
             if (before(first) > 0) is_end([before(first), first]) = .true.
             if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
@@ -537,23 +521,6 @@ contains
       end associate
    end subroutine add_short_zones
 
-   !> Follows a zone along the line.
-   pure subroutine follow_zone(is_zone, last, first, next, is_inside)
-      logical, intent(out) :: is_zone(:) !! which points are its (m)
-      integer, intent(out) :: last !! its last point
-      integer, intent(in) :: first !! its first point
-      integer, intent(in) :: next(:) !! the point that follows each, 0 for none (m)
-      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
-
-      is_zone = .false.
-      last = first
-      is_zone(last) = .true.
-      do while (is_in(is_inside, next(last)))
-         last = next(last)
-         is_zone(last) = .true.
-      end do
-   end subroutine follow_zone
-
    !> Whether there is such a point, and it belongs to the zone.
    pure logical function is_in(is_inside, point)
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
@@ -562,26 +529,6 @@ contains
       is_in = point > 0
       if (is_in) is_in = is_inside(point)
    end function is_in
-
-   !> Warns where the elements at the ends of zones make more than two thirds of a large estimated error.
-   pure subroutine add_uncertain_ends(result, body, is_end)
-      type(result_t), intent(inout) :: result !! the result; gains the warning
-      type(body_t), intent(in) :: body !! the body
-      logical, intent(in) :: is_end(:) !! which points are beside an end of a zone (m)
-      real(dp), parameter :: large_error = 0.05_dp, most_of_it = 2.0_dp/3.0_dp
-      real(dp) :: share
-      integer :: p
-
-      if (.not. any(is_end)) return
-      if (.not. allocated(result%error_estimate)) return
-      if (result%error_estimate%relative < large_error) return
-      share = share_at(result, body, is_end)
-      if (share <= most_of_it) return
-      p = findloc(is_end, .true., dim=1)
-      call result%warnings%add(percent(share)//' of the estimated error is in the elements at the ends of the '// &
-         'contact and stick zones, the first at '//result%warnings%place(body%zone%position(:, p))// &
-         ': refine the mesh there')
-   end subroutine add_uncertain_ends
 
    !> What the estimated error says of some contact points, as a clause behind a sentence; nothing without an estimate.
    pure function error_clause(result, body, is_there) result(clause)

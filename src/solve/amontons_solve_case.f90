@@ -149,7 +149,17 @@ contains
       if (allocated(error) .or. result%outcome == outcome_no_equilibrium) return
       call condense_case(cache, config, result, error)
       if (allocated(error)) return
-      call start_solution(cache, result)
+      ! Starts from where the last case of the same body ended, on a coarser mesh where this one is refined, or from
+      ! rest.
+      if (cache%is_refining .and. allocated(cache%state)) then
+         call cache%state%prolong(result%solution, cache%body%zone)
+      else if (allocated(cache%state)) then
+         result%solution = cache%state%solution
+         result%uniqueness = cache%state%uniqueness
+         result%started_from = cache%state%case_name
+      else
+         call new_contact_solution(result%solution, cache%body%zone%n_points)
+      end if
       call solve_load_case(result, cache%body, cache%problem, error)
       if (allocated(error)) return
       if (.not. result%solution%is_converged) return
@@ -182,22 +192,6 @@ contains
       call prepare_estimates(cache%body)
       call result%timings%begin(phase_condense)
    end subroutine condense_case
-
-   !> Starts from where the last case of the same body ended, on a coarser mesh where this one is refined, or from rest.
-   subroutine start_solution(cache, result)
-      type(cache_t), intent(in) :: cache !! the body at hand
-      type(result_t), intent(inout) :: result !! the result, its solution set to the start
-
-      if (cache%is_refining .and. allocated(cache%state)) then
-         call cache%state%prolong(result%solution, cache%body%zone)
-      else if (allocated(cache%state)) then
-         result%solution = cache%state%solution
-         result%uniqueness = cache%state%uniqueness
-         result%started_from = cache%state%case_name
-      else
-         call new_contact_solution(result%solution, cache%body%zone%n_points)
-      end if
-   end subroutine start_solution
 
    !> A solution that starts from this state on another mesh of the same body: stresses and displacements of a point are
    !> linear between the two points of the state that are nearest in its set.
@@ -294,9 +288,10 @@ contains
       type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
+      real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
       ! A condition number that leaves more than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
-      real(dp) :: condition
+      real(dp) :: condition, forces, strained_share, uncanceled
 
       call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
       call evaluate(result, body)
@@ -305,8 +300,22 @@ contains
             'precision (1.8e308): choose other units')
          return
       end if
-      if (.not. shows_rounding(result)) return
-      condition = max(body%condensation%condenser%condition(), cancellation(body, result))
+      ! What the certificate finds may come from the rounding errors of an ill-conditioned stiffness where, of what
+      ! depends on the whole model, something is well above rounding, or where the forces keep fewer than six digits.
+      associate (certificate => result%certificate)
+         if (max(certificate%equilibrium, certificate%resultant, certificate%moment, certificate%energy) <= suspicious &
+            .and. certificate%imbalance <= few_digits) return
+      end associate
+      condition = body%condensation%condenser%condition()
+      ! How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
+      ! below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+      ! Prescribed displacements and heat are loads that no force tells.
+      forces = max(norm2(result%load_case%force), norm2(result%solution%force))
+      if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
+         allocated(result%load_case%thermal_strain))) then
+         call measure_terms(body%mesh, body%materials, result%displacement, uncanceled, strained_share)
+         condition = max(condition, uncanceled/forces)
+      end if
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
@@ -345,34 +354,6 @@ contains
             result%solution%force)
       end if
    end subroutine evaluate
-
-   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
-   !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
-   real(dp) function cancellation(body, result)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! its displacements and forces
-      real(dp) :: forces, strained_share, uncanceled
-
-      cancellation = 0.0_dp
-      ! Prescribed displacements and heat are loads that no force tells.
-      if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
-      forces = max(norm2(result%load_case%force), norm2(result%solution%force))
-      if (.not. forces > 0.0_dp) return
-      call measure_terms(body%mesh, body%materials, result%displacement, uncanceled, strained_share)
-      cancellation = uncanceled/forces
-   end function cancellation
-
-   !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
-   !> depends on the whole model, something is well above rounding, or the forces keep fewer than six digits.
-   pure logical function shows_rounding(result)
-      type(result_t), intent(in) :: result !! the result
-      real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
-
-      associate (certificate => result%certificate)
-         shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
-            certificate%energy) > suspicious .or. certificate%imbalance > few_digits
-      end associate
-   end function shows_rounding
 
    !> Measures the forces of a method that came to rest against the exact ones.
    subroutine compare_with_exact(problem, tolerance, result, error)

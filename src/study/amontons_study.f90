@@ -3,7 +3,7 @@
 !>
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
-   use amontons_body, only: body_t, estimate_body, estimate_t
+   use amontons_body, only: estimate_body, estimate_t
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure, warning_list_t
@@ -264,51 +264,28 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the body is not held
       type(estimate_t) :: estimate
       integer :: n_dense
+      character(:), allocatable :: text, size_text
 
-      n_dense = dense_matrices(config%method%method)
+      ! How many dense matrices of the contact points a method holds.
+      select case (config%method%method)
+      case ('auto', 'newton')
+         n_dense = 0
+      case ('lemke')
+         ! Compliance and tableau, of twice as many rows.
+         n_dense = 7
+      case ('fixed_point')
+         n_dense = 4
+      case default
+         n_dense = 2
+      end select
       call estimate_body(cache%body, config%condensation, n_dense, result%timings, estimate, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
-      outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '// &
-         estimate_text(estimate, n_dense > 0)
-   end subroutine report_size
-
-   !> How many dense matrices of the contact points a method holds; 0 for Newton's, which works on a band, too.
-   pure integer function dense_matrices(method) result(n)
-      character(*), intent(in) :: method !! name of the method
-
-      select case (method)
-      case ('auto', 'newton')
-         n = 0
-      case ('lemke')
-         ! Compliance and tableau, of twice as many rows.
-         n = 7
-      case ('fixed_point')
-         n = 4
-      case default
-         n = 2
-      end select
-   end function dense_matrices
-
-   !> The size of a body.
-   pure function size_text(body) result(text)
-      type(body_t), intent(in) :: body !! the body
-      character(:), allocatable :: text
-
-      text = to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)//' elements, '// &
-         to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
-   end function size_text
-
-   !> What solving it would take.
-   pure function estimate_text(estimate, is_dense) result(text)
-      type(estimate_t), intent(in) :: estimate !! what solving the deck would take
-      logical, intent(in) :: is_dense !! whether the method makes a dense matrix of a band
-      character(:), allocatable :: text
-
+      ! What solving it would take.
       if (estimate%half_width > 0) then
          text = 'band contact matrix of '//to_text(estimate%n_rows)//' rows with half width '// &
             to_text(estimate%half_width)
-         if (is_dense) text = text//', made dense for the method'
+         if (n_dense > 0) text = text//', made dense for the method'
       else
          text = 'dense contact matrix of '//to_text(estimate%n_rows)//' rows'
       end if
@@ -317,7 +294,10 @@ contains
       if (estimate%n_ranks > 1) text = text//' on each of '//to_text(estimate%n_ranks)//' ranks at most'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
-   end function estimate_text
+      size_text = to_text(cache%body%mesh%n_nodes)//' nodes, '//to_text(cache%body%mesh%n_elements)//' elements, '// &
+         to_text(cache%body%dof_map%n_dofs)//' unknowns, '//to_text(cache%body%zone%n_points)//' contact points'
+      outcome%text = config%name//': deck OK; '//size_text//cases//'; '//text
+   end subroutine report_size
 
    !> Puts the name of the deck before what went wrong with its body, its solution or its files.
    pure subroutine conclude(outcome, error)

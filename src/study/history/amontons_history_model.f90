@@ -126,7 +126,11 @@ contains
          call recover_displacement(field, body, parts(j), at_rest)
          form%field(:, :, j) = field
       end do
-      loads = load_forces(body, parts)
+      allocate (loads(2, body%mesh%n_nodes, size(parts)))
+      do i = 1, size(parts)
+         call body%internal_forces(forces, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         loads(:, :, i) = parts(i)%force - forces
+      end do
       do j = 1, n
          call body%internal_forces(forces, form%field(:, :, j))
          do i = 1, n
@@ -141,21 +145,6 @@ contains
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
    end subroutine new_energy_form
-
-   !> The nodal forces of each part; of temperatures those that cause the same strain (2, n_nodes, parts) [F].
-   function load_forces(body, parts) result(loads)
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: parts(:) !! the parts
-      real(dp), allocatable :: loads(:, :, :)
-      real(dp), allocatable :: forces(:, :)
-      integer :: i
-
-      allocate (loads(2, body%mesh%n_nodes, size(parts)))
-      do i = 1, size(parts)
-         call body%internal_forces(forces, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
-         loads(:, :, i) = parts(i)%force - forces
-      end do
-   end function load_forces
 
    !> Strain energy u . K u / 2 [F L].
    pure real(dp) function energy_form_strain_energy(self, problem, factor, v) result(energy)
@@ -201,9 +190,37 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
       type(parting_t) :: parting
+      real(dp) :: unit(2, body%mesh%n_nodes)
+      integer :: i, component, k
 
       model%history = config%history
-      call divide(model%part_of, parting, config%history, prepared)
+      ! Gives every change of a load, support or friction a part.
+      parting = one_part(prepared)
+      parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
+      allocate (model%part_of(size(config%history%steps)), source=0)
+      do i = 1, size(model%part_of)
+         associate (change => config%history%steps(i))
+            if (change%target == stepped_obstacle) cycle
+            parting%n_parts = parting%n_parts + 1
+            model%part_of(i) = parting%n_parts
+            do k = 1, size(parting%load)
+               if (change%target == stepped_load .and. change%name == prepared%loads(k)%name) then
+                  parting%load(k) = model%part_of(i)
+               end if
+            end do
+            do k = 1, size(parting%support)
+               if (change%target == stepped_support .and. change%name == prepared%supports(k)%name) then
+                  parting%support(k) = model%part_of(i)
+               end if
+            end do
+            do k = 1, size(parting%friction)
+               if (change%target == stepped_friction .and. change%acts_on(prepared%contacts(k))) then
+                  parting%friction(k) = model%part_of(i)
+               end if
+            end do
+         end associate
+      end do
+      parting%is_coefficient = spread(.false., 1, parting%n_parts)
       call new_load_solver(model%solver, body, prepared, parting, config%method, error)
       if (allocated(error)) return
       associate (loads => model%solver%loads)
@@ -218,7 +235,15 @@ contains
       end associate
       call find_probes(model%probe, model%history, body, error)
       if (allocated(error)) return
-      call condense_probes(model, body)
+      ! Finds what the displacements of the probes are in terms of the contact displacements.
+      allocate (model%probe_row(2*body%zone%n_points, 2*size(model%probe)))
+      do i = 1, size(model%probe)
+         do component = 1, 2
+            unit = 0.0_dp
+            unit(component, model%probe(i)) = 1.0_dp
+            model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
+         end do
+      end do
    end subroutine new_history_model
 
    !> Which cycle ends at a time: 0 where the first one begins, -1 where none does.
@@ -232,42 +257,6 @@ contains
       if (n == 0) return
       if (self%cycle_times(n) >= time) cycle = n - 1
    end function history_model_cycle_at
-
-   !> Gives every change of a load, support or friction a part.
-   pure subroutine divide(part_of, parting, history, load_case)
-      integer, allocatable, intent(out) :: part_of(:) !! part of each change; 0 for obstacles
-      type(parting_t), intent(out) :: parting !! what belongs to which part
-      type(history_t), intent(in) :: history !! the history
-      type(load_case_t), intent(in) :: load_case !! the load case of the deck as it stands
-      integer :: i, k
-
-      parting = one_part(load_case)
-      parting%moves_obstacles = any(history%steps%target == stepped_obstacle)
-      allocate (part_of(size(history%steps)), source=0)
-      do i = 1, size(part_of)
-         associate (change => history%steps(i))
-            if (change%target == stepped_obstacle) cycle
-            parting%n_parts = parting%n_parts + 1
-            part_of(i) = parting%n_parts
-            do k = 1, size(parting%load)
-               if (change%target == stepped_load .and. change%name == load_case%loads(k)%name) then
-                  parting%load(k) = part_of(i)
-               end if
-            end do
-            do k = 1, size(parting%support)
-               if (change%target == stepped_support .and. change%name == load_case%supports(k)%name) then
-                  parting%support(k) = part_of(i)
-               end if
-            end do
-            do k = 1, size(parting%friction)
-               if (change%target == stepped_friction .and. change%acts_on(load_case%contacts(k))) then
-                  parting%friction(k) = part_of(i)
-               end if
-            end do
-         end associate
-      end do
-      parting%is_coefficient = spread(.false., 1, parting%n_parts)
-   end subroutine divide
 
    !> Finds the nodes at the probes.
    subroutine find_probes(nodes, history, body, error)
@@ -288,23 +277,6 @@ contains
          end associate
       end do
    end subroutine find_probes
-
-   !> Finds what the displacements of the probes are in terms of the contact displacements.
-   subroutine condense_probes(model, body)
-      type(history_model_t), intent(inout) :: model !! the model, its probes known
-      type(body_t), intent(in) :: body !! the body, condensed
-      real(dp) :: unit(2, body%mesh%n_nodes)
-      integer :: i, component
-
-      allocate (model%probe_row(2*body%zone%n_points, 2*size(model%probe)))
-      do i = 1, size(model%probe)
-         do component = 1, 2
-            unit = 0.0_dp
-            unit(component, model%probe(i)) = 1.0_dp
-            model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
-         end do
-      end do
-   end subroutine condense_probes
 
    !> What acts at a time.
    subroutine history_model_at(self, body, time, instant, error)
@@ -545,12 +517,16 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
       type(step_state_t), intent(in) :: before !! the state before it
+      ! What rounding leaves of energies that cancel each other is negligible in this share of them. Of a body that
+      ! moves as a whole they are those of single nodes that do: the elements of a slender body are far stiffer than
+      ! its contact points.
+      real(dp), parameter :: rounding_share = 1.0e-5_dp
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing
-      real(dp), dimension(2*problem%n_points) :: mean_force, v_change
+      real(dp), dimension(2*problem%n_points) :: mean_force, v_change, whole_change
       real(dp), dimension(size(after%reaction)) :: change
-      real(dp) :: load_work, support_work, obstacle_work, energies
+      real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
       integer :: m
 
       m = problem%n_points
@@ -581,28 +557,7 @@ contains
          maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
-      call check_identities(after, model, problem, before, change, v_change, mean_force, load_work + support_work)
-   end subroutine add_works
-
-   !> Checks the two identities that hold exactly for a step in equilibrium at both ends: the work of loads, supports,
-   !> by their means over the step, is the change of strain energy and the mean contact forces' work; by their values at
-   !> the end, it is that and the strain energy of the step's own displacements more.
-   pure subroutine check_identities(after, model, problem, before, change, v_change, mean_force, mean_work)
-      type(step_state_t), intent(inout) :: after !! the state; gains the violation
-      type(history_model_t), intent(in) :: model !! the model
-      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
-      type(step_state_t), intent(in) :: before !! the state before it
-      real(dp), intent(in) :: change(:) !! by how much the factors changed (parts) [-]
-      real(dp), contiguous, intent(in) :: v_change(:) !! by how much the contact displacements changed (2m) [L]
-      real(dp), intent(in) :: mean_force(:) !! mean contact forces (2m) [F]
-      real(dp), intent(in) :: mean_work !! work of loads and supports by their means [F L]
-      ! What rounding leaves of energies that cancel each other is negligible in this share of them. Of a body that
-      ! moves as a whole they are those of single nodes that do: the elements of a slender body are far stiffer than
-      ! its contact points.
-      real(dp), parameter :: rounding_share = 1.0e-5_dp
-      real(dp), dimension(2*problem%n_points) :: whole_change
-      real(dp) :: end_work, own_energy, energy_change, size_of_terms
-
+      ! Checks the two identities that hold exactly for a step in equilibrium at both ends.
       ! The normal displacements of the contact problem lack what supports prescribe; the tangential ones are whole.
       whole_change = v_change
       associate (m => problem%n_points)
@@ -612,13 +567,13 @@ contains
       own_energy = model%energies%strain_energy(problem, change, v_change)
       end_work = model%energies%load_work(after%instant%factor, change, v_change) &
          + dot_product(after%reaction, change)
-      size_of_terms = max(after%strain_energy, before%strain_energy, abs(mean_work), abs(end_work), &
+      size_of_terms = max(after%strain_energy, before%strain_energy, abs(load_work + support_work), abs(end_work), &
          dot_product(abs(after%solution%force), abs(whole_change)), rounding_share*model%energies%stiffness &
          *max(sum(after%solution%displacement**2), problem%prescribed**2))
       if (.not. size_of_terms > 0.0_dp) return
-      after%imbalance = max(abs(mean_work - energy_change - dot_product(mean_force, whole_change)), &
+      after%imbalance = max(abs(load_work + support_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
-   end subroutine check_identities
+   end subroutine add_works
 
    !> Slip of the step, accumulated slip [L], dissipation [F L], and what wear is proportional to after Archard: the
    !> integral of the pressure over the slip [F/L] (m, 4).

@@ -4,7 +4,7 @@ module amontons_history_study
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t
    use amontons_config, only: config_t, effective_deck
-   use amontons_document, only: document_t, json_logical, json_number, json_string, quantity_members
+   use amontons_document, only: json_logical, json_number, json_string, quantity_members
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown, moved_things, steps_t
    use amontons_history_files, only: history_files_t, new_history_files, read_start
@@ -228,6 +228,8 @@ contains
       type(history_model_t), intent(out) :: model !! the history
       type(result_t), intent(inout) :: last !! gains what the result of the last step begins with
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      logical :: changes
+      integer :: i
 
       call prepare_case(cache, config, last, error)
       if (allocated(error)) return
@@ -236,22 +238,10 @@ contains
       if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
          error)
       if (allocated(error)) return
-      if (.not. any_changes(model)) call last%warnings%add( &
-         'no load, support, obstacle or friction changes over the history')
+      changes = any([(model%history%steps(i)%changes(), i=1, size(model%history%steps))])
+      if (.not. changes) call last%warnings%add('no load, support, obstacle or friction changes over the history')
       call set_factor(last%factor, cache%body)
    end subroutine prepare_history
-
-   !> Ends the files of a history, and lists them together with the tables that were read.
-   subroutine finish_files(files, model, config, result, error)
-      type(history_files_t), intent(inout) :: files !! the files
-      type(history_model_t), intent(in) :: model !! the history
-      type(config_t), intent(in) :: config !! the deck
-      type(history_result_t), intent(inout) :: result !! gains the finished files and their manifest
-      type(error_t), allocatable, intent(out) :: error !! not everything could be written
-
-      call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
-      if (.not. allocated(error)) call add_tables(result%files%manifest, config)
-   end subroutine finish_files
 
    !> Adds the tables of changes to the files that were read.
    subroutine add_tables(manifest, config)
@@ -264,14 +254,6 @@ contains
       end do
       if (config%history%has_start()) call manifest%add_input(config%history%start)
    end subroutine add_tables
-
-   !> Whether anything changes.
-   pure logical function any_changes(model)
-      type(history_model_t), intent(in) :: model !! the history
-      integer :: i
-
-      any_changes = any([(model%history%steps(i)%changes(), i=1, size(model%history%steps))])
-   end function any_changes
 
    !> Takes the steps, as far as there is a way and the monitor does not stop it.
    subroutine take_steps(cache, model, files, monitor, result, error)
@@ -424,6 +406,7 @@ contains
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the last step
       type(error_t), allocatable, intent(out) :: error
+
          !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
       if (result%walk%n_steps == 0) then
@@ -443,7 +426,8 @@ contains
       call add_result_warnings(result%last, cache%body)
       call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
-      call finish_files(files, model, config, result, error)
+      call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
+      if (.not. allocated(error)) call add_tables(result%files%manifest, config)
    end subroutine finish_history
 
    !> Notes the number of a step.
@@ -470,8 +454,15 @@ contains
    subroutine describe_history(result, config)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
       type(config_t), intent(in) :: config !! the deck
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
+         'tang. force', 'strain energy', 'work', 'dissipated']
+      character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
+         'F L']
       type(quantity_t), allocatable :: energies(:)
-      real(dp) :: force, length, energy
+      real(dp) :: force, length, energy, before(2)
+      character(:), allocatable :: text, note, table
+      integer :: i, k, n, width
 
       result%last%earlier_violation = max(result%violation%value, result%imbalance%value)
       energies = energies_of(result%walk%state)
@@ -480,27 +471,21 @@ contains
          length = max(0.0_dp, maxval(abs(state%solution%displacement)), maxval(abs(result%cycles(9:10, :))))
          energy = max(maxval(abs(energies%value)), maxval(abs(result%reached(7:, :))))
       end associate
-      call list_history(result%last%study_listing, config, result, force, length, energy)
-      call result%last%study_members%add(history_members(config, result), [spread(energy, 1, size(energies)), 0.0_dp])
-   end subroutine describe_history
-
-   !> Makes the section of the listing.
-   subroutine list_history(section, config, result, force, length, energy)
-      type(document_t), intent(inout) :: section !! gains the section
-      type(config_t), intent(in) :: config !! the deck
-      type(history_result_t), intent(in) :: result !! the history
-      real(dp), intent(in) :: force !! the largest force [F]
-      real(dp), intent(in) :: length !! the largest displacement [L]
-      real(dp), intent(in) :: energy !! the largest energy [F L]
-      character(:), allocatable :: text
-      integer :: i
-
+      ! Makes the section of the listing.
       associate (history => config%history, walk => result%walk)
          text = heading('Load history')
          do i = 1, size(history%steps)
             text = text//labeled('Changes', steps_text(history%steps(i)))
          end do
-         text = text//constant_loads_text(config)
+         ! Says which loads act in full from the first time on.
+         note = ''
+         n = 0
+         do i = 1, size(config%loads)
+            if (.not. any([(config%history%steps(k)%target == 1 .and. config%history%steps(k)%name &
+               == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
+         end do
+         if (n > 0) note = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
+         text = text//note
          if (len(walk%fault) > 0) text = text//labeled('INCOMPLETE', walk%fault)
          text = text//labeled('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
          if (history%has_start()) text = text//labeled('Start', history%start)
@@ -513,37 +498,38 @@ contains
             worst_text('Step indicator', result%indicator)//labeled('Certified', counted(result%n_certified, 'step')// &
             '; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
-         call section%add(text)
+         call result%last%study_listing%add(text)
          text = ''
          if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
             ' deck; all steps were taken anew')
-         call section%record(text)
+         call result%last%study_listing%record(text)
          text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
-         call section%add(text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the'// &
-            ' size of the steps)'//newline//from_rest_text(result%error_from_rest(history), energy, config%units), &
+         note = ''
+         if (abs(result%error_from_rest(history)) > rounding*energy) note = labeled('of it at first', &
+            with_unit(short_text(result%error_from_rest(history)), config%units, 'F L')// &
+            ' (in the step from rest to the first time, which is not divided)')
+         call result%last%study_listing%add(text(:len(text) - 1)// &
+            ' (work less strain energy and dissipation; it vanishes with the'//' size of the steps)'//newline//note, &
             [energy])
-         call section%add(times_table(history, result%reached, config%units), [0.0_dp, spread(0.0_dp, 1, 3), &
-            spread(force, 1, 2), spread(energy, 1, 3)])
-         call section%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, length, length, &
-            1.0_dp])
-         call section%add(fretting_text(config, result%cycles))
-         call section%add( &
+         ! The states at the times of the deck, with what the time since the one before took.
+         width = column_width(config%units)
+         table = heading('States at the times of the deck (work and dissipation: since the time before)')// &
+            table_head(history%name(:min(12, len(history%name))), labels, dimensions, config%units)
+         before = 0.0_dp
+         do i = 1, size(result%reached, 2)
+            table = table//columns([result%reached(:7, i), result%reached(8:, i) - before], width)//newline
+            before = result%reached(8:, i)
+         end do
+         call result%last%study_listing%add(table, [0.0_dp, spread(0.0_dp, 1, 3), spread(force, 1, 2), spread(energy, &
+            1, 3)])
+         call result%last%study_listing%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, &
+            length, length, 1.0_dp])
+         call result%last%study_listing%add(fretting_text(config, result%cycles))
+         call result%last%study_listing%add( &
             heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
       end associate
-   end subroutine list_history
-
-   !> The part of the energy error that no size of the steps changes, where there is one.
-   pure function from_rest_text(from_rest, energy, units) result(text)
-      real(dp), intent(in) :: from_rest !! the energy error of the first step from rest [F L]
-      real(dp), intent(in) :: energy !! the largest energy [F L]
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-      real(dp), parameter :: rounding = 1.0e-12_dp
-
-      text = ''
-      if (abs(from_rest) > rounding*energy) text = labeled('of it at first', with_unit(short_text(from_rest), units, &
-         'F L')//' (in the step from rest to the first time, which is not divided)')
-   end function from_rest_text
+      call result%last%study_members%add(history_members(config, result), [spread(energy, 1, size(energies)), 0.0_dp])
+   end subroutine describe_history
 
    !> What changes, and between which numbers.
    pure function steps_text(steps) result(text)
@@ -565,21 +551,6 @@ contains
 
       text = '; '//label//' from '//short_text(minval(values))//' to '//short_text(maxval(values))
    end function range_text
-
-   !> Says which loads act in full from the first time on.
-   pure function constant_loads_text(config) result(text)
-      type(config_t), intent(in) :: config !! the deck
-      character(:), allocatable :: text
-      integer :: i, k, n
-
-      text = ''
-      n = 0
-      do i = 1, size(config%loads)
-         if (.not. any([(config%history%steps(k)%target == 1 .and. config%history%steps(k)%name &
-            == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
-      end do
-      if (n > 0) text = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
-   end function constant_loads_text
 
    !> The largest of a number over all steps.
    pure function worst_text(label, worst) result(text)
@@ -604,29 +575,6 @@ contains
          quantity_t('energy_error', 'Energy error', state%energy_error())]
       list%dimension = 'F L'
    end function energies_of
-
-   !> The states at the times of the deck, with what the time since the one before took.
-   pure function times_table(history, reached, units) result(text)
-      type(history_t), intent(in) :: history !! the history
-      real(dp), intent(in) :: reached(:, :) !! the times, each with what is known of it
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-      character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
-         'tang. force', 'strain energy', 'work', 'dissipated']
-      character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
-         'F L']
-      real(dp) :: before(2)
-      integer :: i, width
-
-      width = column_width(units)
-      text = heading('States at the times of the deck (work and dissipation: since the time before)')// &
-         table_head(history%name(:min(12, len(history%name))), labels, dimensions, units)
-      before = 0.0_dp
-      do i = 1, size(reached, 2)
-         text = text//columns([reached(:7, i), reached(8:, i) - before], width)//newline
-         before = reached(8:, i)
-      end do
-   end function times_table
 
    !> Width of the columns of a table: of numbers with six digits, or of a unit with a long name.
    pure integer function column_width(units) result(width)
@@ -793,8 +741,10 @@ contains
       class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
+      real(dp), parameter :: rounding = 1.0e-12_dp
       type(history_result_t) :: result
       character(:), allocatable :: word
+      real(dp) :: from_rest
 
       call solve_history(cache, self%config, options%directory, monitor, result, error)
       if (allocated(error)) return
@@ -821,7 +771,15 @@ contains
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
       if (allocated(error)) return
-      outcome%text = solved_text(self%config, result)
+      from_rest = result%error_from_rest(self%config%history)
+      associate (walk => result%walk)
+         outcome%text = self%config%name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', &
+            'INCOMPLETE', len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)// &
+            '; dissipation '//with_unit(short_text(sum(walk%state%dissipation)), self%config%units, 'F L')// &
+            ', energy error '//with_unit(short_text(walk%state%energy_error() - from_rest), self%config%units, 'F L')
+         if (abs(from_rest) > rounding*walk%state%strain_energy) outcome%text = outcome%text// &
+            ' and, in the first step from rest, '//with_unit(short_text(from_rest), self%config%units, 'F L')
+      end associate
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
          quantity_t('residual', '', result%residual%value), result%last%key_results, &
          resultants(result%last%solution%force)]
@@ -829,24 +787,5 @@ contains
       if (result%last%is_complete) call outcome%judge(.true., result%residual%value, &
          result%last%earlier_violation, self%config%method%tolerance)
    end subroutine history_study_solve
-
-   !> The line on the result of a history.
-   pure function solved_text(config, result) result(text)
-      type(config_t), intent(in) :: config !! the deck
-      type(history_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-      real(dp), parameter :: rounding = 1.0e-12_dp
-      real(dp) :: from_rest
-
-      from_rest = result%error_from_rest(config%history)
-      associate (walk => result%walk)
-         text = config%name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
-            len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)//'; dissipation '// &
-            with_unit(short_text(sum(walk%state%dissipation)), config%units, 'F L')//', energy error '// &
-            with_unit(short_text(walk%state%energy_error() - from_rest), config%units, 'F L')
-         if (abs(from_rest) > rounding*walk%state%strain_energy) text = text//' and, in the first step from rest, '// &
-            with_unit(short_text(from_rest), config%units, 'F L')
-      end associate
-   end function solved_text
 
 end module amontons_history_study

@@ -24,7 +24,7 @@ module amontons_history_walk
    private
 
    public :: cycle_outcomes, cycle_watch_t, history_walk_t, n_cycle_numbers, n_parameters, n_plain_numbers, &
-      new_cycle_watch, new_history_walk, parameter_names
+      new_history_walk, parameter_names
 
    !> What a cycle can be: the first, or without slip, like the one before, like the one before but for a shift, or
    !> another.
@@ -119,16 +119,6 @@ module amontons_history_walk
    end type history_walk_t
 
 contains
-
-   !> Begins at rest, where no cycle has begun.
-   pure subroutine new_cycle_watch(watch, model, n_points)
-      type(cycle_watch_t), intent(out) :: watch !! the cycle
-      type(history_model_t), intent(in) :: model !! the model
-      integer, intent(in) :: n_points !! number of contact points
-
-      allocate (watch%points(merge(n_points, 0, size(model%cycle_times) > 0), n_per_point), source=0.0_dp)
-      allocate (watch%fretting%extreme(n_extremes, merge(n_points, 0, allocated(model%surface))), source=0.0_dp)
-   end subroutine new_cycle_watch
 
    !> Notes a step that was kept.
    pure subroutine cycle_watch_note(self, model, before, after)
@@ -384,7 +374,10 @@ contains
       type(body_t), intent(in) :: body !! the body
 
       call new_step_state(walk%state, model, body)
-      call new_cycle_watch(walk%watch, model, body%zone%n_points)
+      allocate (walk%watch%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), n_per_point), &
+         source=0.0_dp)
+      allocate (walk%watch%fretting%extreme(n_extremes, merge(body%zone%n_points, 0, allocated(model%surface))), &
+         source=0.0_dp)
       walk%fault = ''
    end subroutine new_history_walk
 
@@ -456,13 +449,21 @@ contains
       type(error_t), allocatable :: error
       character(:), allocatable :: answer
       real(dp) :: time, answer_time
+      type(instant_t) :: instant
 
       self%is_jump = .false.
       answer_time = 0.0_dp
       if (self%is_ended) return
       do
          time = self%plan(model%history)
-         call try_step(self, model, body, problem, time, next, error)
+         ! Takes a step to a time, and counts its iterations.
+         next%outcome = outcome_not_converged
+         next%reason = ''
+         next%solution%is_converged = .false.
+         next%solution%n_iterations = 0
+         call model%at(body, time, instant, error)
+         if (.not. allocated(error)) call take_step(next, model, body, problem, self%state, instant)
+         self%n_iterations = self%n_iterations + next%solution%n_iterations
          if (next%outcome == outcome_no_equilibrium) then
             answer = next%reason
             answer_time = time
@@ -476,51 +477,21 @@ contains
          call move_alloc(answer, next%reason)
          time = answer_time
       end if
-      call end_step(self, model, time, next, error)
-   end subroutine history_walk_advance
-
-   !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
-   pure subroutine end_step(walk, model, time, next, error)
-      type(history_walk_t), intent(inout) :: walk !! the way
-      type(history_model_t), intent(in) :: model !! the model
-      real(dp), intent(in) :: time !! the time that the step leads to [-]
-      type(step_state_t), intent(in) :: next !! the state at its end
-      type(error_t), allocatable, intent(in) :: error !! that an obstacle is out of place, if so
-
-      walk%fault_time = time
-      walk%outcome = next%outcome
+      ! Keeps a step that is not made shorter, or ends the way where it could not be taken.
+      self%fault_time = time
+      self%outcome = next%outcome
       if (allocated(error)) then
-         walk%fault_kind = error%kind
-         call give_up(walk, time, error%message)
+         self%fault_kind = error%kind
+         call give_up(self, time, error%message)
       else if (len(next%reason) > 0) then
-         walk%fault_kind = next%error_kind
-         call give_up(walk, time, next%reason)
+         self%fault_kind = next%error_kind
+         call give_up(self, time, next%reason)
       else if (.not. next%solution%is_converged) then
-         call give_up(walk, time, 'not converged with the smallest step')
+         call give_up(self, time, 'not converged with the smallest step')
       else
-         call walk%keep(model, next)
+         call self%keep(model, next)
       end if
-   end subroutine end_step
-
-   !> Takes a step to a time, and counts its iterations. Whether it is kept is decided later.
-   subroutine try_step(walk, model, body, problem, time, next, error)
-      type(history_walk_t), intent(inout) :: walk !! the way; gains the iterations
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      real(dp), intent(in) :: time !! the time that the step leads to [-]
-      type(step_state_t), intent(inout) :: next !! the state at its end, and what came of it
-      type(error_t), allocatable, intent(out) :: error !! an obstacle is out of place
-      type(instant_t) :: instant
-
-      next%outcome = outcome_not_converged
-      next%reason = ''
-      next%solution%is_converged = .false.
-      next%solution%n_iterations = 0
-      call model%at(body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, model, body, problem, walk%state, instant)
-      walk%n_iterations = walk%n_iterations + next%solution%n_iterations
-   end subroutine try_step
+   end subroutine history_walk_advance
 
    !> Whether a step that was taken converged and its energies balance.
    pure logical function has_balance(state, history)

@@ -72,7 +72,13 @@ contains
       type(instant_t) :: instant
 
       is_converged = .false.
-      call check_arrays(self, time, changes, before, error)
+      if (size(changes) /= self%n_changes .or. size(before) /= self%n_state) then
+         call new_error(error, input_refused, 'expected '//to_text(self%n_changes)//' changes and a state of '// &
+            to_text(self%n_state)//' numbers, found '//to_text(size(changes))//' and '//to_text(size(before)))
+      else if (.not. (abs(time) <= huge(time) .and. all(abs(changes) <= huge(time)) .and. &
+         all(abs(before) <= huge(time)))) then
+         call new_error(error, input_refused, 'time, changes and state must be finite numbers')
+      end if
       if (.not. allocated(error)) call restore_start(self, before, start, error)
       if (.not. allocated(error)) call self%model%acting(self%cache%body, time, changes, instant, error)
       if (allocated(error)) return
@@ -84,23 +90,6 @@ contains
       columns = step_numbers(self%model, self%cache%body, next)
       status = next%solution%status
    end subroutine load_stepper_step
-
-   !> Checks what a step is given.
-   pure subroutine check_arrays(stepper, time, changes, before, error)
-      type(load_stepper_t), intent(in) :: stepper !! the stepper
-      real(dp), intent(in) :: time !! the time at the end of the step [-]
-      real(dp), intent(in) :: changes(:) !! the numbers of all `&steps`
-      real(dp), intent(in) :: before(:) !! the state at the beginning
-      type(error_t), allocatable, intent(out) :: error !! there are not as many as there should be, or some not finite
-
-      if (size(changes) /= stepper%n_changes .or. size(before) /= stepper%n_state) then
-         call new_error(error, input_refused, 'expected '//to_text(stepper%n_changes)//' changes and a state of '// &
-            to_text(stepper%n_state)//' numbers, found '//to_text(size(changes))//' and '//to_text(size(before)))
-      else if (.not. (abs(time) <= huge(time) .and. all(abs(changes) <= huge(time)) .and. &
-         all(abs(before) <= huge(time)))) then
-         call new_error(error, input_refused, 'time, changes and state must be finite numbers')
-      end if
-   end subroutine check_arrays
 
    !> Restores the state at the beginning of a step.
    subroutine restore_start(stepper, numbers, state, error)

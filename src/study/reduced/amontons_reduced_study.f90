@@ -12,9 +12,8 @@ module amontons_reduced_study
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
    use amontons_quantity, only: quantity_t, scales
-   use amontons_reduced_system, only: reduced_system_t
-   use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, &
-      member, quantities_member, status_members, uniqueness_member, write_documents
+   use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, member, &
+      quantities_member, status_members, uniqueness_member, write_documents
    use amontons_result, only: certificate_limit, solution_word
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t
@@ -122,13 +121,45 @@ contains
       type(column_t), allocatable :: columns(:)
       character(0) :: no_names(0)
       character(:), allocatable :: text
+      real(dp) :: length, force
 
       allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
-      call reduced_columns(columns, result)
+      ! Gap, slip and forces of the contacts, a column each.
+      associate (u => result%system%u, r => result%system%r)
+         length = maxval(abs([u, result%system%q]))
+         force = maxval(abs(r))
+         allocate (columns(4))
+         columns%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
+         columns%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         columns%dimension = [character(9) :: 'L', 'L', 'F', 'F']
+         columns%scale = [length, length, force, force]
+         columns(1)%values = u(1::2)
+         columns(2)%values = u(2::2)
+         columns(3)%values = r(1::2)
+         columns(4)%values = r(2::2)
+      end associate
       documents(1)%ending = '.lst'
       call documents(1)%record(head_text(config))
       call documents(1)%add(warnings_text(result%warnings))
-      call documents(1)%add(problem_text(config, result%system))
+      ! The section of the listing on the problem in the file.
+      text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
+         result%system%form)//labeled('Contacts', to_text(result%system%n_contacts))
+      if (result%system%n_contacts /= 0) then
+         text = text//labeled('Matrix W', to_text(size(result%system%entry))//' entries, '// &
+            trim(merge('used as dense ', 'used as sparse', result%system%is_dense())))// &
+            labeled('Diagonal of W', 'up to '//short_text(result%system%largest))// &
+            labeled('Largest q', short_text(maxval(abs(result%system%q))))
+         if (maxval(result%system%friction) > minval(result%system%friction)) then
+            text = text//labeled('Friction', short_text(minval(result%system%friction))//' to '// &
+               short_text(maxval(result%system%friction)))
+         else
+            text = text//labeled('Friction', short_text(result%system%friction(1)))
+         end if
+         if (config%reduced%has_friction) text = text//labeled('', "the deck's, in the place of the file's")
+         if (result%system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
+            scientific(result%system%asymmetry)//'; the forces below solve the problem with W as given in the file')
+      end if
+      call documents(1)%add(text)
       ! How the problem was solved.
       associate (solution => result%solution)
          text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
@@ -153,51 +184,6 @@ contains
       documents(4)%ending = '.solutions.csv'
       call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
    end subroutine reduced_documents
-
-   !> The section of the listing on the problem in the file.
-   pure function problem_text(config, system) result(text)
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_system_t), intent(in) :: system !! the reduced problem
-      character(:), allocatable :: text
-
-      text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
-         system%form)//labeled('Contacts', to_text(system%n_contacts))
-      if (system%n_contacts == 0) return
-      text = text//labeled('Matrix W', to_text(size(system%entry))//' entries, '// &
-         trim(merge('used as dense ', 'used as sparse', system%is_dense())))// &
-         labeled('Diagonal of W', 'up to '//short_text(system%largest))// &
-         labeled('Largest q', short_text(maxval(abs(system%q))))
-      if (maxval(system%friction) > minval(system%friction)) then
-         text = text//labeled('Friction', short_text(minval(system%friction))//' to '// &
-            short_text(maxval(system%friction)))
-      else
-         text = text//labeled('Friction', short_text(system%friction(1)))
-      end if
-      if (config%reduced%has_friction) text = text//labeled('', "the deck's, in the place of the file's")
-      if (system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
-         scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
-   end function problem_text
-
-   !> Gap, slip and forces of the contacts, a column each.
-   subroutine reduced_columns(list, result)
-      type(column_t), allocatable, intent(out) :: list(:) !! the columns
-      type(reduced_result_t), intent(in) :: result !! the result
-      real(dp) :: length, force
-
-      associate (u => result%system%u, r => result%system%r)
-         length = maxval(abs([u, result%system%q]))
-         force = maxval(abs(r))
-         allocate (list(4))
-         list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
-         list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
-         list%dimension = [character(9) :: 'L', 'L', 'F', 'F']
-         list%scale = [length, length, force, force]
-         list(1)%values = u(1::2)
-         list(2)%values = u(2::2)
-         list(3)%values = r(1::2)
-         list(4)%values = r(2::2)
-      end associate
-   end subroutine reduced_columns
 
    !> Makes the summary.
    subroutine new_reduced_summary(summary, config, result)

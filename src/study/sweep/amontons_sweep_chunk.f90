@@ -344,7 +344,8 @@ contains
       character(*), intent(in) :: runs !! its `status_runs`
       character((longest_decimal + 1)*(size(sweep%axes) + size(result%quantity) + 2)) :: numbers
       character(11) :: iterations
-      integer :: length
+      integer :: length, i
+      logical :: is_first
 
       write (iterations, '(i0)') result%n_iterations
       write (numbers, '(i0)') number
@@ -353,29 +354,20 @@ contains
       if (result%has_solution) then
          call put_decimals(numbers, length, [result%quantity, result%residual])
          rows = rows//numbers(:length)//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','
-         call append_warnings(rows, result%is_warned)
+         ! Appends the names of warnings, blanks between them.
+         is_first = .true.
+         do i = 1, size(result%is_warned)
+            if (.not. result%is_warned(i)) cycle
+            if (.not. is_first) rows = rows//' '
+            rows = rows//trim(case_warning_names(i))
+            is_first = .false.
+         end do
          rows = rows//','//runs//newline
       else
          rows = rows//numbers(:length)//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
             trim(outcome_names(result%outcome))//',,'//newline
       end if
    end subroutine append_row
-
-   !> Appends the names of warnings, blanks between them.
-   pure subroutine append_warnings(rows, is_warned)
-      character(:), allocatable, intent(inout) :: rows !! the rows so far
-      logical, intent(in) :: is_warned(:) !! which of `case_warning_names`
-      integer :: i
-      logical :: is_first
-
-      is_first = .true.
-      do i = 1, size(is_warned)
-         if (.not. is_warned(i)) cycle
-         if (.not. is_first) rows = rows//' '
-         rows = rows//trim(case_warning_names(i))
-         is_first = .false.
-      end do
-   end subroutine append_warnings
 
    !> Reads warnings from their names; others are passed over.
    pure subroutine read_warnings(is_warned, names)
@@ -689,12 +681,17 @@ contains
       integer, intent(in) :: outcome !! what came of it
       type(case_result_t), intent(out) :: kept !! what is kept of it
       integer, allocatable :: reached(:)
+      real(dp) :: largest, wrong
 
       kept%outcome = outcome
       kept%n_iterations = solution%n_iterations
       if (kept%is_empty()) return
       kept%residual = solution%residual
-      kept%force_error = force_error(problem, solution, task%solver%loads%largest_force(acting%factor))
+      wrong = solution%residual*problem%force_scale() &
+         + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
+      largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
+      if (.not. largest > 0.0_dp) largest = problem%force_scale()
+      kept%force_error = min(wrong/largest, huge(kept%force_error))
       if (.not. solution%is_converged) return
       associate (base => task%solver%loads%base)
          call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
@@ -704,19 +701,5 @@ contains
             body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
       end associate
    end subroutine keep
-
-   !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
-   pure real(dp) function force_error(problem, solution, largest_load)
-      type(contact_problem_t), intent(in) :: problem !! the contact problem
-      type(contact_solution_t), intent(in) :: solution !! its solution
-      real(dp), intent(in) :: largest_load !! the largest nodal force of the loads [F]
-      real(dp) :: acting, wrong
-
-      wrong = solution%residual*problem%force_scale() &
-         + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
-      acting = max(largest_load, maxval(abs(solution%force)))
-      if (.not. acting > 0.0_dp) acting = problem%force_scale()
-      force_error = min(wrong/acting, huge(force_error))
-   end function force_error
 
 end module amontons_sweep_chunk

@@ -264,7 +264,8 @@ contains
                call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
                   result%solution%force)
             end if
-            call write_grids(collection, stem(:slash), stem(slash + 1:)//'.sweep/', to_text(number), body, result, error)
+            call write_grids(collection, stem(:slash), stem(slash + 1:)//'.sweep/', to_text(number), body, result, &
+               error)
             if (allocated(error)) exit
             call collection%add(to_text(number), stem(slash + 1:)//'.sweep/'//to_text(number))
          end do
