@@ -217,7 +217,7 @@ contains
                   if (i > 1) text = text//', '
                   text = text//json_string(trim(result%convergence(i)%quantity%key))//': {"values": ['// &
                      json_numbers(judged%value)//'], "verdict": '//json_string(trim(verdict_names(judged%verdict)))// &
-                     ', '//quantity_members([ quantity_t('order', '', judged%order), quantity_t('extrapolated', '', &
+                     ', '//quantity_members([quantity_t('order', '', judged%order), quantity_t('extrapolated', '', &
                      judged%extrapolated)])//', "error_bar": '
                   if (has_bar(judged)) text = text//json_number(judged%bar)//'}'
                   if (.not. has_bar(judged)) text = text//'null}'

@@ -55,16 +55,72 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), parameter :: radial(2) = [1.0_dp, 0.0_dp]
-      integer :: i, n_locking(2), element, n_free, node
-      character(:), allocatable :: remedy
+      integer :: i, n_free, node
       integer, allocatable :: nodes(:)
       type(error_t), allocatable :: error
 
       do i = 1, body%mesh%warnings%n()
          call warnings%add(body%mesh%warnings%item(i))
       end do
-      ! Adds the warnings on the materials of a body.
-      ! Warns of linear elements that lock.
+      call add_material_warnings(warnings, body, load_case)
+      associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
+         if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
+            trim(stated)//', the deck computes '//trim(hypothesis))
+      end associate
+      do i = 1, size(load_case%contacts)
+         if (any(body%zone%set == i)) then
+            call add_contact_warnings(warnings, body, load_case, i)
+         else
+            call warnings%add("contact set '"//load_case%contacts(i)%set//"': no contact points; supports hold all "// &
+               'its nodes along their normals, or it lies on the axis of revolution')
+         end if
+         if (.not. body%zone%pairs(i)%is_set()) cycle
+         call add_pair_warnings(warnings, body%zone%pairs(i))
+         if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
+            pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
+      end do
+      call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
+      do i = 1, size(body%ties)
+         call add_pair_warnings(warnings, body%ties(i))
+      end do
+      ! Supports and loads at points where bodies that are not joined have nodes.
+      do i = 1, size(load_case%supports)
+         if (len(load_case%supports(i)%set) == 0) call add_shared_place(warnings, 'support', body%mesh%coordinates, &
+            load_case%supports(i)%point)
+      end do
+      do i = 1, size(load_case%loads)
+         if (load_case%loads(i)%target == load_on_nodes .and. len(load_case%loads(i)%set) == 0) call add_shared_place( &
+            warnings, 'load', body%mesh%coordinates, load_case%loads(i)%point)
+      end do
+      ! Forces that act on each node of a boundary set: their sum grows with the number of nodes.
+      do i = 1, size(load_case%loads)
+         associate (load => load_case%loads(i))
+            if (load%target /= load_on_nodes .or. len(load%set) == 0) cycle
+            if (find_named(body%mesh%node_sets, load%set) > 0) cycle
+            call body%mesh%set_nodes(load%set, nodes, error)
+            if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
+               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; '// &
+               'total_force gives the sum')
+         end associate
+      end do
+      call add_loose_pieces(warnings, body)
+      associate (is_on_axis => on_axis(body%mesh, body%materials))
+         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
+            node=1, body%mesh%n_nodes)])
+      end associate
+      if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
+         trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
+   end subroutine add_model_warnings
+
+   !> Adds the warnings on the materials of a body.
+   pure subroutine add_material_warnings(warnings, body, load_case)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      integer :: n_locking(2), element
+      character(:), allocatable :: remedy
+
+      ! Linear elements of a standard formulation lock.
       n_locking = 0
       do element = 1, body%mesh%n_elements
          associate (material => body%materials%list(body%materials%of_element(element)), &
@@ -92,54 +148,7 @@ contains
       if (any(load_case%loads%target == load_by_temperature) .and. .not. &
          any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')
-      associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
-         if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
-            trim(stated)//', the deck computes '//trim(hypothesis))
-      end associate
-      do i = 1, size(load_case%contacts)
-         if (any(body%zone%set == i)) then
-            call add_contact_warnings(warnings, body, load_case, i)
-         else
-            call warnings%add("contact set '"//load_case%contacts(i)%set//"': no contact points; supports hold all "// &
-               'its nodes along their normals, or it lies on the axis of revolution')
-         end if
-         if (.not. body%zone%pairs(i)%is_set()) cycle
-         call add_pair_warnings(warnings, body%zone%pairs(i))
-         if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
-            pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
-      end do
-      call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
-      do i = 1, size(body%ties)
-         call add_pair_warnings(warnings, body%ties(i))
-      end do
-      ! Warns of supports and loads at points where bodies that are not joined have nodes.
-      do i = 1, size(load_case%supports)
-         if (len(load_case%supports(i)%set) == 0) call add_shared_place(warnings, 'support', body%mesh%coordinates, &
-            load_case%supports(i)%point)
-      end do
-      do i = 1, size(load_case%loads)
-         if (load_case%loads(i)%target == load_on_nodes .and. len(load_case%loads(i)%set) == 0) call add_shared_place( &
-            warnings, 'load', body%mesh%coordinates, load_case%loads(i)%point)
-      end do
-      ! Warns of forces that act on each node of a boundary set.
-      do i = 1, size(load_case%loads)
-         associate (load => load_case%loads(i))
-            if (load%target /= load_on_nodes .or. len(load%set) == 0) cycle
-            if (find_named(body%mesh%node_sets, load%set) > 0) cycle
-            call body%mesh%set_nodes(load%set, nodes, error)
-            if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
-               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; '// &
-               'total_force gives the sum')
-         end associate
-      end do
-      call add_loose_pieces(warnings, body)
-      associate (is_on_axis => on_axis(body%mesh, body%materials))
-         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
-            node=1, body%mesh%n_nodes)])
-      end associate
-      if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
-         trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
-   end subroutine add_model_warnings
+   end subroutine add_material_warnings
 
    !> Warns where parts of a mesh share no nodes and no contact or tie joins them.
    pure subroutine add_loose_pieces(warnings, body)

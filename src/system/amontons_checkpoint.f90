@@ -1,10 +1,10 @@
 !> Tables of a long study on the disk, such that a run which dies at any moment can be gone on with.
 !>
 !> The tables grow under names of their own and are renamed at the end. STEM.checkpoint begins with the key of the
-!> study, a text that tells studies apart; each further line has the bytes of the tables, the numbers that the study goes
-!> on from, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What stands
-!> behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum is
-!> wrong, all begins anew.
+!> study, a text that tells studies apart; each further line has the bytes of the tables, the numbers that the study
+!> goes on from, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What
+!> stands behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum
+!> is wrong, all begins anew.
 !>
 !> The numbers are those of an archive: one visit of the parts of a study writes and reads them.
 !>

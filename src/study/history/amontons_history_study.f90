@@ -210,8 +210,8 @@ contains
       n = [size(self%reached, 2), size(self%cycles, 2)]
       call archive%pass(n)
       if (archive%is_read) then
-         self%reached = reshape([real(dp) ::], [n_reached_numbers, n(1)], pad=[0.0_dp])
-         self%cycles = reshape([real(dp) ::], [n_cycle_numbers, n(2)], pad=[0.0_dp])
+         self%reached = reshape([0.0_dp], [n_reached_numbers, n(1)], pad=[0.0_dp])
+         self%cycles = reshape([0.0_dp], [n_cycle_numbers, n(2)], pad=[0.0_dp])
       end if
       do i = 1, n(1)
          call archive%pass(self%reached(:, i))
@@ -406,7 +406,6 @@ contains
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the last step
       type(error_t), allocatable, intent(out) :: error
-
          !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
       if (result%walk%n_steps == 0) then

@@ -319,8 +319,8 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
       character(:), allocatable, intent(out) :: form !! what kind of file this is
-      character(:), allocatable :: line, norm
-      integer :: origin, n_entries, row, column, place, next, found
+      character(:), allocatable :: line
+      integer :: origin, n_entries, row, column, place
 
       call take_choice(input, origin, 'the origin of W: 1 (triplets) or 2 (columns)', &
          [origin_triplets, origin_columns])
@@ -346,35 +346,7 @@ contains
             ' lines "row col : value" as nnz says, found '//to_text(entries%n)//' and then '//input%word())
       else
          form = 'Siconos text, CSparse columns'
-         ! Reads compressed columns.
-         call take_head(input, n, n_entries)
-         place = input%position
-         call take_word(input, ', 1-norm:')
-         if (allocated(input%error)) return
-         call input%take_line(norm)
-         do column = 1, n
-            call take_word(input, 'col')
-            call take_printed(input, found, 'the number of a column')
-            if (.not. is_printed(found, column - 1)) call refuse_word(input, 'expected column '//to_text(column - 1)// &
-               ', found column '//to_text(found))
-            call take_word(input, ': locations')
-            call take_printed(input, found, 'the first location of a column')
-            if (.not. is_printed(found, entries%n)) call refuse_word(input, &
-               'expected the column to begin at location '//to_text(entries%n)//', found '//to_text(found))
-            call take_word(input, 'to')
-            call take_last(input, next)
-            do while (.not. allocated(input%error))
-               call input%skip_white()
-               if (next < first_rounded .and. entries%n >= next .or. .not. is_entry(input, 1)) exit
-               call take_index(input, row, n, 'row')
-               call take_entry(entries, input, row, column)
-            end do
-            if (.not. is_printed(next, entries%n)) call input%refuse('expected lines "row : value" of column '// &
-               to_text(column - 1)//' up to location '//to_text(next - 1)//', found '//input%word())
-            if (allocated(input%error)) return
-         end do
-         if (.not. is_printed(n_entries, entries%n)) call input%refuse('expected '//to_text(n_entries)// &
-            ' entries as nnz says, found '//to_text(entries%n), place)
+         call read_compressed(entries, input, n)
       end if
    end subroutine read_csparse
 
@@ -433,6 +405,44 @@ contains
       call take_word(input, 'nnz:')
       call take_printed(input, n_entries, 'the number of entries (nnz)')
    end subroutine take_head
+
+   !> Reads compressed columns: for each a line `col j : locations p to q`, then lines `row : value`, counted from 0.
+   pure subroutine read_compressed(entries, input, n)
+      type(entries_t), intent(out) :: entries !! the matrix
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: n !! number of rows
+      character(:), allocatable :: norm
+      integer :: n_entries, column, place, next, row, found
+
+      call take_head(input, n, n_entries)
+      place = input%position
+      call take_word(input, ', 1-norm:')
+      if (allocated(input%error)) return
+      call input%take_line(norm)
+      do column = 1, n
+         call take_word(input, 'col')
+         call take_printed(input, found, 'the number of a column')
+         if (.not. is_printed(found, column - 1)) call refuse_word(input, 'expected column '//to_text(column - 1)// &
+            ', found column '//to_text(found))
+         call take_word(input, ': locations')
+         call take_printed(input, found, 'the first location of a column')
+         if (.not. is_printed(found, entries%n)) call refuse_word(input, 'expected the column to begin at location '// &
+            to_text(entries%n)//', found '//to_text(found))
+         call take_word(input, 'to')
+         call take_last(input, next)
+         do while (.not. allocated(input%error))
+            call input%skip_white()
+            if (next < first_rounded .and. entries%n >= next .or. .not. is_entry(input, 1)) exit
+            call take_index(input, row, n, 'row')
+            call take_entry(entries, input, row, column)
+         end do
+         if (.not. is_printed(next, entries%n)) call input%refuse('expected lines "row : value" of column '// &
+            to_text(column - 1)//' up to location '//to_text(next - 1)//', found '//input%word())
+         if (allocated(input%error)) return
+      end do
+      if (.not. is_printed(n_entries, entries%n)) call input%refuse('expected '//to_text(n_entries)// &
+         ' entries as nnz says, found '//to_text(entries%n), place)
+   end subroutine read_compressed
 
    !> Takes the last location of a column, which is -1 for an empty first one.
    pure subroutine take_last(input, next)

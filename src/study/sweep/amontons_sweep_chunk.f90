@@ -273,8 +273,8 @@ contains
       is_answered = sum(self%n_outcomes([outcome_not_converged, outcome_numbers])) == 0
    end function sweep_statistics_is_answered
 
-   !> What became of the cases together, in a word: one without an answer counts first, no equilibrium only where no case
-   !> has one.
+   !> What became of the cases together, in a word: one without an answer counts first, no equilibrium only where no
+   !> case has one.
    pure function sweep_statistics_outcome(self) result(word)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: word

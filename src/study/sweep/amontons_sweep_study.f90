@@ -144,8 +144,8 @@ contains
       end associate
    end subroutine finish_sweep
 
-   !> Opens the table, with the rows of an earlier run if there are any, and solves batch after batch until all cases are
-   !> done or the monitor stops the sweep.
+   !> Opens the table, with the rows of an earlier run if there are any, and solves batch after batch until all cases
+   !> are done or the monitor stops the sweep.
    subroutine solve_batches(task, cache, directory, config, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(cache_t), intent(in) :: cache !! the body
