@@ -356,7 +356,7 @@ class Unsolved(SweepTest):
     def test_case_whose_numbers_keep_no_digit_is_a_numerical_failure(self):
         # The floor is 1000 below: what rounding leaves of this way is more than the forces of the second case.
         text = block("support set = 'left'  ux = 0.0", PRESSED, CONTACT + "  point = 0.0, -1000.0",
-                     "sweep load = 'press'  factor = 1.0, 1e-9")
+                     "sweep load = 'press'  factor = 1.0, 1e-9", material="young = 1e6  poisson = 0.25")
         alone = self.run_program("--output", "out", self.write("alone.nml", text.replace(
             "pressure = 1.0", "pressure = 1e-9").replace("&sweep", "!sweep")), status=2)
         run = self.run_program("--output", "out", self.write("sweep.nml", text), status=2)
