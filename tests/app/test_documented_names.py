@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every name that a result file uses is explained: members of summaries, columns of tables, arrays of grids."""
+"""Every name that a result file uses is explained: members of summaries, columns of tables, arrays of grids. The pages
+have the words that people search for."""
 import csv
 import json
 import re
@@ -54,6 +55,11 @@ def members(value, path=""):
     elif isinstance(value, list):
         for inner in value:
             yield from members(inner, path)
+# What newcomers look for by name, whether there is such a thing or not.
+SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamics", "frictional heat",
+            "gasket", "impact", "interference", "large sliding", "macOS", "orthotropic", "plasticity",
+            "preload", "press fit", "pull-out", "reaction", "roughness", "rubber", "seal", "shrink fit",
+            "submodel", "thermal contact", "three dimensions", "torque", "vibration", "wear", "Windows")
 
 
 class DocumentedNames(ProgramTest):
@@ -106,6 +112,10 @@ class DocumentedNames(ProgramTest):
         self.assertIn("solutions.csv", self.assert_files("out", documented("output.md")))
         self.run_program("--quiet", "--output", "reduced", "--reduced", "out/case.reduced.dat")
         self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "library.md")))
+
+    def test_words_that_people_search_for_are_in_the_pages(self):
+        text = " ".join(" ".join(page.read_text(encoding="utf-8") for page in PAGES.glob("*.md")).split())
+        self.assertEqual([word for word in SEARCHED if word not in text], [])
 
     def test_violations_have_a_row_in_the_theory_and_a_sentence(self):
         # A third body is tied to the side of the first.

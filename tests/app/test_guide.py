@@ -2,10 +2,11 @@
 """The user guide: its example works, and its messages are those that the program prints. The commands of the README and
 of the page on decks print what these show.
 
-Before a message stands a comment on where it comes from,
+Behind a message in a table stands a comment on where it comes from, before a file a comment with its name,
 
     <!-- raised by: ARGUMENTS; status N -->     what the program is run with, and its exit status, 1 if it is not named
     <!-- in: MODULE -->                         the module that has its words, where it cannot be raised at will
+    <!-- file: NAME -->                         what the reader is to write into a file
 
 and a message stands in what the program prints, or in the listing. An ellipsis stands for anything.
 """
@@ -17,7 +18,8 @@ from pathlib import Path
 from harness import ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
-BLOCK = re.compile(r"<!-- ([\w ]+): (.*?)(?:; status (\d))? -->\n```\w+\n(.*?)```", re.DOTALL)
+MESSAGE = re.compile(r"^\| `([^`\n]+)` <!-- (raised by|in): (.*?)(?:; status (\d))? --> \| ", re.MULTILINE)
+FILE = re.compile(r"<!-- file: (.*?) -->\n```\w+\n(.*?)```", re.DOTALL)
 CONSOLE = re.compile(r"^```console\n(.*?)^```", re.DOTALL | re.MULTILINE)
 # The deck whose faults the page on decks shows.
 FAULTS = """&mesh cels = 4, 4 /
@@ -30,31 +32,31 @@ NUMBER = re.compile(r"\d+(\.\d+)?(e-?\d+)?")
 
 
 class Guide(ProgramTest):
-    """The blocks of doc/guide.md that a comment announces."""
+    """The messages and files of doc/guide.md that have a comment."""
 
     def setUp(self):
         super().setUp()
-        text = (ROOT / "doc" / "guide.md").read_text(encoding="utf-8")
-        self.blocks = [match.groups() for match in BLOCK.finditer(text)]
-        self.n_comments = text.count("<!-- ")
+        self.text = (ROOT / "doc" / "guide.md").read_text(encoding="utf-8")
+        self.messages = MESSAGE.findall(self.text)
+        self.files = FILE.findall(self.text)
 
-    def announced(self, kind):
-        """Name, status and content of the blocks of a kind."""
-        return [block[1:] for block in self.blocks if block[0] == kind]
+    def messages_by(self, kind):
+        """Message, origin and status of the messages whose comments are of a kind."""
+        return [(message, origin, status) for message, found, origin, status in self.messages if found == kind]
 
     def assert_has(self, text, message):
         """Checks that a text has a message, in which an ellipsis stands for anything."""
         pattern = ".*?".join(map(re.escape, message.strip().split("\u2026")))
         self.assertRegex(text, re.compile(pattern, re.DOTALL))
 
-    def test_every_comment_announces_a_block(self):
-        self.assertEqual(len(self.blocks), self.n_comments)
-        self.assertGreater(len(self.announced("raised by")), 20)
+    def test_every_comment_belongs_to_a_message_or_a_file(self):
+        self.assertEqual(len(self.messages) + len(self.files), self.text.count("<!-- "))
+        self.assertGreater(len(self.messages_by("raised by")), 20)
 
     def test_messages_are_raised(self):
         for name in ("tests", "input"):
             (self.directory / name).symlink_to(ROOT / name)
-        for arguments, status, message in self.announced("raised by"):
+        for message, arguments, status in self.messages_by("raised by"):
             with self.subTest(arguments=arguments):
                 output = [] if arguments.startswith("--verify") else ["--output=results"]
                 run = self.run_program(*output, *arguments.split(), status=int(status or 1))
@@ -63,7 +65,7 @@ class Guide(ProgramTest):
                 self.assert_has("\n".join([run.stdout, run.stderr, *listings]), message)
 
     def test_messages_are_in_the_sources(self):
-        for module, _, message in self.announced("in"):
+        for message, module, _ in self.messages_by("in"):
             with self.subTest(module=module, message=message):
                 source = next((ROOT / "src").rglob(module + ".f90"))
                 self.assert_has(source.read_text(encoding="utf-8"), message)
@@ -74,9 +76,8 @@ class Guide(ProgramTest):
         self.write("faults.nml", FAULTS)
         for page, least in (("README.md", 2), ("doc/decks.md", 3), ("doc/guide.md", 3)):
             text = (ROOT / page).read_text(encoding="utf-8")
-            for kind, name, _, content in BLOCK.findall(text):
-                if kind == "file":
-                    self.write(name, content)
+            for name, content in FILE.findall(text):
+                self.write(name, content)
             if (self.directory / "foot.geo").exists():
                 self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
             runs = [line.partition("\n") for console in CONSOLE.findall(text)
@@ -92,7 +93,7 @@ class Guide(ProgramTest):
 
     @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
     def test_example_works(self):
-        for name, _, content in self.announced("file"):
+        for name, content in self.files:
             self.write(name, content)
         self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
         self.assertRegex(self.run_program("--check", "foot.nml").stdout, r"^foot: deck OK; \d+ nodes, ")

@@ -115,17 +115,38 @@ def main():
     if options.print:
         print(section(module.__doc__, [table.markdown() for table in Benchmark.tables]))
     if options.digest:
-        text = section(module.__doc__, [table.digest() for table in Benchmark.tables])
+        text = section(module.__doc__, [table.digest() for table in Benchmark.tables], is_short=True)
         options.digest.write_text(text + "\n", encoding="utf-8")
     sys.exit(not program.result.wasSuccessful())
 
 
-def section(text, tables):
-    """The section on a benchmark: its text, its files, its tables in Markdown."""
+def section(text, tables, is_short=False):
+    """The section on a benchmark: its text, its files, its tables in Markdown; a short one joins what can be joined."""
     heading, _, body = text.strip().partition("\n")
     script = Path(sys.argv[0]).name
     files = [f"[{script}](../tests/verification/{script})"]
     files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
-    parts = [f"## {heading.rstrip('.')}", body.strip(), "Files: " + ", ".join(files) + ".",
-             *tables]
+    parts = [f"## {heading.rstrip('.')}", f"{body.strip()}\n\nFiles: {', '.join(files)}.",
+             *(joined(tables) if is_short else tables)]
     return "\n\n".join(part for part in parts if part)
+
+
+def joined(tables):
+    """Tables of equal headings that are shortened alike as one, their captions in its first column; sentences, which
+    stand in the place of tables, as one list."""
+    groups = {}
+    for table in tables:
+        caption, _, rows = table.partition("\n\n")
+        name, _, note = re.fullmatch(r"(.*?)(, (?=finest mesh)|: (?=the )|$)(.*)", caption).groups()
+        groups.setdefault((note, rows.partition("\n")[0]), []).append((name, table))
+    parts = []
+    for (note, headings), group in groups.items():
+        if len(group) == 1 or headings and not note:
+            parts += [table for _, table in group]
+        elif not headings:
+            parts.append("\n".join(f"* {table}" for _, table in group))
+        else:
+            rows = [f"| {name} {row}" for name, table in group for row in table.splitlines()[4:]]
+            parts.append("\n".join([f"{note[0].upper()}{note[1:]}", "", f"| case {headings}",
+                                    "| --- " + "| --- "*(headings.count("|") - 1) + "|", *rows]))
+    return parts
