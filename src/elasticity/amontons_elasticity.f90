@@ -67,7 +67,7 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for the depth
       integer, intent(in), optional :: n_points !! number of quadrature points; default: `n_element_points`
-      real(dp) :: x(2, max_nodes), determinant
+      real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
       integer :: i, first, point
 
       associate (kind => mesh%element_kind(element))
@@ -88,9 +88,29 @@ contains
             geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
          end do
          if (geometry%kind /= tri3) then
-            call evaluate_jacobian(geometry, x, point, determinant)
+            ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
+            dx = 0.0_dp
+            dy = 0.0_dp
+            do i = 1, geometry%n_nodes
+               dx = dx + x(1, i)*geometry%derivatives(:, i, point)
+               dy = dy + x(2, i)*geometry%derivatives(:, i, point)
+            end do
+            determinant = dx(1)*dy(2) - dx(2)*dy(1)
+            dx = dx/determinant
+            dy = dy/determinant
+            do i = 1, geometry%n_nodes
+               associate (derivative => geometry%derivatives(:, i, point))
+                  geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
+                  geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
+               end associate
+            end do
          else if (point == 1) then
-            call find_triangle_gradients(geometry%gradient(:, :3, 1), determinant, x(:, :3))
+            dx = x(1, 2:3) - x(1, 1)
+            dy = x(2, 2:3) - x(2, 1)
+            determinant = dx(1)*dy(2) - dy(1)*dx(2)
+            geometry%gradient(:, 2, 1) = [dy(2), -dx(2)]/determinant
+            geometry%gradient(:, 3, 1) = [-dy(1), dx(1)]/determinant
+            geometry%gradient(:, 1, 1) = -geometry%gradient(:, 2, 1) - geometry%gradient(:, 3, 1)
          else
             ! The Jacobian of a straight triangle is the same at every point.
             geometry%gradient(:, :3, point) = geometry%gradient(:, :3, 1)
@@ -100,48 +120,6 @@ contains
       geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
       if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
-
-   !> Evaluates the gradients of the shape functions of a straight triangle, the same at every point.
-   pure subroutine find_triangle_gradients(gradient, determinant, x)
-      real(dp), intent(out) :: gradient(2, 3) !! gradient of the function of each corner [1/L]
-      real(dp), intent(out) :: determinant !! determinant of the Jacobian: twice the area [L^2]
-      real(dp), intent(in) :: x(2, 3) !! coordinates of the corners [L]
-      real(dp) :: a(2), b(2)
-
-      a = x(:, 2) - x(:, 1)
-      b = x(:, 3) - x(:, 1)
-      determinant = a(1)*b(2) - a(2)*b(1)
-      gradient(:, 2) = [b(2), -b(1)]/determinant
-      gradient(:, 3) = [-a(2), a(1)]/determinant
-      gradient(:, 1) = -gradient(:, 2) - gradient(:, 3)
-   end subroutine find_triangle_gradients
-
-   !> Evaluates the determinant of the Jacobian at a point, and the gradients of the shape functions.
-   pure subroutine evaluate_jacobian(geometry, x, point, determinant)
-      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains their gradients
-      real(dp), intent(in) :: x(2, max_nodes) !! coordinates of the nodes [L]
-      integer, intent(in) :: point !! the point
-      real(dp), intent(out) :: determinant !! the determinant [L^2]
-      real(dp) :: dx(2), dy(2)
-      integer :: i
-
-      ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
-      dx = 0.0_dp
-      dy = 0.0_dp
-      do i = 1, geometry%n_nodes
-         dx = dx + x(1, i)*geometry%derivatives(:, i, point)
-         dy = dy + x(2, i)*geometry%derivatives(:, i, point)
-      end do
-      determinant = dx(1)*dy(2) - dx(2)*dy(1)
-      dx = dx/determinant
-      dy = dy/determinant
-      do i = 1, geometry%n_nodes
-         associate (derivative => geometry%derivatives(:, i, point))
-            geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
-            geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
-         end associate
-      end do
-   end subroutine evaluate_jacobian
 
    !> Averages the change of volume that each displacement makes over the element, by the points of its stiffness: in a
    !> body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong pressure.

@@ -26,7 +26,8 @@ module amontons_rigid_motion
 
 contains
 
-   !> Finds the rigid motions of each piece of a body that violate no support.
+   !> Finds the rigid motions of each piece of a body that violate no support: the kernel of the Gram matrix of its held
+   !> directions.
    subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric, bonds)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -34,71 +35,57 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       integer, intent(in), optional :: bonds(:, :) !! pairs of nodes that hold together, too (2, bonds)
-      integer, allocatable :: piece(:), spring_piece(:), start(:), node(:)
-      integer :: i, n_pieces
-
-      call number_pieces(mesh, piece, n_pieces, bonds)
-      call fill_bins(start, node, piece, n_pieces)
-      spring_piece = [(piece(springs(i)%node(1)), i=1, size(springs))]
-      allocate (motions(n_pieces))
-      do i = 1, n_pieces
-         motions(i)%node = node(start(i):start(i + 1) - 1)
-         call find_motions(motions(i), mesh, constraints, pack(springs, spring_piece == i), is_axisymmetric)
-      end do
-   end subroutine new_rigid_motions
-
-   !> Finds the kernel of the Gram matrix of the held directions of a piece.
-   subroutine find_motions(motions, mesh, constraints, springs, is_axisymmetric)
-      type(rigid_motions_t), intent(inout) :: motions !! the free motions, the nodes set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
-      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       ! A quadratic side has three nodes.
       integer, parameter :: most_components = 6
+      integer, allocatable :: piece(:), start(:), node(:)
       real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3), motion(most_components, 3), largest
-      integer :: axis, i, info, k
+      integer :: axis, i, info, k, n_pieces, p
 
-      motions%is_whole = size(motions%node) == mesh%n_nodes
-      associate (lowest => minval(mesh%coordinates(:, motions%node), dim=2), &
-         highest => maxval(mesh%coordinates(:, motions%node), dim=2))
-         motions%center = 0.5_dp*(lowest + highest)
-         motions%radius = 0.5_dp*norm2(highest - lowest)
-      end associate
-      gram = 0.0_dp
-      do i = 1, size(motions%node)
-         associate (node => motions%node(i))
-            frame = constraints%frame(node)
+      call number_pieces(mesh, piece, n_pieces, bonds)
+      call fill_bins(start, node, piece, n_pieces)
+      allocate (motions(n_pieces))
+      do p = 1, n_pieces
+         motions(p)%node = node(start(p):start(p + 1) - 1)
+         motions(p)%is_whole = n_pieces == 1
+         associate (lowest => minval(mesh%coordinates(:, motions(p)%node), dim=2), &
+            highest => maxval(mesh%coordinates(:, motions(p)%node), dim=2))
+            motions(p)%center = 0.5_dp*(lowest + highest)
+            motions(p)%radius = 0.5_dp*norm2(highest - lowest)
+         end associate
+         gram = 0.0_dp
+         do i = start(p), start(p + 1) - 1
+            frame = constraints%frame(node(i))
             do axis = 1, 2
-               if (constraints%is_free(axis, node)) cycle
-               row = matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node)))
+               if (constraints%is_free(axis, node(i))) cycle
+               row = matmul(frame(:, axis), unit_motions(motions(p), mesh%coordinates(:, node(i))))
                do k = 1, 3
                   gram(:, k) = gram(:, k) + row*row(k)
                end do
             end do
-         end associate
+         end do
+         ! The directions that springs resist, whatever their stiffness.
+         do i = 1, size(springs)
+            associate (side => springs(i), n => 2*springs(i)%n_nodes)
+               if (piece(side%node(1)) /= p) cycle
+               largest = maxval(abs(side%stiffness))
+               if (.not. largest > 0.0_dp) cycle
+               do k = 1, side%n_nodes
+                  motion(2*k - 1:2*k, :) = unit_motions(motions(p), mesh%coordinates(:, side%node(k)))
+               end do
+               gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
+            end associate
+         end do
+         if (is_axisymmetric) then
+            gram(1, 1) = gram(1, 1) + real(size(motions(p)%node), dp)
+            gram(3, 3) = gram(3, 3) + real(size(motions(p)%node), dp)
+         end if
+         call symmetric_eigenvectors(gram, values, info)
+         motions(p)%n_free = count(values <= negligible*max(values(3), tiny(values)))
+         motions(p)%mode = gram(:, :motions(p)%n_free)
       end do
-      ! The directions that springs resist, whatever their stiffness.
-      do i = 1, size(springs)
-         associate (side => springs(i), n => 2*springs(i)%n_nodes)
-            largest = maxval(abs(side%stiffness))
-            if (.not. largest > 0.0_dp) cycle
-            do k = 1, side%n_nodes
-               motion(2*k - 1:2*k, :) = unit_motions(motions, mesh%coordinates(:, side%node(k)))
-            end do
-            gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
-         end associate
-      end do
-      if (is_axisymmetric) then
-         gram(1, 1) = gram(1, 1) + real(size(motions%node), dp)
-         gram(3, 3) = gram(3, 3) + real(size(motions%node), dp)
-      end if
-      call symmetric_eigenvectors(gram, values, info)
-      motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
-      motions%mode = gram(:, :motions%n_free)
-   end subroutine find_motions
+   end subroutine new_rigid_motions
 
    !> Displacement of a point under the two translations and the rotation (2, 3) [-].
    pure function unit_motions(motions, point) result(displacement)
