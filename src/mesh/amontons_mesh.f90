@@ -464,7 +464,11 @@ contains
       integer, intent(in) :: a !! one corner
       integer, intent(in) :: b !! the other corner
 
-      home = merge(min(a, b), merge(a, b, table%valence(a) < table%valence(b)), table%valence(a) == table%valence(b))
+      if (table%valence(a) == table%valence(b)) then
+         home = min(a, b)
+      else
+         home = merge(a, b, table%valence(a) < table%valence(b))
+      end if
    end function home_of
 
    !> Place in the table of a side, 0 where no element has it.
