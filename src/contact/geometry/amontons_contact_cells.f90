@@ -43,6 +43,8 @@ module amontons_contact_cells
       type(contact_rows_t) :: rows !! the nodes' shares in the mean displacements
       type(contact_quadrature_t) :: quadrature !! the quadrature points
       type(segment_t), allocatable :: segments(:) !! the parts of the sides, cell by cell
+      logical, allocatable :: is_held(:) !! whether supports hold all its nodes along its normal (n_cells)
+      logical, allocatable :: is_tangent_fixed(:) !! whether supports leave none of its nodes free altogether (n_cells)
    end type contact_cells_t
 
 contains
@@ -59,7 +61,7 @@ contains
       integer, allocatable :: sides(:, :)
       ! Half of it is left of the mean normal of a cell that turns by 217 degrees.
       real(dp), parameter :: smallest = 0.5_dp
-      integer :: cell
+      integer :: cell, k
 
       call body%mesh%set_sides(set, sides, error)
       if (allocated(error)) return
@@ -67,6 +69,7 @@ contains
       call cut_line(cells, sides, body%mesh%coordinates, partition, error)
       if (allocated(error)) return
       call integrate(cells, sides, body, direction)
+      allocate (cells%is_held(cells%n_cells), cells%is_tangent_fixed(cells%n_cells))
       do cell = 1, cells%n_cells
          associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
             if (norm2(normal) < smallest) then
@@ -75,6 +78,10 @@ contains
                return
             end if
             normal = normal/norm2(normal)
+            associate (node => cells%rows%node(cells%rows%start(cell):cells%rows%start(cell + 1) - 1))
+               cells%is_held(cell) = .not. any([(body%constraints%leaves_free(node(k), normal), k=1, size(node))])
+               cells%is_tangent_fixed(cell) = .not. any(all(body%constraints%is_free(:, node), dim=1))
+            end associate
          end associate
       end do
    end subroutine new_contact_cells
@@ -239,7 +246,6 @@ contains
       type(contact_cells_t) :: cells
       type(mortar_piece_t), allocatable :: pieces(:)
       integer, allocatable :: point(:), kept(:)
-      logical :: is_free, moves
       integer :: cell, k
 
       call new_contact_cells(cells, body, pair%set, pair%line, partition, no_direction, error)
@@ -247,26 +253,16 @@ contains
       pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
          k=1, size(cells%segments))]
       call cell_pieces(pieces, pair%segments, pair%cells)
-      pair%is_tangent_fixed = pair%is_tangent_fixed(:0)
-      allocate (kept(0), point(0:cells%n_cells))
-      point = 0
-      do cell = 1, cells%n_cells
-         if (all(pieces%point(1) /= cell)) cycle
-         moves = .false.
-         is_free = .false.
-         do k = cells%rows%start(cell), cells%rows%start(cell + 1) - 1
-            moves = moves .or. body%constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell))
-            is_free = is_free .or. all(body%constraints%is_free(:, cells%rows%node(k)))
-         end do
-         if (.not. moves) then
-            call new_error(error, input_refused, held_slave_text(pair, cells%center(:, cell), 'force', &
-               'exchange set and against'))
-            return
-         end if
-         kept = [kept, cell]
-         point(cell) = size(kept)
-         pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. is_free]
+      kept = pack([(cell, cell=1, cells%n_cells)], [(any(pieces%point(1) == cell), cell=1, cells%n_cells)])
+      do k = 1, size(kept)
+         if (.not. cells%is_held(kept(k))) cycle
+         call new_error(error, input_refused, held_slave_text(pair, cells%center(:, kept(k)), 'force', &
+            'exchange set and against'))
+         return
       end do
+      allocate (point(0:cells%n_cells), source=0)
+      point(kept) = [(k, k=1, size(kept))]
+      pair%is_tangent_fixed = cells%is_tangent_fixed(kept)
       pair%cells%master = point(pair%cells%master)
       pair%normal = cells%normal(:, kept)
       pair%next = point(cells%next(kept))

@@ -188,13 +188,13 @@ contains
       ! It has the slopes root and -root at its zeros: of two forms of each zero the one that loses no digits.
       root = sign(sqrt(root), linear)
       q = -0.5_dp*(linear + root)
-      if (abs(q) > 0.0_dp) crossings = [crossing_at(constant/q, root)]
-      if (abs(q) < far*square) crossings = [crossings, crossing_at(q/square, -root)]
+      if (abs(q) > 0.0_dp) crossings = [zero_crossing(constant/q, root)]
+      if (abs(q) < far*square) crossings = [crossings, zero_crossing(q/square, -root)]
 
    contains
 
       !> The crossing at a zero of 2 R F with a slope.
-      pure type(crossing_t) function crossing_at(way, slope) result(crossing)
+      pure type(crossing_t) function zero_crossing(way, slope) result(crossing)
          real(dp), intent(in) :: way !! the way to it, in `length` [-]
          real(dp), intent(in) :: slope !! slope there [-]
          real(dp) :: place(2)
@@ -202,7 +202,7 @@ contains
          place = start + way*e
          crossing = crossing_t(length*way, &
             -slope*sign(1.0_dp, radius)/norm2([2.0_dp*place(1), height + 2.0_dp*c*place(2)]))
-      end function crossing_at
+      end function zero_crossing
 
    end function conic_crossings
 
@@ -258,26 +258,18 @@ contains
       type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
       ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
       real(dp), parameter :: rounding = 1.0e-9_dp
-      logical :: is_here(size(crossings))
-
-      associate (way => abs(crossings%way), enters => crossings%cosine > 0.0_dp)
-         is_here = way <= rounding*maxval(way)
-         if (any(is_here .and. .not. enters)) then
-            ! Of a tip that the line enters and leaves at once the start is outside.
-            found = minloc(way, dim=1, mask=is_here .and. enters)
-         else
-            found = find_entry_elsewhere(crossings)
-         end if
-      end associate
-   end function find_entry
-
-   !> The same from a start that is on no surface that the line leaves.
-   pure integer function find_entry_elsewhere(crossings) result(found)
-      type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
+      logical :: is_here(size(crossings)), enters(size(crossings))
       integer :: last, next
 
       found = 0
-      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
+      enters = crossings%cosine > 0.0_dp
+      associate (way => crossings%way)
+         is_here = abs(way) <= rounding*maxval(abs(way))
+         if (any(is_here .and. .not. enters)) then
+            ! Of a tip that the line enters and leaves at once the start is outside.
+            found = minloc(abs(way), dim=1, mask=is_here .and. enters)
+            return
+         end if
          next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
          if (next > 0) then
             if (way(next) <= minval(way, mask=way > 0.0_dp)) found = next
@@ -287,7 +279,7 @@ contains
             if (way(last) > maxval(way, mask=way <= 0.0_dp .and. .not. enters)) found = last
          end if
       end associate
-   end function find_entry_elsewhere
+   end function find_entry
 
    !> Finds a place where two segments of a polyline pass through each other. That they touch, or lie upon each other,
    !> is no crossing.
@@ -296,7 +288,7 @@ contains
       logical, intent(out) :: crosses !! whether there is such a place
       real(dp), intent(out) :: place(2) !! the first that was found; 0, 0 without one [L]
       real(dp), allocatable :: box(:, :, :)
-      integer :: i, k, n, n_boxes, last
+      integer :: i, k, n, n_boxes, last, first, second
 
       n = size(line, 2) - 1
       n_boxes = (n + n_in_box - 1)/n_in_box
@@ -311,34 +303,20 @@ contains
       do i = 1, n_boxes
          do k = i, n_boxes
             if (any(box(:, 1, k) > box(:, 2, i)) .or. any(box(:, 1, i) > box(:, 2, k))) cycle
-            call compare_boxes(line, (i - 1)*n_in_box + 1, (k - 1)*n_in_box + 1, crosses, place)
-            if (crosses) return
+            do first = (i - 1)*n_in_box + 1, min(i*n_in_box, n)
+               do second = max((k - 1)*n_in_box + 1, first + 2), min(k*n_in_box, n)
+                  associate (p => line(:, first), a => line(:, first + 1) - line(:, first), &
+                     q => line(:, second), b => line(:, second + 1) - line(:, second))
+                     if (.not. (separates(p, a, q, q + b) .and. separates(q, b, p, p + a))) cycle
+                     crosses = .true.
+                     place = p + a*cross_product(q - p, b)/cross_product(a, b)
+                     return
+                  end associate
+               end do
+            end do
          end do
       end do
    end subroutine find_self_crossing
-
-   !> Compares the segments of two boxes.
-   pure subroutine compare_boxes(line, first, second, crosses, place)
-      real(dp), intent(in) :: line(:, :) !! the points (2, points) [L]
-      integer, intent(in) :: first !! first segment of one box
-      integer, intent(in) :: second !! first segment of the other one, not before it
-      logical, intent(inout) :: crosses !! becomes true where two of them pass through each other
-      real(dp), intent(inout) :: place(2) !! where [L]
-      integer :: i, k, n
-
-      n = size(line, 2) - 1
-      do i = first, min(first + n_in_box - 1, n)
-         do k = max(second, i + 2), min(second + n_in_box - 1, n)
-            associate (p => line(:, i), a => line(:, i + 1) - line(:, i), &
-               q => line(:, k), b => line(:, k + 1) - line(:, k))
-               if (.not. (separates(p, a, q, q + b) .and. separates(q, b, p, p + a))) cycle
-               crosses = .true.
-               place = p + a*cross_product(q - p, b)/cross_product(a, b)
-               return
-            end associate
-         end do
-      end do
-   end subroutine compare_boxes
 
    !> Whether the line through a segment has two points on either side of it.
    pure logical function separates(start, along, a, b)

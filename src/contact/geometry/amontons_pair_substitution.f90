@@ -157,7 +157,7 @@ contains
       ! What rounding leaves of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
-      real(dp) :: along(2, 2), free(2, 2), share(2, 2), own(2)
+      real(dp) :: along(2, 2), free(2, 2), frame(2, 2), share(2, 2), own(2), axis(2)
       integer :: i, k
 
       share = 0.0_dp
@@ -176,13 +176,20 @@ contains
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p)) own = [row%block(1, 1, i), row%block(2, 2, i)]
       end do
-      along = solution_axis(constraints, pair%node(p), pair%normal(:, p), is_tied)
+      ! What the other terms move it by: all, or, where a support guides it along an axis, as far along that as their
+      ! normal component, of bonded surfaces that along the axis, asks for.
+      free = constraints%free_projector(pair%node(p))
+      along = free
+      if (.not. (is_tied .or. all(constraints%is_free(:, pair%node(p))))) then
+         frame = constraints%frame(pair%node(p))
+         axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
+         along = spread(axis, 2, 2)*spread(pair%normal(:, p), 1, 2)/dot_product(axis, pair%normal(:, p))
+      end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
          call corner%add(row%node(i), times_axes(along, pair%normal(:, p), &
             -[row%block(1, 1, i), row%block(2, 2, i)]/own), row%is_own(i))
       end do
-      free = constraints%free_projector(pair%node(p))
       call corner%add(pair%node(p), identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
    end subroutine solve_row
 
@@ -199,23 +206,6 @@ contains
       product = product + (factor(2) - factor(1))*matmul(matrix, &
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
    end function times_axes
-
-   !> What the other terms of a corner's row move it by: all, or, where a support guides it along e, as far along e as
-   !> their normal component, of bonded surfaces that along e, asks for [-].
-   pure function solution_axis(constraints, node, normal, is_tied) result(along)
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: node !! the corner
-      real(dp), intent(in) :: normal(2) !! its normal [-]
-      logical, intent(in) :: is_tied !! whether the surfaces are bonded
-      real(dp) :: along(2, 2)
-      real(dp) :: frame(2, 2), axis(2)
-
-      along = constraints%free_projector(node)
-      if (is_tied .or. all(constraints%is_free(:, node))) return
-      frame = constraints%frame(node)
-      axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, node))
-      along = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
-   end function solution_axis
 
    !> Adds a term to a sum, each node once.
    pure subroutine sum_add(self, node, block, is_own)

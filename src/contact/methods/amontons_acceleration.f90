@@ -65,15 +65,25 @@ contains
       real(dp), intent(in) :: image(:) !! its image, and then what it carries (n)
       real(dp), intent(out) :: proposal(:) !! an image put together from those known (n)
       logical, intent(out) :: is_given !! whether there is a proposal
-      real(dp) :: difference(size(point), self%depth)
-      real(dp) :: norm(self%depth)
+      real(dp) :: difference(size(point), self%depth), norm(self%depth)
       real(dp), allocatable :: normal(:, :), right(:)
       logical :: is_soft
       integer :: i, n
 
       is_given = .false.
       if (self%depth == 0) return
-      call keep(self, image(:size(point)) - point, image)
+      if (.not. allocated(self%image)) then
+         allocate (self%image(size(image), self%depth + 1), self%step(size(point), self%depth + 1))
+      end if
+      if (self%n_kept > self%depth) then
+         do i = 1, self%depth
+            self%image(:, i) = self%image(:, i + 1)
+            self%step(:, i) = self%step(:, i + 1)
+         end do
+      end if
+      self%n_kept = min(self%n_kept + 1, self%depth + 1)
+      self%image(:, self%n_kept) = image
+      self%step(:, self%n_kept) = image(:size(point)) - point
       n = self%n_kept - 1
       if (n == 0) return
       do i = 1, n
@@ -93,28 +103,6 @@ contains
       end do
       is_given = .true.
    end subroutine acceleration_extrapolate
-
-   !> Keeps a step and its image, in the place of the oldest if there are enough.
-   pure subroutine keep(self, step, image)
-      class(acceleration_t), intent(inout) :: self !! the acceleration
-      real(dp), intent(in) :: step(:) !! the step (k)
-      real(dp), intent(in) :: image(:) !! its image (n)
-      integer :: i
-
-      if (.not. allocated(self%image)) then
-         allocate (self%image(size(image), self%depth + 1), self%step(size(step), self%depth + 1))
-      end if
-      if (self%n_kept == self%depth + 1) then
-         do i = 1, self%depth
-            self%image(:, i) = self%image(:, i + 1)
-            self%step(:, i) = self%step(:, i + 1)
-         end do
-         self%n_kept = self%depth
-      end if
-      self%n_kept = self%n_kept + 1
-      self%image(:, self%n_kept) = image
-      self%step(:, self%n_kept) = step
-   end subroutine keep
 
    !> Moves the center of the proximal steps to the displacements just found, and these along with it. Where steps
    !> follow each other in one direction and hardly become shorter, the body travels to its obstacles: ahead by what is

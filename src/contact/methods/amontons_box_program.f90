@@ -143,7 +143,7 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       ! All scaled to a unit diagonal: what has its unit back by the scale, bounds, the point with the gradient there,
       ! and the conjugate direction, to be taken backwards.
-      real(dp), dimension(size(b)) :: scale, low, high, y, gradient, direction
+      real(dp), allocatable, dimension(:) :: scale, low, high, y, gradient, direction
       real(dp), dimension(size(b)) :: free, chopped, reduced
       ! The largest curvature seen, per length squared.
       real(dp) :: norm
@@ -159,6 +159,7 @@ contains
       y = min(max(x/scale, low), high)
       norm = 1.0_dp
       n_products = 0
+      allocate (gradient(size(b)))
       call refresh_gradient()
       direction = free_part()
       do step = 1, 1000 + 10*size(b)

@@ -46,7 +46,7 @@ contains
       type(effort_t) :: effort
       type(active_set_t) :: states
       real(dp), dimension(2*problem%n_points) :: force, distance, displacement
-      integer :: trial, outcome, info
+      integer :: trial, outcome, info, m
       logical :: is_singular, may_continue, is_z_basic(3*problem%n_points)
       real(dp) :: right(3*problem%n_points), z(3*problem%n_points)
       real(dp), allocatable :: matrix(:, :)
@@ -56,6 +56,7 @@ contains
             ' contact points, this problem has '//to_text(problem%n_points))
          return
       end if
+      m = problem%n_points
       call solution%reset()
       best = solution
       if (problem%is_unloaded()) then
@@ -80,7 +81,10 @@ contains
          effort = effort_t()
          call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, error, effort)
          if (allocated(error)) return
-         states = states_of(relation%is_dual, is_z_basic)
+         states%is_closed = is_z_basic(:m) .eqv. relation%is_dual
+         ! Without any bound both may be zero; either direction then says the same.
+         states%slip_direction = merge(1, merge(-1, 0, is_z_basic(2*m + 1:)), &
+            is_z_basic(m + 1:2*m) .neqv. relation%is_dual)
          ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
          call relation%solve_states(states, force, distance, info)
          call effort%factorize(.true.)
@@ -191,23 +195,5 @@ contains
          cover(m + 1:) = cover(m + 1:) + [relation%friction*cover(:m), relation%friction*cover(:m)]
       end if
    end function covering_vector
-
-   !> The states that a final basis stands for.
-   pure function states_of(is_dual, is_z_basic) result(states)
-      logical, intent(in) :: is_dual !! whether the pairs are those of the dual form
-      logical, intent(in) :: is_z_basic(:) !! which z are basic (3m)
-      type(active_set_t) :: states
-      logical :: at_upper(size(is_z_basic)/3), at_lower(size(is_z_basic)/3)
-      integer :: m
-
-      m = size(is_z_basic)/3
-      associate (normal => is_z_basic(:m), first => is_z_basic(m + 1:2*m), second => is_z_basic(2*m + 1:))
-         states%is_closed = normal .eqv. is_dual
-         ! Without any bound both may be zero; either direction then says the same.
-         at_upper = first .neqv. is_dual
-         at_lower = second
-      end associate
-      states%slip_direction = merge(1, merge(-1, 0, at_lower), at_upper)
-   end function states_of
 
 end module amontons_lemke

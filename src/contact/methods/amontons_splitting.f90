@@ -68,11 +68,13 @@ contains
       ! Iterations that make less of the residual are accelerated.
       integer, parameter :: recent = 10
       real(dp), parameter :: tenth = 0.1_dp
+      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
+      real(dp), parameter :: far_from_solved = 1.0e3_dp
       type(printed_matrices_t) :: printed
       type(proximal_center_t) :: center
       type(acceleration_t) :: acceleration
       type(contact_solution_t) :: best
-      real(dp), dimension(2*problem%n_points) :: force, displacement, product, start
+      real(dp), dimension(2*problem%n_points) :: force, displacement, product, start, b
       real(dp), allocatable :: place(:)
       real(dp) :: force_scale, previous, accuracy
       integer :: iteration
@@ -87,6 +89,7 @@ contains
       if (.not. is_exact) call new_printed_matrices(printed, self%variant, problem, solution%effort, error)
       if (allocated(error)) return
       call new_acceleration(acceleration, 'anderson')
+      b = 0.0_dp
       force = solution%force
       force(:problem%n_points) = max(0.0_dp, force(:problem%n_points))
       center%place = solution%displacement
@@ -103,13 +106,9 @@ contains
             accuracy = half_step_part*self%tolerance*problem%force_scale(force)
             ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
             if (is_refining) accuracy = accuracy*minval(a%reciprocal_diagonal()/problem%augmentation())
-            if (is_exact) then
-               call half_steps(self, problem, displacement - problem%reference(), accuracy, force, &
-                  solution%effort, error)
-            else
-               call printed_half_steps(self, problem, displacement - problem%reference(), accuracy, &
-                  problem%dual_load(center%place), printed, force, solution%effort, error)
-            end if
+            if (.not. is_exact) b = problem%dual_load(center%place)
+            call half_steps(self, problem, displacement - problem%reference(), accuracy, b, printed, force, &
+               solution%effort, error)
             if (allocated(error)) return
             call a%multiply(force - start, product)
             displacement = displacement - product
@@ -118,9 +117,9 @@ contains
 
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
-            ! A proximal step counts as the force that it takes.
-            if (.not. is_exact) solution%is_at_rest = is_stopped(self, maxval(abs([force - start, alpha &
-               *(displacement - center%place)]))/force_scale, solution%residual)
+            ! The paper's stop is no sign of a solution. A proximal step counts as the force that it takes.
+            if (.not. is_exact) solution%is_at_rest = solution%residual > far_from_solved*self%tolerance .and. &
+               maxval(abs([force - start, alpha*(displacement - center%place)]))/force_scale <= self%tolerance
             if (solution%is_at_rest) return
             call best%take_better(solution)
             is_refining = is_refining .or. solution%residual > slow*previous .and. problem%matrix%has_stiffness()
@@ -134,29 +133,55 @@ contains
       call solution%take_better(best)
    end subroutine splitting_solve
 
-   !> The two half steps, each (2.3) with the other forces held: lambda_T within the bounds of lambda_N, then lambda_N.
-   subroutine half_steps(self, problem, distance, accuracy, force, effort, error)
+   !> The two half steps: lambda_T within the bounds of lambda_N, then lambda_N. With `exact` both are (2.3) with the
+   !> other forces held, with `clip` the first alone; with `printed` both are as the paper prints them.
+   subroutine half_steps(self, problem, distance, accuracy, b, printed, force, effort, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
       real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
+      real(dp), intent(in) :: b(:) !! B (2m) [L]
+      type(printed_matrices_t), intent(in) :: printed !! the matrices of the printed lines
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains theirs
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp), dimension(problem%n_points) :: bound, change, coupled
-      integer :: m
+      integer :: m, i
 
       m = problem%n_points
-      ! lambda_T := arg min  1/2 l.A22 l - l.(B2 - A21 lambda_N)  over |l| <= g + phi lambda_N
       bound = problem%bound(force(:m))
-      call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
-         change, effort, error)
-      if (allocated(error)) return
-      ! lambda_N := arg min  1/2 l.A11 l - l.(B1 - A12 lambda_T)  over l >= 0
-      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
-      call effort%multiply(quarter)
-      call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
-         spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort, error)
+      if (self%variant == 'printed') then
+         ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
+         ! One sweep of Gauss-Seidel on S lambda_T = B2, cut at the slip bound. Where nothing slides or separates,
+         ! -S lambda_T = B2 - A21 A11^-1 B1 is right: the matrix has the wrong sign, and a term lacks (erratum 7).
+         associate (tangential => force(m + 1:), schur => printed%schur)
+            do i = 1, m
+               tangential(i) = tangential(i) + (b(m + i) - dot_product(schur(:, i), tangential))/schur(i, i)
+            end do
+            tangential = bounded(tangential, bound)
+         end associate
+         call effort%multiply(quarter)
+      else
+         ! lambda_T := arg min  1/2 l.A22 l - l.(B2 - A21 lambda_N)  over |l| <= g + phi lambda_N
+         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
+            change, effort, error)
+         if (allocated(error)) return
+      end if
+      if (self%variant == 'exact') then
+         ! lambda_N := arg min  1/2 l.A11 l - l.(B1 - A12 lambda_T)  over l >= 0
+         call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
+         call effort%multiply(quarter)
+         call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
+            spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort, error)
+      else
+         ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
+         ! solved without the bound, then cut at zero, which is right where nothing is cut
+         call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], force(m + 1:), force(:m))
+         force(:m) = b(:m) - force(:m)
+         call cholesky_solve(printed%a11_factor, force(:m))
+         force(:m) = max(0.0_dp, force(:m))
+         call effort%multiply(1.0_dp + quarter)
+      end if
    end subroutine half_steps
 
    !> A half step, (2.3) for the forces of one direction alone: min 1/2 l.A l - l.(B - A' l') between bounds, l' the
@@ -181,58 +206,6 @@ contains
          change, effort, error)
       force = min(max(force + change, lower), upper)
    end subroutine minimize
-
-   !> The half steps of the variants: with `printed` both lines as the paper prints them, with `clip` the second one.
-   subroutine printed_half_steps(self, problem, distance, accuracy, b, printed, force, effort, error)
-      class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
-      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
-      real(dp), intent(in) :: b(:) !! B (2m) [L]
-      type(printed_matrices_t), intent(in) :: printed !! the matrices of the lines
-      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
-      type(effort_t), intent(inout) :: effort !! gains theirs
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), dimension(problem%n_points) :: bound, change
-      integer :: m, i
-
-      m = problem%n_points
-      bound = problem%bound(force(:m))
-      ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
-      if (self%variant == 'printed') then
-         ! One sweep of Gauss-Seidel on S lambda_T = B2, cut at the slip bound. Where nothing slides or separates,
-         ! -S lambda_T = B2 - A21 A11^-1 B1 is right: the matrix has the wrong sign, and a term lacks (erratum 7).
-         associate (tangential => force(m + 1:), schur => printed%schur)
-            do i = 1, m
-               tangential(i) = tangential(i) + (b(m + i) - dot_product(schur(:, i), tangential))/schur(i, i)
-            end do
-            tangential = bounded(tangential, bound)
-         end associate
-         call effort%multiply(quarter)
-      else
-         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
-            change, effort, error)
-         if (allocated(error)) return
-      end if
-      ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
-      ! solved without the bound, then cut at zero, which is right where nothing is cut
-      call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], force(m + 1:), force(:m))
-      force(:m) = b(:m) - force(:m)
-      call cholesky_solve(printed%a11_factor, force(:m))
-      force(:m) = max(0.0_dp, force(:m))
-      call effort%multiply(1.0_dp + quarter)
-   end subroutine printed_half_steps
-
-   !> Whether the paper's stop ends the iteration, which is no sign of a solution.
-   pure logical function is_stopped(self, change, residual)
-      class(splitting_t), intent(in) :: self !! the method
-      real(dp), intent(in) :: change !! largest change of a force, over the force scale [-]
-      real(dp), intent(in) :: residual !! the residual [-]
-      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
-      real(dp), parameter :: far_from_solved = 1.0e3_dp
-
-      is_stopped = change <= self%tolerance .and. residual > far_from_solved*self%tolerance
-   end function is_stopped
 
    !> Makes the Cholesky factor of A11 and, for `printed`, the paper's S = A21 A11^-1 A12 - A22, minus the Schur
    !> complement that it is called.

@@ -12,8 +12,8 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, integrate_again, let_guided_slaves_slip, new_contact_zone, &
-      recompute_pairs
+   use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, &
+      recompute_pairs, segments_again
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
@@ -126,7 +126,7 @@ contains
       do i = 1, size(body%ties)
          call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
          call body%tie_rows%add(points%rows)
-         call integrate_again(points, body%ties(i))
+         call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
          call body%checked_tie_rows%add(points%rows)
       end do
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
@@ -312,6 +312,9 @@ contains
       class(cholesky_t), allocatable :: cholesky
       class(condenser_t), allocatable :: condenser
       integer, allocatable :: order(:)
+      ! Measured on 20 000 points: a row of the table, of the listing and of the grid, as numbers and as text [MB].
+      real(dp), parameter :: of_point = 1.1e-3_dp
+      real(dp) :: n_entries
 
       call timings%begin(phase_assemble)
       estimate%n_rows = 2*body%zone%n_points
@@ -340,26 +343,14 @@ contains
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries
+      ! The contact problem: dense matrices, that of the contact points and that of a step for Newton's method; of a
+      ! band the matrix and its factor, both twice, and the factors of a step; and what files say of its points.
+      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*(2.0_dp*body%zone%n_points)**2
+      if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
-         + contact_memory_mb(estimate, body%zone%n_points, n_dense))
+         + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
-
-   !> The memory that the contact problem takes: dense matrices, that of the contact points and that of a step for
-   !> Newton's method; of a band the matrix and its factor, both twice, and the factors of a step; and what files say of
-   !> its points [MB].
-   pure real(dp) function contact_memory_mb(estimate, n_points, n_dense) result(memory_mb)
-      type(estimate_t), intent(in) :: estimate !! the estimate, rows and half width known
-      integer, intent(in) :: n_points !! number of contact points
-      integer, intent(in) :: n_dense !! dense matrices that the method holds, 0 for Newton's
-      ! Measured on 20 000 points: a row of the table, of the listing and of the grid, as numbers and as text [MB].
-      real(dp), parameter :: of_point = 1.1e-3_dp
-      real(dp) :: n_entries
-
-      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*(2.0_dp*n_points)**2
-      if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
-      memory_mb = 8.0e-6_dp*n_entries + of_point*n_points
-   end function contact_memory_mb
 
    !> The displacements of the points under each free rigid motion of each piece. Without coordinates all nodes that a
    !> point is made of lie where the point is: of a pair, as if the bodies met there. What rotations do along the
@@ -370,6 +361,7 @@ contains
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in), optional :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       logical, allocatable :: is_inside(:)
+      real(dp), allocatable :: motion(:, :)
       real(dp) :: position(2)
       integer :: i, j, k, p
 
@@ -384,35 +376,18 @@ contains
                if (.not. is_inside(zone%rows%node(i))) cycle
                position = zone%position(:, p)
                if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
-               call add_motion(modes, k, motions(j), position, zone, p, i)
+               motion = motions(j)%displacement(position)
+               associate (of_piece => modes(:, k + 1:k + motions(j)%n_free), m => zone%n_points)
+                  of_piece(p, :) = of_piece(p, :) + matmul(zone%rows%part(:, i), motion)
+                  ! The contact problem does not know the slip that a support prevents.
+                  if (.not. zone%is_tangent_fixed(p)) of_piece(m + p, :) = of_piece(m + p, :) &
+                     + matmul(zone%rows%tangent(:, i), motion)
+               end associate
             end do
          end do
          k = k + motions(j)%n_free
       end do
    end subroutine find_rigid_modes
-
-   !> Adds the part that the motion of a node has in that of a point.
-   pure subroutine add_motion(modes, n_before, motions, position, zone, point, part)
-      real(dp), intent(inout) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
-      integer, intent(in) :: n_before !! how many motions other pieces have before
-      type(rigid_motions_t), intent(in) :: motions !! the free motions of the node's piece
-      real(dp), intent(in) :: position(2) !! where the node is [L]
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, intent(in) :: point !! the point
-      integer, intent(in) :: part !! which part of the zone's rows is that of the node
-      real(dp) :: motion(2, motions%n_free)
-      integer :: i
-
-      motion = motions%displacement(position)
-      do i = 1, motions%n_free
-         associate (mode => modes(:, n_before + i), m => zone%n_points)
-            mode(point) = mode(point) + dot_product(zone%rows%part(:, part), motion(:, i))
-            ! The contact problem does not know the slip that a support prevents.
-            if (.not. zone%is_tangent_fixed(point)) mode(m + point) = mode(m + point) &
-               + dot_product(zone%rows%tangent(:, part), motion(:, i))
-         end associate
-      end do
-   end subroutine add_motion
 
    !> Combinations of the free motions of all pieces that no contact point notices (motions, any) [-].
    function common_motions(modes) result(amounts)

@@ -348,37 +348,28 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (2m, loads) [L]
       real(dp), allocatable, intent(out) :: unknowns(:, :) !! all unknowns (n, loads) [L]
       real(dp), allocatable :: partial(:, :), v(:, :)
-      integer :: k, n
+      real(dp) :: of_points(count(self%unknown > 0))
+      integer :: k, l, m, n, p
 
       n = self%condenser%n
+      m = size(self%unknown, 2)
       allocate (unknowns(n, size(condensed)), partial(n, size(condensed)), v(self%n_unknowns, size(condensed)))
       do k = 1, size(condensed)
          partial(:, k) = condensed(k)%partial
-         v(:, k) = contact_unknowns(self, condensed(k), displacement(:, k))
+         do p = 1, m
+            l = count(self%unknown(:, p) > 0)
+            of_points(self%unknown(:l, p)) = matmul(self%map(:l, :, p), displacement([p, p + m], k))
+         end do
+         if (allocated(self%rows)) then
+            v(:, k) = self%to_rows%expand(condensed(k)%contact_load, of_points)
+         else
+            v(:, k) = of_points
+         end if
          if (allocated(self%matrix%band)) unknowns(:, k) = [self%matrix%band%interior_displacement( &
             partial(:n - self%n_unknowns, k), displacement(:, k)), v(:, k)]
       end do
       if (.not. allocated(self%matrix%band)) call self%condenser%expand_all(partial, v, unknowns)
    end subroutine condensation_recover
-
-   !> The contact unknowns of given displacements of the points (n_unknowns) [L].
-   pure function contact_unknowns(condensation, condensed, displacement) result(v)
-      type(condensation_t), intent(in) :: condensation !! the factorized body
-      type(condensed_load_t), intent(in) :: condensed !! the condensed load
-      real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
-      real(dp), allocatable :: v(:)
-      integer :: p, m, n
-
-      associate (unknown => condensation%unknown)
-         m = size(unknown, 2)
-         allocate (v(count(unknown > 0)))
-         do p = 1, m
-            n = count(unknown(:, p) > 0)
-            v(unknown(:n, p)) = matmul(condensation%map(:n, :, p), displacement([p, p + m]))
-         end do
-      end associate
-      if (allocated(condensation%rows)) v = condensation%to_rows%expand(condensed%contact_load, v)
-   end function contact_unknowns
 
    !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
    !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 faster

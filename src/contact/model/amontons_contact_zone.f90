@@ -22,7 +22,11 @@ module amontons_contact_zone
    implicit none (type, external)
    private
 
-   public :: contact_zone_t, integrate_again, let_guided_slaves_slip, new_contact_zone, recompute_pairs
+   public :: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, recompute_pairs, &
+      segments_again
+
+   !> Points of the quadrature where segments are integrated a second time.
+   integer, parameter :: n_quadrature_again = n_quadrature_points + 3
 
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
@@ -216,24 +220,26 @@ contains
    end function contact_zone_own_nodes
 
    !> Adds points behind those that are there.
-   pure subroutine add_points(zone, points)
+   pure subroutine add_points(zone, set, is_cell, points)
       type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set that they belong to
+      logical, intent(in) :: is_cell !! whether they are cells of constant multipliers
       type(contact_zone_t), intent(in) :: points
          !! the points; `next` counts among them, nodes that are no points are left out
       integer :: n
 
-      n = zone%n_points
-      zone%n_points = n + points%n_points
-      zone%set = [zone%set, points%set]
-      zone%next = [zone%next, merge(n + points%next, 0, points%next > 0)]
-      zone%is_cell = [zone%is_cell, points%is_cell]
+      n = size(points%area)
+      zone%set = [zone%set, spread(set, 1, n)]
+      zone%next = [zone%next, merge(zone%n_points + points%next, 0, points%next > 0)]
+      zone%n_points = zone%n_points + n
+      zone%is_cell = [zone%is_cell, spread(is_cell, 1, n)]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
       zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
-      zone%is_slave_guided = [zone%is_slave_guided, spread(.false., 1, points%n_points)]
+      zone%is_slave_guided = [zone%is_slave_guided, spread(.false., 1, n)]
       call zone%rows%add(points%rows)
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
@@ -279,10 +285,7 @@ contains
          end if
       end do
       associate (place => kept(:n), node => line%node(kept(:n)))
-         points%n_points = n
-         points%set = spread(set, 1, n)
          points%next = point_of(line%next(place))
-         points%is_cell = spread(.false., 1, n)
          points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:, node(k))), k=1, n)]
          points%position = body%mesh%coordinates(:, node)
          points%normal = normal(:, place)
@@ -296,7 +299,7 @@ contains
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, n), share=spread(1.0_dp, 1, n))
          zone%node = [zone%node, node]
       end associate
-      call add_points(zone, points)
+      call add_points(zone, set, .false., points)
    end subroutine add_line
 
    !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
@@ -309,9 +312,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       type(contact_cells_t) :: cells
       type(contact_zone_t) :: points
-      logical, allocatable :: is_held(:)
       integer, allocatable :: kept(:), point_of(:)
-      integer :: cell, k
+      integer :: k
 
       call new_contact_cells(cells, body, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
@@ -319,19 +321,11 @@ contains
       do k = 1, line%n_nodes
          if (all(zone%node /= line%node(k))) zone%node = [zone%node, line%node(k)]
       end do
-      allocate (is_held(cells%n_cells), point_of(0:cells%n_cells))
-      do cell = 1, cells%n_cells
-         is_held(cell) = .not. any([(body%constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
-            k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
-      end do
-      zone%n_held_cells = zone%n_held_cells + count(is_held)
-      kept = pack([(cell, cell=1, cells%n_cells)], .not. is_held)
-      point_of = 0
+      zone%n_held_cells = zone%n_held_cells + count(cells%is_held)
+      kept = pack([(k, k=1, cells%n_cells)], .not. cells%is_held)
+      allocate (point_of(0:cells%n_cells), source=0)
       point_of(kept) = [(k, k=1, size(kept))]
-      points%n_points = size(kept)
-      points%set = spread(set, 1, size(kept))
       points%next = point_of(cells%next(kept))
-      points%is_cell = spread(.true., 1, size(kept))
       points%position = cells%center(:, kept)
       points%normal = cells%normal(:, kept)
       points%weight = cells%length(kept)
@@ -339,13 +333,8 @@ contains
       points%foot = points%position
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
-      allocate (points%is_tangent_fixed(size(kept)))
-      do k = 1, size(kept)
-         associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
-            points%is_tangent_fixed(k) = .not. any(all(body%constraints%is_free(:, node), dim=1))
-         end associate
-      end do
-      call add_points(zone, points)
+      points%is_tangent_fixed = cells%is_tangent_fixed(kept)
+      call add_points(zone, set, .true., points)
    end subroutine add_cells
 
    !> Adds the points of a pair of surfaces: corners of the slave, or cells.
@@ -361,7 +350,6 @@ contains
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
       type(error_t), allocatable :: shear_fault
-      integer :: n
 
       associate (pair => zone%pairs(set))
          call new_mortar_pair(pair, contact%set, contact%pairing, body, follower, error)
@@ -378,7 +366,6 @@ contains
          call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
          if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, body%mesh, error)
          if (allocated(error)) return
-         n = size(integrals%area)
          points%next = pair%next
          points%is_tangent_fixed = pair%is_tangent_fixed
          points%normal = pair%normal
@@ -393,15 +380,12 @@ contains
          zone%shared_node = [zone%shared_node, pair%shared_node]
          call take_facing_sides(follower, pair)
       end associate
-      points%n_points = n
-      points%set = spread(set, 1, n)
-      points%is_cell = spread(contact%partition%is_constant, 1, n)
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
-      call add_points(zone, points)
+      call add_points(zone, set, contact%partition%is_constant, points)
    end subroutine add_pair
 
    !> Recomputes rows and gaps of the points of pairs in contact; those of the others stay.
@@ -423,22 +407,13 @@ contains
             call rows%add(zone%rows%picked(of_set))
             cycle
          end if
-         call integrate_again(points, zone%pairs(set))
+         call integrate_pair(points, zone%pairs(set), segments_again(zone%pairs(set)), n_quadrature_again)
          call rows%add(points%rows)
          do i = 1, size(of_set)
             gap_change(of_set(i)) = mean_gap(points%quadrature, i) - mean_gap(zone%quadrature, of_set(i))
          end do
       end do
    end subroutine recompute_pairs
-
-   !> Integrates over the points of a pair again: where its segments end is found in another way, and the rule has more
-   !> points.
-   pure subroutine integrate_again(points, pair)
-      type(mortar_points_t), intent(out) :: points !! the points
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-
-      call integrate_pair(points, pair, segments_of(pair), n_quadrature_points + 3)
-   end subroutine integrate_again
 
    !> The mean gap of a point [L].
    pure real(dp) function mean_gap(quadrature, point)
@@ -450,8 +425,8 @@ contains
       end associate
    end function mean_gap
 
-   !> Cuts the slave's sides by what rays meet.
-   pure function segments_of(pair) result(segments)
+   !> Cuts the slave's sides again, by what rays meet.
+   pure function segments_again(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
       ! Parts of a side to begin with, for each side of the master that is near; a part is cut further where its ends
@@ -487,7 +462,7 @@ contains
          end associate
       end do
       segments = pack(segments, counts)
-   end function segments_of
+   end function segments_again
 
    !> The master's side that the ray from a place on the slave meets, however far away; 0 for none.
    pure integer function met_side(pair, side, near, xi) result(met)

@@ -50,12 +50,9 @@ module amontons_free_boundary
       type(free_node_t), allocatable :: nodes(:) !! its nodes, a corner twice
       type(set_end_t), allocatable :: ends(:) !! the ends of sets beyond which it goes on
    contains
-      procedure, private :: add_end => free_boundary_add_end
       procedure :: lies_outside => free_boundary_lies_outside
       procedure :: penetration => free_boundary_penetration
       procedure :: reached_ends => free_boundary_reached_ends
-      procedure, private :: add_obstacle => free_boundary_add_obstacle
-      procedure, private :: add_pair => free_boundary_add_pair
    end type free_boundary_t
 
    !> The sides of the boundary of a mesh.
@@ -70,6 +67,8 @@ module amontons_free_boundary
 
    !> A boundary set with the boundary beyond its ends.
    type :: extended_set_t
+      integer :: number = 0 !! number of the contact set
+      logical :: is_of_master = .false. !! whether it is the set of the other body of the pair
       type(surface_t) :: surface !! the sides of the set, and those beyond its ends
       integer :: n_own = 0 !! number of the former
       integer, allocatable :: end_side(:) !! the sides of the set at its ends (ends)
@@ -86,7 +85,9 @@ contains
       type(contact_zone_t), intent(in) :: zone !! their points
       type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
       type(outline_t) :: outline
-      integer :: i
+      type(extended_set_t) :: set, master
+      real(dp) :: least
+      integer :: i, p
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
@@ -100,13 +101,55 @@ contains
          call take_set(outline, body%mesh, ties(i)%against)
       end do
       do i = 1, size(contacts)
-         if (contacts(i)%pairing%is_pair()) then
-            call boundary%add_pair(i, contacts(i), outline, body, zone)
-         else
-            call boundary%add_obstacle(i, contacts(i), outline, body, zone)
+         call extend_set(set, contacts(i)%set, i, .false., outline, body)
+         if (.not. contacts(i)%pairing%is_pair()) then
+            call add_beyond(boundary, set, contacts(i)%direction, outline, body%constraints)
+            call add_ends(boundary, set, zone)
+            cycle
          end if
+         ! Those beyond the ends of both sets, and those of the slave that face the boundary beyond the master's ends.
+         call extend_set(master, contacts(i)%pairing%against, i, .true., outline, body)
+         ! Polygons that stand for curves overlap before any load; so may these.
+         least = 0.0_dp
+         if (contacts(i)%pairing%has_mesh_gap()) then
+            do p = 1, zone%n_points
+               associate (range => zone%quadrature%start(p:p + 1) - [0, 1])
+                  if (zone%set(p) == i) least = min(least, minval(zone%quadrature%gap(range(1):range(2))))
+               end associate
+            end do
+         end if
+         call add_facing(boundary, set, 1, master, outline, body%constraints, zone%pairs(i)%search, least)
+         call add_ends(boundary, set, zone)
+         call add_ends(boundary, master, zone)
+         call add_facing(boundary, master, master%n_own + 1, set, outline, body%constraints, zone%pairs(i)%search, &
+            least)
       end do
    end subroutine new_free_boundary
+
+   !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
+   pure subroutine add_beyond(boundary, extended, direction, outline, constraints)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
+      type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
+      real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, allocatable :: side(:), corner(:)
+      real(dp) :: normal(2)
+      integer :: i, n
+
+      n = size(boundary%nodes)
+      call find_free_places(boundary, extended, extended%n_own + 1, outline, constraints, side, corner)
+      do i = 1, size(side)
+         associate (outward => extended%surface%normal(:, corner(i), side(i)))
+            normal = outward
+            if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
+            if (dot_product(normal, outward) < steepest_cosine) cycle
+            n = n + 1
+            boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), extended%number, normal)
+         end associate
+      end do
+      boundary%nodes = boundary%nodes(:n)
+   end subroutine add_beyond
 
    !> Lists the sides of the boundary of a mesh.
    pure subroutine new_outline(outline, mesh)
@@ -169,15 +212,19 @@ contains
    end function sides_of
 
    !> Extends a boundary set beyond its ends, along the boundary that no set has.
-   pure subroutine extend_set(extended, set, outline, body)
+   pure subroutine extend_set(extended, set, number, is_of_master, outline, body)
       type(extended_set_t), intent(out) :: extended !! the set with the boundary beyond it
       character(*), intent(in) :: set !! name of the boundary set
+      integer, intent(in) :: number !! number of the contact set
+      logical, intent(in) :: is_of_master !! whether it is the set of the other body of the pair
       type(outline_t), intent(in) :: outline !! the sides of the boundary
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, allocatable :: sides(:, :)
       integer :: place(size(outline%side, 2)), side, first, i, k, n
       logical :: continues(body%mesh%n_nodes, 2)
 
+      extended%number = number
+      extended%is_of_master = is_of_master
       sides = sides_of(body%mesh, set)
       extended%n_own = size(sides, 2)
       continues = .false.
@@ -259,77 +306,10 @@ contains
       boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, n)]]
    end subroutine find_free_places
 
-   !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
-   pure subroutine free_boundary_add_obstacle(self, set, contact, outline, body, zone)
-      class(free_boundary_t), intent(inout) :: self !! the free boundary
-      integer, intent(in) :: set !! number of the contact set
-      type(contact_t), intent(in) :: contact !! the contact set
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(extended_set_t) :: extended
-      integer, allocatable :: side(:), corner(:)
-      real(dp) :: normal(2)
-      integer :: i, n
-
-      call extend_set(extended, contact%set, outline, body)
-      n = size(self%nodes)
-      call find_free_places(self, extended, extended%n_own + 1, outline, body%constraints, side, corner)
-      do i = 1, size(side)
-         associate (outward => extended%surface%normal(:, corner(i), side(i)))
-            normal = outward
-            if (any(abs(contact%direction) > 0.0_dp)) normal = unit_vector(contact%direction)
-            if (dot_product(normal, outward) < steepest_cosine) cycle
-            n = n + 1
-            self%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), set, normal)
-         end associate
-      end do
-      self%nodes = self%nodes(:n)
-      do i = 1, size(extended%beyond)
-         call self%add_end(set, .false., extended, i, zone)
-      end do
-   end subroutine free_boundary_add_obstacle
-
-   !> Adds the nodes of both bodies of a pair that face the other one where no contact force acts: those beyond the ends
-   !> of both sets, and those of the slave that face the boundary beyond the master's ends.
-   pure subroutine free_boundary_add_pair(self, set, contact, outline, body, zone)
-      class(free_boundary_t), intent(inout) :: self !! the free boundary
-      integer, intent(in) :: set !! number of the contact set
-      type(contact_t), intent(in) :: contact !! the contact set
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(extended_set_t) :: slave, master
-      real(dp) :: least
-      integer :: i, p
-
-      call extend_set(slave, contact%set, outline, body)
-      call extend_set(master, contact%pairing%against, outline, body)
-      ! Polygons that stand for curves overlap before any load; so may these.
-      least = 0.0_dp
-      if (contact%pairing%has_mesh_gap()) then
-         do p = 1, zone%n_points
-            associate (range => zone%quadrature%start(p:p + 1) - [0, 1])
-               if (zone%set(p) == set) least = min(least, minval(zone%quadrature%gap(range(1):range(2))))
-            end associate
-         end do
-      end if
-      call add_facing(self, set, slave, 1, master, outline, body%constraints, zone%pairs(set)%search, least)
-      do i = 1, size(slave%beyond)
-         call self%add_end(set, .false., slave, i, zone)
-      end do
-      do i = 1, size(master%beyond)
-         call self%add_end(set, .true., master, i, zone)
-      end do
-      call add_facing(self, set, master, master%n_own + 1, slave, outline, body%constraints, zone%pairs(set)%search, &
-         least)
-   end subroutine free_boundary_add_pair
-
    !> Adds the nodes of one body of a pair that face the other one, unless both sets have the place.
    ! allow(S902): two boundaries, what holds them, and two limits of distance that only the pair knows
-   pure subroutine add_facing(boundary, set, extended, first, other, outline, constraints, search, least)
+   pure subroutine add_facing(boundary, extended, first, other, outline, constraints, search, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
-      integer, intent(in) :: set !! number of the contact set
       type(extended_set_t), intent(in) :: extended !! the boundary of the one body
       integer, intent(in) :: first !! its first side to look at
       type(extended_set_t), intent(in) :: other !! the boundary of the other body
@@ -363,51 +343,50 @@ contains
             if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
          end if
          n = n + 1
-         boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), set, &
+         boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), extended%number, &
             extended%surface%normal(:, corner(i), side(i)), other%surface%side(:3, meeting%side), foot%values, &
             max(least, meeting%gap))
       end do
       boundary%nodes = boundary%nodes(:n)
    end subroutine add_facing
 
-   !> Adds an end of a set if the boundary goes on there without a corner, and without a support that holds it.
-   pure subroutine free_boundary_add_end(self, set, is_of_master, extended, i, zone)
-      class(free_boundary_t), intent(inout) :: self !! the free boundary, with the nodes beyond the end
-      integer, intent(in) :: set !! number of the contact set
-      logical, intent(in) :: is_of_master !! whether the set of the other body of the pair ends
-      type(extended_set_t), intent(in) :: extended !! the set that ends, with the boundary beyond it
-      integer, intent(in) :: i !! which of its ends
+   !> Adds the ends of a set beyond which the boundary goes on without a corner, and without a support that holds it.
+   pure subroutine add_ends(boundary, extended, zone)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary, with the nodes beyond the ends
+      type(extended_set_t), intent(in) :: extended !! the set, with the boundary beyond it
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(set_end_t) :: added
-      integer :: nodes(3), first, k, p
+      integer :: nodes(3), first, i, k, p
       real(dp) :: normal(2)
 
-      associate (surface => extended%surface, last => extended%end_side(i), next => extended%beyond(i))
-         k = merge(1, 2, surface%side(1, last) == surface%side(2, next))
-         normal = surface%normal(:, k, last)
-         if (any(abs(surface%normal(:, 3 - k, next) - normal) > 0.0_dp)) return
-         added = set_end_t(set, is_of_master, position=surface%corner(:, k, last))
-         nodes = surface%side(:3, next)
-         if (is_of_master) then
-            added%beyond = nearest_facing(self%nodes, extended, set, added%position, zone%pairs(set)%slave%longest)
+      do i = 1, size(extended%beyond)
+         associate (surface => extended%surface, last => extended%end_side(i), next => extended%beyond(i))
+            k = merge(1, 2, surface%side(1, last) == surface%side(2, next))
+            normal = surface%normal(:, k, last)
+            if (any(abs(surface%normal(:, 3 - k, next) - normal) > 0.0_dp)) cycle
+            added = set_end_t(extended%number, extended%is_of_master, position=surface%corner(:, k, last))
+            nodes = surface%side(:3, next)
+         end associate
+         if (extended%is_of_master) then
+            added%beyond = nearest_facing(boundary%nodes, extended, added%position, &
+               zone%pairs(extended%number)%slave%longest)
          else
             first = merge(nodes(3), nodes(k), nodes(3) > 0)
             ! A corner of the body is there for each of its normals.
-            added%beyond = maxloc([(dot_product(self%nodes(p)%normal, normal), p=1, size(self%nodes))], dim=1, &
-               mask=self%nodes%set == set .and. self%nodes%node == first)
+            added%beyond = maxloc([(dot_product(boundary%nodes(p)%normal, normal), p=1, size(boundary%nodes))], dim=1, &
+               mask=boundary%nodes%set == extended%number .and. boundary%nodes%node == first)
          end if
-      end associate
-      if (added%beyond == 0) return
-      added%point = minloc(hypot(zone%position(1, :) - added%position(1), zone%position(2, :) - added%position(2)), &
-         dim=1, mask=zone%set == set)
-      if (added%point > 0) self%ends = [self%ends, added]
-   end subroutine free_boundary_add_end
+         if (added%beyond == 0) cycle
+         added%point = minloc(hypot(zone%position(1, :) - added%position(1), zone%position(2, :) - added%position(2)), &
+            dim=1, mask=zone%set == extended%number)
+         if (added%point > 0) boundary%ends = [boundary%ends, added]
+      end do
+   end subroutine add_ends
 
    !> The node of a slave that faces the boundary beyond an end of the master next to it; 0 if none does within a side.
-   pure integer function nearest_facing(nodes, master, set, position, within) result(nearest)
+   pure integer function nearest_facing(nodes, master, position, within) result(nearest)
       type(free_node_t), intent(in) :: nodes(:) !! the free nodes
       type(extended_set_t), intent(in) :: master !! the master with the boundary beyond it
-      integer, intent(in) :: set !! number of the contact set
       real(dp), intent(in) :: position(2) !! where the master ends [L]
       real(dp), intent(in) :: within !! how far away the place that it faces may be [L]
       real(dp) :: distance, least
@@ -417,7 +396,7 @@ contains
       least = within
       associate (surface => master%surface)
          do i = 1, size(nodes)
-            if (nodes(i)%set /= set) cycle
+            if (nodes(i)%set /= master%number) cycle
             side = findloc(surface%side(1, :) == nodes(i)%facing(1), .true., dim=1)
             if (side <= master%n_own) cycle
             distance = norm2(matmul(surface%corner(:, :, side), nodes(i)%share) - position)

@@ -16,8 +16,8 @@ module amontons_load_case
    implicit none (type, external)
    private
 
-   public :: check_shear, condense_load_case, condensed_force, load_case_t, new_load_case, prescribed_slip, &
-      recover_displacement, recover_displacements, set_obstacles
+   public :: check_shear, condensed_force, load_case_t, new_load_case, prescribed_slip, recover_displacement, &
+      recover_displacements, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -47,7 +47,7 @@ module amontons_load_case
       real(dp), allocatable :: friction(:)
          !! Coulomb coefficient phi of the forces, that of the stresses where both act on the same area (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
-      type(condensed_load_t) :: condensed !! the condensed load, after `condense_load_case`
+      type(condensed_load_t) :: condensed !! the condensed load, where its family is condensed
    end type load_case_t
 
 contains
@@ -201,21 +201,6 @@ contains
          return
       end do
    end subroutine set_obstacles
-
-   !> Condenses the loads of a case, prescribed displacements and thermal strains included.
-   subroutine condense_load_case(load_case, body)
-      type(load_case_t), intent(inout) :: load_case !! the load case; gains its condensed load
-      type(body_t), intent(in) :: body !! the body, condensed
-      real(dp), allocatable :: forces(:, :)
-
-      if (any(abs(load_case%prescribed) > 0.0_dp) .or. allocated(load_case%thermal_strain)) then
-         call body%internal_forces(forces, load_case%prescribed, load_case%thermal_strain)
-         forces = load_case%force - forces
-      else
-         forces = load_case%force
-      end if
-      call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), load_case%condensed)
-   end subroutine condense_load_case
 
    !> The part of every slip that supports prescribe; 0 where a support prevents the slip
    !> (m) [L].

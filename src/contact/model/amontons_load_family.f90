@@ -7,6 +7,7 @@
 !>
 !> The motion of rigid obstacles in a load history: a shift and a turn about a pivot.
 module amontons_load_family
+   use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
@@ -16,7 +17,7 @@ module amontons_load_family
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case, load_case_t, prescribed_slip, set_obstacles
+   use amontons_load_case, only: load_case_t, prescribed_slip, set_obstacles
    use amontons_loads, only: load_t, load_vector, sum_thermal_strain
    use amontons_obstacle, only: obstacle_t
    use amontons_system, only: checksum_t
@@ -24,8 +25,7 @@ module amontons_load_family
    implicit none (type, external)
    private
 
-   public :: acting_t, load_family_t, new_load_family, obstacle_motion_t, one_part, parting_t, &
-      tangential_motion
+   public :: acting_t, load_family_t, new_load_family, obstacle_motion_t, one_part, parting_t
 
    !> Where an obstacle has moved: it turned about the pivot, and then shifted.
    type :: obstacle_motion_t
@@ -179,18 +179,25 @@ contains
       part%prescribed = body%dof_map%substitution%displacement(part%prescribed)
    end subroutine fill_part
 
-   !> Condenses the parts. Where a body is spread over ranks, all that share the family do so at the same time.
+   !> Condenses the parts, prescribed displacements and thermal strains included. Where a body is spread over ranks, all
+   !> that share the family do so at the same time.
    subroutine load_family_condense(self, body, problem)
       class(load_family_t), intent(inout) :: self !! the family
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), allocatable :: forces(:, :), internal(:, :)
       real(dp) :: slip(body%zone%n_points), from_slip(2*body%zone%n_points)
       integer :: k
 
       allocate (self%load(2*body%zone%n_points, size(self%parts)), self%largest(size(self%parts)))
       do k = 1, size(self%parts)
          associate (part => self%parts(k))
-            call condense_load_case(part, body)
+            forces = part%force
+            if (any(abs(part%prescribed) > 0.0_dp) .or. allocated(part%thermal_strain)) then
+               call body%internal_forces(internal, part%prescribed, part%thermal_strain)
+               forces = forces - internal
+            end if
+            call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), part%condensed)
             self%load(:, k) = part%condensed%load
             self%largest(k) = maxval(abs(part%prescribed))
             ! How far the body would expand at most, if it were all as hot as at its hottest place.

@@ -39,14 +39,6 @@ module amontons_surface_stress
       real(dp) :: weight = 0.0_dp !! weight in the mean over the point's part of the line
    end type place_t
 
-   !> The two sums of a point as it is put together.
-   type :: sums_t
-      real(dp), allocatable :: field(:, :, :) !! factors of the nodal displacements (2, n_nodes, 2) [F/L^3]
-      real(dp), allocatable :: thermal(:, :) !! what the thermal strain of each part adds (2, parts) [F/L^2]
-      real(dp) :: share(2) = 0.0_dp !! shares of the normal stress [-]
-      real(dp) :: outward(2) = 0.0_dp !! mean outward normal, x and y [-]
-   end type sums_t
-
 contains
 
    !> Makes the sums of all points. The mean over a point's part of the line is that of its force: by the shape function
@@ -99,7 +91,7 @@ contains
       do i = 1, size(sides, 2)
          do k = 1, count(sides(:3, i) > 0)
             if (any(abs(body%mesh%coordinates(:, sides(k, i)) - position) > 0.0_dp)) cycle
-            material = side_material(body, sides(4, i))
+            material = body%materials%list(body%materials%of_element(sides(4, i)))
             do point = 1, n_side_points
                call side_shapes(sides(3, i) > 0, side_abscissa(point), values, slopes)
                x = on_side(values, sides(:3, i), body%mesh%coordinates)
@@ -141,7 +133,8 @@ contains
       end do
    end subroutine find_cell_places
 
-   !> Makes the sums of a point.
+   !> Makes the sums of a point: with the normal stress given, the law leaves b1 and b2 of the strains along the surface
+   !> and out of the plane in the stress of the same direction and of the other.
    subroutine add_point(surface, p, places, sides, body, parts, fields)
       type(surface_stress_t), intent(inout) :: surface !! gains the point
       integer, intent(in) :: p !! the point
@@ -150,111 +143,73 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
-      type(sums_t) :: sums
       type(material_t) :: material
-      real(dp) :: row(2*body%zone%n_points)
-      integer :: k, j
+      real(dp), allocatable :: field(:, :, :)
+      real(dp) :: thermal(2, size(parts)), share(2), outward(2), row(2*body%zone%n_points)
+      real(dp) :: weight, values(3), slopes(3), along(2), position(2), law(2, 2), other, expansion
+      integer :: i, j, k
 
-      allocate (sums%field(2, body%mesh%n_nodes, 2), sums%thermal(2, size(parts)), source=0.0_dp)
-      do k = 1, size(places)
-         call add_place(sums, places(k)%xi, places(k)%weight/sum(places%weight), sides(:, places(k)%side), body, parts)
+      allocate (field(2, body%mesh%n_nodes, 2), source=0.0_dp)
+      thermal = 0.0_dp
+      share = 0.0_dp
+      outward = 0.0_dp
+      do j = 1, size(places)
+         associate (side => sides(:, places(j)%side))
+            weight = places(j)%weight/sum(places%weight)
+            material = body%materials%list(body%materials%of_element(side(4)))
+            call side_shapes(side(3) > 0, places(j)%xi, values, slopes)
+            position = on_side(values, side(:3), body%mesh%coordinates)
+            along = on_side(slopes, side(:3), body%mesh%coordinates)
+            ! Stresses along the surface and out of the plane for the strains in these directions, the normal stress 0.
+            associate (lambda => material%lambda, mu => material%mu)
+               other = lambda - lambda**2/(lambda + 2.0_dp*mu)
+               law = reshape([other + 2.0_dp*mu, other, other, other + 2.0_dp*mu], [2, 2])
+               if (material%is_plane_stress) law(2, :) = 0.0_dp
+               share = share + weight*[1.0_dp, merge(0.0_dp, 1.0_dp, material%is_plane_stress)] &
+                  *lambda/(lambda + 2.0_dp*mu)
+            end associate
+            outward = outward + weight*[along(2), -along(1)]/norm2(along)
+            do k = 1, count(side(:3) > 0)
+               associate (factors => field(:, side(k), :))
+                  do i = 1, 2
+                     factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
+                     if (material%is_axisymmetric) factors(1, i) = factors(1, i) &
+                        + weight*law(i, 2)*values(k)/position(1)
+                  end do
+               end associate
+            end do
+            if (.not. allocated(parts(1)%thermal_strain)) cycle
+            associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
+               do i = 1, size(parts)
+                  expansion = 0.0_dp
+                  do k = 1, count(side(:3) > 0)
+                     expansion = expansion + values(k)*parts(i)%thermal_strain(first - 1 &
+                        + findloc(body%mesh%node(first:last), side(k), dim=1))
+                  end do
+                  thermal(:, i) = thermal(:, i) + weight*expansion*(law(:, 1) &
+                     + merge(0.0_dp, law(:, 2), material%is_plane_stress))
+               end do
+            end associate
+         end associate
       end do
-      material = side_material(body, sides(4, places(1)%side))
+      material = body%materials%list(body%materials%of_element(sides(4, places(1)%side)))
       associate (normal => body%zone%normal(:, p))
-         surface%outward(:, p) = [dot_product(normal, sums%outward), &
-            normal(1)*sums%outward(2) - normal(2)*sums%outward(1)]/norm2(sums%outward)
+         surface%outward(:, p) = [dot_product(normal, outward), normal(1)*outward(2) - normal(2)*outward(1)] &
+            /norm2(outward)
          surface%young(p) = material%young
          surface%poisson(p) = material%poisson
       end associate
       do k = 1, 2
          associate (sum_number => 2*(p - 1) + k)
-            row = condensed_force(body, sums%field(:, :, k))
+            row = condensed_force(body, field(:, :, k))
             surface%column = [surface%column, pack([(j, j=1, size(row))], abs(row) > 0.0_dp)]
             surface%row = [surface%row, pack(row, abs(row) > 0.0_dp)]
             surface%start = [surface%start, size(surface%row) + 1]
-            surface%share(sum_number) = sums%share(k)
-            surface%part(sum_number, :) = [(sum(sums%field(:, :, k)*fields(:, :, j)), j=1, size(parts))] &
-               - sums%thermal(k, :)
+            surface%share(sum_number) = share(k)
+            surface%part(sum_number, :) = [(sum(field(:, :, k)*fields(:, :, j)), j=1, size(parts))] - thermal(k, :)
          end associate
       end do
    end subroutine add_point
-
-   !> Adds a place: with the normal stress given, the law leaves b1 and b2 of the strains along the surface and out of
-   !> the plane in the stress of the same direction and of the other.
-   pure subroutine add_place(sums, xi, weight, side, body, parts)
-      type(sums_t), intent(inout) :: sums !! the sums
-      real(dp), intent(in) :: xi !! where on the side, from -1 to 1 [-]
-      real(dp), intent(in) :: weight !! weight of the place; they sum to 1 [-]
-      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
-      type(material_t) :: material
-      real(dp) :: values(3), slopes(3), along(2), position(2), law(2, 2), expansion
-      integer :: i, k
-
-      material = side_material(body, side(4))
-      call side_shapes(side(3) > 0, xi, values, slopes)
-      position = on_side(values, side(:3), body%mesh%coordinates)
-      along = on_side(slopes, side(:3), body%mesh%coordinates)
-      law = surface_law(material)
-      sums%share = sums%share + weight*[1.0_dp, merge(0.0_dp, 1.0_dp, material%is_plane_stress)] &
-         *material%lambda/(material%lambda + 2.0_dp*material%mu)
-      sums%outward = sums%outward + weight*[along(2), -along(1)]/norm2(along)
-      do k = 1, count(side(:3) > 0)
-         associate (factors => sums%field(:, side(k), :))
-            do i = 1, 2
-               factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
-               if (material%is_axisymmetric) factors(1, i) = factors(1, i) + weight*law(i, 2)*values(k)/position(1)
-            end do
-         end associate
-      end do
-      if (.not. allocated(parts(1)%thermal_strain)) return
-      do i = 1, size(parts)
-         expansion = thermal_strain(body, parts(i)%thermal_strain, values, side)
-         sums%thermal(:, i) = sums%thermal(:, i) + weight*expansion*(law(:, 1) &
-            + merge(0.0_dp, law(:, 2), material%is_plane_stress))
-      end do
-   end subroutine add_place
-
-   !> Stresses along the surface and out of the plane for the strains in these directions, the normal stress 0 (2, 2)
-   !> [F/L^2].
-   pure function surface_law(material) result(law)
-      type(material_t), intent(in) :: material !! the material
-      real(dp) :: law(2, 2)
-      real(dp) :: own, other
-
-      associate (lambda => material%lambda, mu => material%mu)
-         other = lambda - lambda**2/(lambda + 2.0_dp*mu)
-         own = other + 2.0_dp*mu
-      end associate
-      law = reshape([own, other, other, own], [2, 2])
-      if (material%is_plane_stress) law(2, :) = 0.0_dp
-   end function surface_law
-
-   !> Thermal strain at a place on a side of an element [-].
-   pure real(dp) function thermal_strain(body, at_nodes, values, side) result(strain)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: at_nodes(:) !! that at the nodes of each element, in the order of `mesh%node` [-]
-      real(dp), intent(in) :: values(3) !! shape functions of the side's nodes [-]
-      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element
-      integer :: k
-
-      strain = 0.0_dp
-      associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
-         do k = 1, count(side(:3) > 0)
-            strain = strain + values(k)*at_nodes(first - 1 + findloc(body%mesh%node(first:last), side(k), dim=1))
-         end do
-      end associate
-   end function thermal_strain
-
-   !> The material behind a side.
-   pure function side_material(body, element) result(material)
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: element !! the element of the side
-      type(material_t) :: material
-
-      material = body%materials%list(body%materials%of_element(element))
-   end function side_material
 
    !> A sum over the nodes of a side (2).
    pure function on_side(factors, side, coordinates) result(vector)

@@ -27,7 +27,7 @@ module amontons_band_stiffness
       procedure :: interior_displacement => band_stiffness_interior_displacement
       procedure :: multiply => band_stiffness_multiply
       procedure :: set_diagonal => band_stiffness_set_diagonal
-      procedure, private :: solve_interior => band_stiffness_solve_interior
+      procedure, private :: find_interior => band_stiffness_find_interior
    end type band_stiffness_t
 
 contains
@@ -192,22 +192,24 @@ contains
       end associate
    end function neighbors
 
-   !> Solves K_ii x_i = b_i with given displacements of the contact points in the places of x, which stay.
-   pure subroutine band_stiffness_solve_interior(self, load, x)
+   !> All displacements from those of the contact points: solves K_ii x_i = f_i - K_ic v.
+   pure subroutine band_stiffness_find_interior(self, v, x, interior_load)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
-      real(dp), intent(in) :: load(:) !! b on all positions; those of contact points have no effect (n) [F]
-      real(dp), contiguous, intent(inout) :: x(:)
-         !! displacements by position, 0 but for contact points; then all (n) [L]
-      real(dp) :: right(size(x)), contact(size(self%place))
+      real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
+      real(dp), contiguous, intent(out) :: x(:) !! all displacements by position (n) [L]
+      real(dp), intent(in), optional :: interior_load(:) !! f_i, by unknown; 0 if absent [F]
+      real(dp) :: right(size(x))
 
-      contact = x(self%place)
+      x = 0.0_dp
+      x(self%place) = v
       call self%whole%multiply(x, right)
-      right = load - right
+      right = -right
+      if (present(interior_load)) right(self%interior) = right(self%interior) + interior_load
       right(self%place) = 0.0_dp
       call self%factor%solve(right)
       x = right
-      x(self%place) = contact
-   end subroutine band_stiffness_solve_interior
+      x(self%place) = v
+   end subroutine band_stiffness_find_interior
 
    !> The product S v.
    pure subroutine band_stiffness_multiply(self, v, product)
@@ -216,10 +218,7 @@ contains
       real(dp), intent(out) :: product(:) !! the product (2m) [F]
       real(dp) :: x(self%whole%n), y(self%whole%n)
 
-      x = 0.0_dp
-      x(self%place) = v
-      y = 0.0_dp
-      call self%solve_interior(y, x)
+      call self%find_interior(v, x)
       call self%whole%multiply(x, y)
       product = y(self%place)
    end subroutine band_stiffness_multiply
@@ -232,10 +231,7 @@ contains
       real(dp), allocatable :: condensed(:)
       real(dp) :: x(self%whole%n), y(self%whole%n)
 
-      x = 0.0_dp
-      y = 0.0_dp
-      y(self%interior) = interior_load
-      call self%solve_interior(y, x)
+      call self%find_interior(0.0_dp*contact_load, x, interior_load)
       call self%whole%multiply(x, y)
       condensed = contact_load - y(self%place)
    end function band_stiffness_condensed
@@ -246,13 +242,9 @@ contains
       real(dp), intent(in) :: interior_load(:) !! f_i, by unknown [F]
       real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
       real(dp), allocatable :: interior(:)
-      real(dp) :: x(self%whole%n), y(self%whole%n)
+      real(dp) :: x(self%whole%n)
 
-      x = 0.0_dp
-      x(self%place) = v
-      y = 0.0_dp
-      y(self%interior) = interior_load
-      call self%solve_interior(y, x)
+      call self%find_interior(v, x, interior_load)
       interior = x(self%interior)
    end function band_stiffness_interior_displacement
 

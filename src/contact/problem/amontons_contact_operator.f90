@@ -12,7 +12,7 @@ module amontons_contact_operator
    implicit none (type, external)
    private
 
-   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_stiffness_operator
+   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_dense_stiffness, new_stiffness_operator
 
    !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
    type :: contact_operator_t

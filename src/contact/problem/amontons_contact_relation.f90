@@ -13,7 +13,7 @@
 !> pivots follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path leaves
 !> on a ray. Ties are broken by the lexicographic rule, so that no basis comes twice.
 module amontons_contact_relation
-   use amontons_contact_operator, only: contact_operator_t
+   use amontons_contact_operator, only: new_dense_stiffness
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, lu_solve
@@ -65,7 +65,6 @@ contains
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      type(contact_operator_t) :: copy
       real(dp) :: force(2*problem%n_points)
       integer :: i, j, m
       real(dp) :: unit(2*problem%n_points), amount
@@ -79,13 +78,15 @@ contains
          end associate
          relation%vector = problem%dual_load(problem%free_displacement)
       else
-         call problem%matrix%copy_dense(copy, error)
+         call new_dense_stiffness(problem%matrix, relation%matrix, error)
          if (allocated(error)) return
-         call move_alloc(copy%stiffness%values, relation%matrix)
          call problem%matrix%multiply_stiffness(problem%reference(), force)
          relation%vector = problem%load - force
       end if
-      unit = sqrt(diagonal_units(relation%matrix))
+      ! Where the diagonal is not positive, its largest entry scales, or 1 if there is none.
+      unit = [(relation%matrix(i, i), i=1, size(unit))]
+      if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
+      unit = sqrt(merge(unit, maxval(unit), unit > 0.0_dp))
       amount = maxval(abs(relation%vector/unit))
       if (.not. amount > 0.0_dp) amount = 1.0_dp
       allocate (relation%distance_unit, source=merge(amount*unit, amount/unit, relation%is_dual))
@@ -99,19 +100,6 @@ contains
       relation%friction = problem%friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
       relation%slip_bound = problem%slip_bound/relation%force_unit(m + 1:)
    end subroutine new_contact_relation
-
-   !> The diagonal as it scales; where it is not positive, its largest entry, or 1 if there is none.
-   pure function diagonal_units(matrix) result(unit)
-      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
-      real(dp) :: unit(size(matrix, 1))
-      integer :: i
-
-      do i = 1, size(unit)
-         unit(i) = matrix(i, i)
-      end do
-      if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
-      unit = merge(unit, maxval(unit), unit > 0.0_dp)
-   end function diagonal_units
 
    !> The inverse of the symmetric part of H, if that is positive definite beyond rounding.
    pure subroutine contact_relation_invert(self, inverse, is_definite)

@@ -33,12 +33,6 @@ module amontons_uniqueness
    !> A bound above this coefficient is none.
    real(dp), parameter :: any_friction = 1.0e6_dp
 
-   !> The blocks of a stiffness that the estimate needs, in the relation's units.
-   type :: coupling_t
-      real(dp), allocatable :: normal(:, :) !! S_11 (m, m)
-      real(dp), allocatable :: factor(:, :) !! Cholesky factor of S_T = S_22 - S_21 S_11^+ S_12 (m, m)
-   end type coupling_t
-
 contains
 
    !> Computes the bound of a contact problem. It depends on the body and on the ratios of friction alone.
@@ -185,18 +179,17 @@ contains
       real(dp), intent(in) :: friction(:) !! phi (m) [-]
       ! What rounding may have added to the estimate, and what it makes of no coupling.
       real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
-      type(coupling_t) :: coupling
       real(dp) :: gamma
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
       real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :), difference(:, :)
+      real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:)
       integer :: i, info, m
 
       bound = 0.0_dp
-      ! The normal displacements are eliminated.
+      ! The normal displacements are eliminated: S_T = S_22 - S_21 S_11^+ S_12.
       m = size(s, 1)/2
-      coupling%normal = s(:m, :m)
-      factor = coupling%normal
+      factor = s(:m, :m)
       do i = 1, m
          factor(i, i) = (1.0_dp + hold)*factor(i, i)
       end do
@@ -207,40 +200,31 @@ contains
       call cholesky_solve(factor, mixed)
       allocate (difference(m, m))
       call transposed_product(cross, mixed, difference)
-      coupling%factor = s(m + 1:, m + 1:) - difference
-      call cholesky_factor(coupling%factor, info)
+      factor = s(m + 1:, m + 1:) - difference
+      call cholesky_factor(factor, info)
       if (info /= 0) return
-      if (.not. all([(coupling%factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])) return
+      if (.not. all([(factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])) return
       ! L^-1 S_21 S_11^+ S_12 L^-T
-      call triangular_solve(coupling%factor, difference)
+      call triangular_solve(factor, difference)
       difference = transpose(difference)
-      call triangular_solve(coupling%factor, difference)
+      call triangular_solve(factor, difference)
       gamma = sqrt(largest_eigenvalue(difference))
       gamma = max(gamma, rounding)
-      bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
-   end function estimated_bound
-
-   !> The number kappa: the square root of the product of the largest eigenvalues of D A_22 D and of
-   !> D^-1 Phi S_11 Phi D^-1, A_22 = G^-1, on the points with friction. The diagonal D balances the two.
-   pure real(dp) function friction_gain(coupling, friction) result(gain)
-      type(coupling_t), intent(in) :: coupling !! the blocks
-      real(dp), intent(in) :: friction(:) !! phi (m) [-]
-      real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:)
-      integer :: i
-
-      compliance = coupling%factor
-      call cholesky_inverse(compliance)
-      associate (rough => pack([(i, i=1, size(friction))], friction > 0.0_dp))
-         compliance = compliance(rough, rough)
-         stiffness = coupling%normal(rough, rough)
+      ! kappa is the square root of the product of the largest eigenvalues of D A_22 D and of D^-1 Phi S_11 Phi D^-1,
+      ! A_22 = S_T^-1, on the points with friction. The diagonal D balances the two.
+      call cholesky_inverse(factor)
+      associate (rough => pack([(i, i=1, m)], friction > 0.0_dp))
+         compliance = factor(rough, rough)
+         stiffness = s(rough, rough)
          weight = [(friction(rough(i))*sqrt(stiffness(i, i)/compliance(i, i)), i=1, size(rough))]
          do i = 1, size(rough)
             compliance(:, i) = compliance(:, i)*sqrt(weight)*sqrt(weight(i))
             stiffness(:, i) = stiffness(:, i)*friction(rough)/sqrt(weight)*friction(rough(i))/sqrt(weight(i))
          end do
       end associate
-      gain = sqrt(largest_eigenvalue(compliance)*largest_eigenvalue(stiffness))
-   end function friction_gain
+      bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp) &
+         /sqrt(largest_eigenvalue(compliance)*largest_eigenvalue(stiffness))
+   end function estimated_bound
 
    !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue
    !> is larger. Power iterations tell where to look.
