@@ -10,11 +10,9 @@ module amontons_contact_cells
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: held_slave_text, mortar_pair_t
-   use amontons_mortar_points, only: cell_pieces, mortar_piece_t
-   use amontons_mortar_segments, only: mortar_segment_t
+   use amontons_mortar_pair, only: cell_pieces, held_slave_text, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
-   use amontons_surface, only: meshed_body_t, side_order
+   use amontons_surface, only: meshed_body_t, mortar_segment_t, side_order
    use amontons_text, only: to_text
    implicit none (type, external)
    private

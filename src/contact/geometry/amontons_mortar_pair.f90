@@ -6,26 +6,68 @@
 !> line, is followed by itself, and one that no set has by 0.
 !>
 !> Checks of the contact points of a pair of surfaces: in the pair, the mesh and the supports, out a refusal.
+!>
+!> The contact points of a pair of surfaces: multipliers on the slave, integrals D and M, gaps.
+!>
+!> The relative displacement of point p is w_p = (sum D_pj u_j - sum M_pl u_l) / D_p, D_pj the integral of the
+!> multiplier's function psi_p times the shape function of the slave's node j, M_pl that times the shape function of the
+!> master's node l where the ray meets it, D_p the integral of psi_p. Both are integrated at the same quadrature points,
+!> so that sum D_pj = sum M_pl = D_p and the forces on both bodies cancel exactly. The multiplier is a force, stress
+!> times D_p.
+!>
+!> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
+!> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Constant multipliers
+!> are 1 on their cell. A bonded corner that a support guides has no multiplier along its tangent: the tangential
+!> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
+!> then another one than that of the normal.
 module amontons_mortar_pair
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: turned
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, turned
    use amontons_contact_set, only: pairing_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
-   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
-      place_on
-   use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
    use amontons_obstacle, only: cross_product
-   use amontons_surface, only: meshed_body_t, new_surface, surface_place_t, surface_t
+   use amontons_surface, only: find_segments, meet_side, meshed_body_t, mortar_segment_t, new_surface, &
+      surface_place_t, surface_t
    use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private
 
-   public :: check_ends, check_overlap, held_slave_text, integrate_pair, mortar_pair_t, n_quadrature_points, &
-      new_mortar_pair, take_facing_sides, take_line
+   public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
+      mortar_pair_t, mortar_piece_t, mortar_points_t, n_quadrature_points, new_mortar_pair, take_facing_sides, &
+      take_line
+
+   !> A quadrature of -1 to 1.
+   type :: gauss_rule_t
+      real(dp), allocatable :: xi(:) !! abscissas [-]
+      real(dp), allocatable :: weight(:) !! weights [-]
+   end type gauss_rule_t
+
+   !> A part of a slave's side that faces one side of the master, and the functions of up to two points there, which are
+   !> combinations of the hats of the side's corners.
+   type :: mortar_piece_t
+      type(mortar_segment_t) :: segment !! the part
+      integer :: point(2) = 0 !! the points, 0 for none
+      real(dp) :: psi(2, 2) = 0.0_dp !! hats that make up the multiplier's function of each point (point, corner) [-]
+      real(dp) :: shear(2, 2) = 0.0_dp !! the same of its tangential function [-]
+      real(dp) :: hat(2, 2) = 0.0_dp !! the same of the function that gaps and friction are averaged with [-]
+   end type mortar_piece_t
+
+   !> Integrals of the points of a pair.
+   type :: mortar_points_t
+      real(dp), allocatable :: area(:) !! D_p (n) [L^2]
+      real(dp), allocatable :: length(:) !! tributary length: the integral of the averaging function (n) [L]
+      real(dp), allocatable :: center(:, :) !! mean position on the slave (2, n) [L]
+      real(dp), allocatable :: foot(:, :) !! mean position on the master (2, n) [L]
+      type(contact_rows_t) :: rows !! shares of the nodes in w
+      type(contact_quadrature_t) :: quadrature !! the quadrature points, with their gaps
+   end type mortar_points_t
+
+   !> Nodes that a piece adds to the row of a point: those of both sides.
+   integer, parameter :: n_piece_nodes = 6
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -68,6 +110,266 @@ module amontons_mortar_pair
    end type mortar_pair_t
 
 contains
+
+   !> Abscissas and weights of Gauss's rule on -1 to 1: zeros of the Legendre polynomial by Newton's method.
+   pure type(gauss_rule_t) function gauss_rule(n) result(rule)
+      integer, intent(in) :: n !! number of points
+      real(dp), parameter :: pi = acos(-1.0_dp)
+      integer, parameter :: n_steps = 10
+      real(dp) :: p(0:n), slope
+      integer :: i, k, step
+
+      allocate (rule%xi(n), rule%weight(n))
+      do i = 1, n
+         associate (xi => rule%xi(i))
+            xi = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
+            do step = 1, n_steps
+               p(0) = 1.0_dp
+               p(1) = xi
+               do k = 2, n
+                  p(k) = ((2*k - 1)*xi*p(k - 1) - (k - 1)*p(k - 2))/k
+               end do
+               slope = n*(xi*p(n) - p(n - 1))/(xi**2 - 1.0_dp)
+               xi = xi - p(n)/slope
+            end do
+            rule%weight(i) = 2.0_dp/((1.0_dp - xi**2)*slope**2)
+         end associate
+      end do
+   end function gauss_rule
+
+   !> The hats of the corners of a side [-].
+   pure function hats(xi)
+      real(dp), intent(in) :: xi !! the place, from -1 to 1 [-]
+      real(dp) :: hats(2)
+
+      hats = 0.5_dp*[1.0_dp - xi, 1.0_dp + xi]
+   end function hats
+
+   !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the
+   !> other one's function is 1, so that constants stay among the multipliers.
+   pure subroutine corner_pieces(pieces, segments, point_of, gives_shear, slave, n_points)
+      type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
+      type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
+      integer, intent(in) :: point_of(:, :) !! point of each corner of each side of the slave, 0 for none (2, sides)
+      logical, intent(in) :: gives_shear(:) !! whether a point has no shear of its own, and its neighbors take it (n)
+      type(surface_t), intent(in) :: slave !! the slave
+      integer, intent(in) :: n_points !! number of points of the quadrature
+      type(mortar_piece_t) :: piece
+      integer :: first, last, i, k
+
+      allocate (pieces(size(segments)))
+      first = 1
+      do while (first <= size(segments))
+         last = first
+         do while (last < size(segments))
+            if (segments(last + 1)%slave /= segments(first)%slave) exit
+            last = last + 1
+         end do
+         piece%point = point_of(:, segments(first)%slave)
+         if (all(piece%point > 0)) then
+            piece%psi = dual_functions(segments(first:last), slave, n_points)
+            piece%shear = piece%psi
+            piece%hat = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+            do k = 1, 2
+               if (gives_shear(piece%point(3 - k)) .and. .not. gives_shear(piece%point(k))) piece%shear(k, :) = 1.0_dp
+            end do
+         else
+            piece%psi = 1.0_dp
+            piece%shear = 1.0_dp
+            piece%hat = 1.0_dp
+         end if
+         do i = first, last
+            piece%segment = segments(i)
+            pieces(i) = piece
+         end do
+         first = last + 1
+      end do
+   end subroutine corner_pieces
+
+   !> Cuts segments by cells of constant multipliers.
+   pure subroutine cell_pieces(pieces, segments, cells)
+      type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
+      type(mortar_segment_t), intent(in) :: segments(:) !! the segments
+      type(mortar_segment_t), intent(in) :: cells(:)
+         !! parts of the slave's sides; in the place of the master the point that their cell is, 0 for none
+      type(mortar_piece_t) :: piece
+      real(dp) :: range(2)
+      integer :: i, k
+
+      allocate (pieces(0))
+      piece%psi = 1.0_dp
+      piece%shear = 1.0_dp
+      piece%hat = 1.0_dp
+      do k = 1, size(cells)
+         do i = 1, size(segments)
+            if (segments(i)%slave /= cells(k)%slave) cycle
+            range = [max(segments(i)%range(1), cells(k)%range(1)), min(segments(i)%range(2), cells(k)%range(2))]
+            if (.not. range(1) < range(2)) cycle
+            piece%segment = mortar_segment_t(segments(i)%slave, segments(i)%master, range)
+            piece%point = [cells(k)%master, 0]
+            pieces = [pieces, piece]
+         end do
+      end do
+   end subroutine cell_pieces
+
+   !> The functions dual to the hats of the corners over some segments of one side, as combinations of these hats.
+   !>
+   !> A = diag(d) M^-1 with d and M the integrals of the hats and of their products. Where the segments cover little of
+   !> the side, M is nearly singular: it is inverted in hats of the covered part.
+   pure function dual_functions(segments, slave, n_points) result(dual)
+      type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the side
+      type(surface_t), intent(in) :: slave !! the slave
+      integer, intent(in) :: n_points !! number of points of the quadrature
+      real(dp) :: dual(2, 2)
+      type(gauss_rule_t) :: rule
+      real(dp) :: mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
+      type(surface_place_t) :: place
+      integer :: i, k
+
+      rule = gauss_rule(n_points)
+      mean = 0.0_dp
+      mass = 0.0_dp
+      associate (first => segments(1)%range(1), last => segments(size(segments))%range(2))
+         do i = 1, size(segments)
+            do k = 1, n_points
+               associate (range => segments(i)%range)
+                  at = 0.5_dp*(sum(range) + (range(2) - range(1))*rule%xi(k))
+                  place = slave%place(segments(i)%slave, at)
+                  area = 0.5_dp*(range(2) - range(1))*rule%weight(k)*norm2(place%along)*place%depth
+               end associate
+               mean = mean + area*hats(at)
+               local = hats((2.0_dp*at - first - last)/(last - first))
+               mass(:, 1) = mass(:, 1) + area*local*local(1)
+               mass(:, 2) = mass(:, 2) + area*local*local(2)
+            end do
+         end do
+         to_part = inverse(reshape([hats(first), hats(last)], [2, 2]))
+      end associate
+      dual = matmul(transpose(to_part), matmul(inverse(mass), to_part))
+      dual = spread(mean, 2, 2)*dual
+   end function dual_functions
+
+   !> The inverse of a matrix of two rows.
+   pure function inverse(matrix)
+      real(dp), intent(in) :: matrix(2, 2) !! the matrix, not singular
+      real(dp) :: inverse(2, 2)
+
+      inverse = reshape([matrix(2, 2), -matrix(2, 1), -matrix(1, 2), matrix(1, 1)], [2, 2]) &
+         /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
+   end function inverse
+
+   !> Integrates over the points of a pair.
+   pure subroutine integrate_pair(points, pair, segments, n_points)
+      type(mortar_points_t), intent(out) :: points !! the points
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
+      integer, intent(in) :: n_points !! number of points of the quadrature
+      type(mortar_piece_t), allocatable :: pieces(:)
+      type(gauss_rule_t) :: rule
+      real(dp), dimension(size(pair%normal, 2)) :: hat_area, shear_area
+      integer, dimension(size(pair%normal, 2)) :: n_pieces, filled
+      integer :: i, k, p, first_node, l, j, n, q
+      type(surface_place_t) :: place, foot
+      real(dp) :: at, area, psi(2), hat, normal(2)
+
+      if (allocated(pair%cells)) then
+         call cell_pieces(pieces, segments, pair%cells)
+      else
+         call corner_pieces(pieces, segments, pair%point_of, pair%gives_shear, pair%slave, n_points)
+      end if
+      n = size(pair%normal, 2)
+      n_pieces = 0
+      do i = 1, size(pieces)
+         do k = 1, 2
+            p = pieces(i)%point(k)
+            if (p > 0) n_pieces(p) = n_pieces(p) + 1
+         end do
+      end do
+      allocate (points%area(n), points%length(n), points%center(2, n), points%foot(2, n), source=0.0_dp)
+      call points%rows%begin(n_piece_nodes*n_pieces)
+      call points%quadrature%begin(n_points*n_pieces)
+      rule = gauss_rule(n_points)
+      hat_area = 0.0_dp
+      shear_area = 0.0_dp
+      filled = 0
+      do i = 1, size(pieces)
+         do k = 1, 2
+            p = pieces(i)%point(k)
+            if (p == 0) cycle
+            first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
+            associate (segment => pieces(i)%segment, node => points%rows%node, part => points%rows%part, &
+               quadrature => points%quadrature, slave => pair%slave, master => pair%master)
+               ! Parts are shares in the normal and in the tangential displacement first.
+               ! A straight side has no middle node; its part there is 0.
+               node(first_node + 1:first_node + 3) = used_nodes(slave%side(:3, segment%slave))
+               node(first_node + 4:first_node + 6) = used_nodes(master%side(:3, segment%master))
+               do l = 1, size(rule%xi)
+                  at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(l))
+                  place = slave%place(segment%slave, at)
+                  normal = place%normal/norm2(place%normal)
+                  foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
+                     place%position, normal)))
+                  area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
+                  psi = [dot_product(pieces(i)%psi(k, :), hats(at)), dot_product(pieces(i)%shear(k, :), hats(at))]*area
+                  hat = dot_product(pieces(i)%hat(k, :), hats(at))*area
+                  do j = 1, 3
+                     part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
+                     part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
+                  end do
+                  points%area(p) = points%area(p) + psi(1)
+                  shear_area(p) = shear_area(p) + psi(2)
+                  points%length(p) = points%length(p) + hat/place%depth
+                  points%center(:, p) = points%center(:, p) + hat*place%position
+                  points%foot(:, p) = points%foot(:, p) + hat*foot%position
+                  hat_area(p) = hat_area(p) + hat
+                  q = quadrature%start(p) + size(rule%xi)*filled(p) + l - 1
+                  quadrature%position(:, q) = place%position
+                  quadrature%normal(:, q) = normal
+                  quadrature%outward(q) = 1.0_dp
+                  quadrature%arc_length(q) = slave%arc_length(segment%slave) &
+                     + norm2(place%position - slave%corner(:, 1, segment%slave))
+                  quadrature%share(q) = hat
+                  quadrature%gap(q) = dot_product(foot%position - place%position, normal)
+               end do
+            end associate
+            filled(p) = filled(p) + 1
+         end do
+      end do
+      do p = 1, n
+         points%center(:, p) = points%center(:, p)/hat_area(p)
+         points%foot(:, p) = points%foot(:, p)/hat_area(p)
+         associate (first => points%quadrature%start(p), last => points%quadrature%start(p + 1) - 1)
+            points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)
+         end associate
+         associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
+            points%rows%part(1, first:last) = points%rows%part(1, first:last)/points%area(p)
+            points%rows%part(2, first:last) = points%rows%part(2, first:last)/shear_area(p)
+         end associate
+      end do
+      call points%rows%merge_nodes()
+      points%rows%tangent = points%rows%part
+      do p = 1, n
+         do i = points%rows%start(p), points%rows%start(p + 1) - 1
+            points%rows%tangent(:, i) = points%rows%part(2, i)*turned(pair%normal(:, p))
+            points%rows%part(:, i) = points%rows%part(1, i)*pair%normal(:, p)
+         end do
+      end do
+   end subroutine integrate_pair
+
+   !> The nodes of a side; in the place of a middle node that it has not its first corner.
+   pure function used_nodes(side) result(nodes)
+      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
+      integer :: nodes(3)
+
+      nodes = merge(side, side(1), side > 0)
+   end function used_nodes
+
+   !> Of two places on a side the one that is on it.
+   pure real(dp) function place_on(xi)
+      real(dp), intent(in) :: xi(2) !! the places [-]
+
+      place_on = xi(minloc(abs(xi), dim=1))
+   end function place_on
 
    !> Whether there is a pair: a contact set with a rigid obstacle has none.
    elemental logical function mortar_pair_is_set(self) result(is_set)
@@ -135,8 +437,7 @@ contains
       end if
       call check_rays(pair, error)
       if (allocated(error)) return
-      call number_points(pair, body%constraints, follower > 0, master_line, body%mesh%n_nodes, pairing%is_tied)
-      call find_idle_sides(pair, follower)
+      call number_points(pair, body%constraints, follower, master_line, pairing%is_tied)
    end subroutine new_mortar_pair
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
@@ -202,18 +503,17 @@ contains
    end subroutine explain_distance
 
    !> Chooses the corners that are points: of those that face the master each that supports leave a motion which the
-   !> multipliers act on.
-   pure subroutine number_points(pair, constraints, is_taken, master_line, n_nodes, is_tied)
+   !> multipliers act on. Finds the sides that transmit nothing although no support holds them.
+   pure subroutine number_points(pair, constraints, follower, master_line, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
       type(boundary_line_t), intent(in) :: master_line !! the master's line
-      integer, intent(in) :: n_nodes !! number of nodes of the mesh
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
-      real(dp) :: normal(2, n_nodes)
-      logical :: is_corner(n_nodes), faces(n_nodes)
+      real(dp) :: normal(2, size(follower))
+      logical :: is_corner(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
-      integer :: i, point(n_nodes)
+      integer :: i, k, point(size(follower))
       real(dp) :: share(pair%slave%n_sides)
 
       is_corner = .false.
@@ -230,7 +530,7 @@ contains
       facing = pack(pair%line%node, faces(pair%line%node))
       do i = 1, size(facing)
          associate (node => facing(i))
-            if (is_taken(node)) then
+            if (follower(node) > 0) then
                pair%shared_node = [pair%shared_node, node]
             else if (any(master_line%node == node)) then
                pair%joined_node = [pair%joined_node, node]
@@ -258,6 +558,14 @@ contains
          if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
       end do
       pair%gives_shear = pair%is_tangent_fixed .and. is_tied
+      do i = 1, pair%slave%n_sides
+         associate (nodes => pair%slave%side(:3, i))
+            is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
+               .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
+               follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
+         end associate
+      end do
+      pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine number_points
 
    !> The share of each side of the slave that faces the master (sides) [-].
@@ -273,43 +581,6 @@ contains
          end associate
       end do
    end function covered_shares
-
-   !> Finds the sides that transmit nothing although no support holds them.
-   pure subroutine find_idle_sides(pair, follower)
-      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
-      logical :: is_idle(pair%slave%n_sides)
-      integer :: i, k
-
-      is_idle = .false.
-      is_idle(pair%segments%slave) = .true.
-      do i = 1, pair%slave%n_sides
-         associate (nodes => pair%slave%side(:3, i))
-            do k = 1, 2
-               is_idle(i) = is_idle(i) .and. pair%point_of(k, i) == 0 .and. all(pair%held_node /= nodes(k))
-            end do
-            is_idle(i) = is_idle(i) .and. follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
-         end associate
-      end do
-      pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
-   end subroutine find_idle_sides
-
-   !> Integrates over the points of a pair.
-   pure subroutine integrate_pair(points, pair, segments, n_points)
-      type(mortar_points_t), intent(out) :: points !! the points
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
-      integer, intent(in) :: n_points !! number of points of the quadrature
-      type(mortar_piece_t), allocatable :: pieces(:)
-
-      if (allocated(pair%cells)) then
-         call cell_pieces(pieces, segments, pair%cells)
-      else
-         call corner_pieces(pieces, segments, pair%point_of, pair%gives_shear, pair%slave, n_points)
-      end if
-      call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
-      call points%set_normals(pair%normal)
-   end subroutine integrate_pair
 
    !> Takes a line.
    pure subroutine take_line(follower, line)

@@ -12,9 +12,8 @@ module amontons_pair_substitution
    use amontons_contact_set, only: pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, &
-      take_facing_sides
-   use amontons_mortar_points, only: mortar_points_t
+   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points, &
+      new_mortar_pair, take_facing_sides
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)

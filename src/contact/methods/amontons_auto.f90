@@ -13,8 +13,7 @@ module amontons_auto
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
-   use amontons_newton, only: newton_t
-   use amontons_newton_system, only: spring_start_t
+   use amontons_newton, only: newton_t, spring_start_t
    use amontons_psor, only: psor_t
    use amontons_splitting, only: splitting_t
    implicit none (type, external)

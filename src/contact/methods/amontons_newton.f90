@@ -7,17 +7,37 @@
 !> the system singular are passed, and near the solution the steps are Newton's. Where active sets would repeat in a
 !> cycle, single points change (after Murty's principal pivoting, which changes the last index that is infeasible and
 !> ends for every P-matrix).
+!>
+!> The linear system of a Newton step, what an active set leads to, on each kind of operator; and a start for Newton's
+!> method on a band.
+!>
+!> In the displacements, on the condensed stiffness S: the rows of `S v = q - lambda` that hold an unknown displacement,
+!> with lambda_N of a closed sliding point eliminated by its own row.
+!>
+!> In the displacements of a whole slender body, whose condensed stiffness is never made: the rows of K u = f that hold
+!> an unknown displacement, the interior's among them; closed u_N and sticking u_T are known, and a closed sliding point
+!> has its tangential row less phi times its normal one. It gives the same steps as the condensed stiffness does.
+!>
+!> In the forces, on a compliance A, dense or sparse: a normal force of a closed point and a tangential one of a
+!> sticking point are unknown. A row of `A lambda = B` each, of no distance and of no slip, holds them; the others
+!> follow from the law. On a dense compliance an active set that differs from the factorized one in few rows is solved
+!> by that factorization and a small system of these rows.
 module amontons_newton
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_band_matrix, only: band_lu_t, new_band_matrix
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
-   use amontons_error, only: error_t
+   use amontons_dense, only: add_product, allocate_matrix, cholesky_factor, cholesky_solve, lu_factor, lu_solve, &
+      lu_solve_transposed, transposed_product
+   use amontons_error, only: error_t, new_error, system_failure
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp, int64
-   use amontons_newton_system, only: newton_system_t
+   use amontons_sparse_lu, only: sparse_lu_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: newton_t, visited_sets_t
+   public :: newton_system_t, newton_t, spring_start_t, visited_sets_t
 
    !> What divides the regularization after a step that was better, and after one that left the active set as it was.
    !> More spoils semidefinite problems, whose active sets then never settle.
@@ -46,6 +66,49 @@ module amontons_newton
       procedure :: avoid => visited_sets_avoid
       procedure :: note_residual => visited_sets_note_residual
    end type visited_sets_t
+
+   !> The linear equations of active sets on one operator, and what serves the next active set as well.
+   type :: newton_system_t
+      type(effort_t) :: effort !! what the steps took so far
+      type(error_t), allocatable :: error !! memory ran out; no step was made then
+      type(band_lu_t), private :: band_factors !! band: the factors of the last active set
+      type(active_set_t), private :: base !! compliance: the active set that is factorized
+      real(dp), private :: regularization = -1.0_dp !! regularization of the factorization; -1 if there is none [-]
+      integer, allocatable, private :: unknown(:) !! the forces that are unknown in it
+      real(dp), allocatable, private :: diagonal(:) !! diagonal of A, where it is zero the largest of all (2m) [L/F]
+      integer, private :: n_changed = 0 !! number of rows that have changed since
+      integer, allocatable, private :: changed(:) !! these rows
+      real(dp), allocatable, private :: response(:, :)
+         !! solutions of the factorized system for a unit in each of these rows
+      real(dp), allocatable, private :: row(:, :) !! these rows of A
+      logical, private :: is_symmetric = .false.
+         !! dense: whether no point slides with friction, so that the matrix is symmetric
+      real(dp), allocatable, private :: entries(:)
+         !! dense: Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to get
+         !! anew
+      integer, allocatable, private :: pivots(:) !! their row exchanges
+      type(sparse_lu_t), private :: sparse_factors !! sparse: triangular factors of the transposed matrix
+   contains
+      procedure :: solve => newton_system_solve
+   end type newton_system_t
+
+   !> The equations of one active set on a band, by position.
+   type :: equations_t
+      logical, allocatable :: is_known(:) !! whether the displacement is known (n)
+      real(dp), allocatable :: known(:) !! the known displacements, 0 else (n) [L]
+      real(dp), allocatable :: stiffening(:) !! what is added to the diagonal (n) [F/L]
+      real(dp), allocatable :: load(:) !! loads, with what goes with the stiffening (n) [F]
+      real(dp), allocatable :: slope(:) !! how many times the normal row is taken off a point's tangential one (m) [-]
+      real(dp), allocatable :: coupling(:) !! stiffness of a point's slip against its normal displacement (m) [F/L]
+   end type equations_t
+
+   !> A first pair of forces and displacements found in a way that lets fronts of opening or sliding pass, which
+   !> Newton's steps move by a few points each: by springs between the points and the obstacle, so soft at first that
+   !> the ends of the line feel each other, and so hard at last that neighbors hardly do.
+   type, extends(contact_method_t) :: spring_start_t
+   contains
+      procedure :: solve => spring_start_solve
+   end type spring_start_t
 
 contains
 
@@ -248,5 +311,532 @@ contains
          end associate
       end do
    end function key_of
+
+   !> Solves the equations of an active set, a proximal step: `regularization` times the diagonal, times the step, is
+   !> added to them, so that an active set which leaves them singular still gives a step.
+   subroutine newton_system_solve(self, problem, active_set, regularization, displacement, force, imbalance, info)
+      class(newton_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, the same in all steps; its compliance prepared
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of S or A [-]
+      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
+      real(dp), intent(out) :: imbalance !! largest violation of the equilibrium by the pair after the step [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system has no finite solution; no step is made then
+      integer :: m
+
+      m = problem%n_points
+      imbalance = 0.0_dp
+      if (allocated(problem%matrix%band)) then
+         call step_on_band()
+      else if (allocated(problem%matrix%stiffness)) then
+         call step_on_stiffness()
+      else
+         call step_on_compliance(self, problem, active_set, regularization, displacement, force, info)
+      end if
+
+   contains
+
+      !> Solves for the displacements, then takes the forces from the equilibrium.
+      subroutine step_on_stiffness()
+         real(dp), allocatable :: matrix(:, :), right(:)
+         integer, allocatable :: unknown(:)
+         real(dp) :: load(2*m), slope(m), known(2*m)
+         integer :: n, i, point
+
+         unknown = pack([(i, i=1, 2*m)], .not. active_set%gives_force())
+         n = size(unknown)
+         slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
+         known = merge(problem%reference(), 0.0_dp, active_set%gives_force())
+         load = 0.0_dp
+         if (any(abs(known) > 0.0_dp)) then
+            call problem%matrix%multiply_stiffness(known, load)
+            call self%effort%multiply(1.0_dp)
+         end if
+         load = problem%load - load
+         load(m + 1:) = load(m + 1:) - active_set%slip_direction*problem%slip_bound
+         info = 1
+         call allocate_matrix(matrix, n, n, "Newton's unknowns", self%error)
+         if (allocated(self%error)) return
+         allocate (right(n))
+         call problem%matrix%stiffness%fill_block(unknown, unknown, matrix)
+         do i = 1, n
+            associate (held => regularization*problem%matrix%augmentation(unknown(i)))
+               matrix(i, i) = matrix(i, i) + held
+               right(i) = load(unknown(i)) + held*displacement(unknown(i))
+            end associate
+         end do
+         do i = 1, n
+            point = unknown(i) - m
+            if (point < 1) cycle
+            if (.not. abs(slope(point)) > 0.0_dp) cycle
+            matrix(i, :) = matrix(i, :) - slope(point)*problem%matrix%stiffness%values(unknown, point)
+            right(i) = right(i) - slope(point)*load(point)
+         end do
+         call self%effort%factorize(n > 0)
+         call lu_solve(matrix, right, info)
+         if (.not. all(ieee_is_finite(right))) info = 1
+         if (info /= 0) return
+         displacement = problem%reference()
+         displacement(unknown) = right
+         call problem%matrix%multiply_stiffness(displacement, force)
+         force = problem%load - force
+         call active_set%impose(problem, force, imbalance)
+         call self%effort%multiply(1.0_dp)
+      end subroutine step_on_stiffness
+
+      !> Solves for the displacements of the whole body, then takes the forces from the equilibrium.
+      subroutine step_on_band()
+         type(equations_t) :: equations
+         real(dp), allocatable :: x(:), balanced(:)
+
+         associate (band => problem%matrix%band, place => problem%matrix%band%place)
+            call new_equations(equations, problem, active_set%slip_direction)
+            equations%is_known(place) = active_set%gives_force()
+            equations%known(place) = merge(problem%reference(), 0.0_dp, equations%is_known(place))
+            equations%stiffening(place) = regularization*band%diagonal
+            equations%load(place) = equations%load(place) + regularization*band%diagonal*displacement
+            equations%slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
+            call solve_equations(self, problem, equations, x, info)
+            if (info /= 0) return
+            displacement = x(place)
+            allocate (balanced(size(x)))
+            call band%whole%multiply(x, balanced)
+            balanced(place) = balanced(place) - problem%load
+            force = -balanced(place)
+            balanced(place) = 0.0_dp
+            call active_set%impose(problem, force, imbalance)
+            imbalance = max(imbalance, maxval(abs(balanced)))
+         end associate
+         call self%effort%multiply(1.0_dp)
+      end subroutine step_on_band
+
+   end subroutine newton_system_solve
+
+   !> Solves for the forces, then takes the displacements from them: there is no imbalance.
+   subroutine step_on_compliance(self, problem, active_set, regularization, displacement, force, info)
+      class(newton_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
+      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: right(:, :)
+      real(dp), dimension(size(force)) :: load, solution, known
+      logical :: is_updated
+      integer :: i, m
+
+      m = problem%n_points
+      if (.not. allocated(self%diagonal)) then
+         self%diagonal = 1.0_dp/problem%matrix%augmentation
+         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0))
+      end if
+      info = 0
+      call take_up_changes(is_updated)
+      if (allocated(self%error)) return
+      if (.not. is_updated) then
+         self%n_changed = 0
+         self%base = active_set
+         self%regularization = regularization
+         self%unknown = pack([(i, i=1, 2*m)], active_set%gives_force())
+         call self%effort%factorize(size(self%unknown) > 0)
+         if (problem%matrix%compliance%is_sparse()) then
+            call factorize_sparse(self, problem, info)
+         else
+            call factorize_dense(self, problem, info)
+         end if
+         if (info /= 0) self%regularization = -1.0_dp
+         if (info /= 0) return
+      end if
+      load = problem%dual_load(displacement)
+      solution = [spread(0.0_dp, 1, m), self%base%slip_direction*problem%slip_bound]
+      known = 0.0_dp
+      if (any(abs(solution) > 0.0_dp)) then
+         call problem%matrix%compliance%multiply(solution, known)
+         call self%effort%multiply(1.0_dp)
+      end if
+      associate (unknown => self%unknown)
+         allocate (right(size(unknown), 1))
+         right(:, 1) = load(unknown) - known(unknown) + self%regularization*self%diagonal(unknown)*force(unknown)
+         call solve_unknown(self, right, info)
+         solution(unknown) = right(:, 1)
+      end associate
+      solution(m + 1:) = solution(m + 1:) + self%base%slip_direction*problem%friction*solution(:m)
+      if (info == 0 .and. self%n_changed > 0) call correct(self, problem, active_set, load, force, solution, info)
+      if (.not. all(ieee_is_finite(solution))) info = 1
+      if (info /= 0) return
+      force = solution
+      displacement = problem%displacement(load, force)
+      call self%effort%multiply(1.0_dp)
+
+   contains
+
+      !> Takes up the rows in which the active set differs from the factorized one, each with the solution of the
+      !> factorized system for a unit in it, unless a new factorization is better, as it always is of a sparse
+      !> compliance.
+      subroutine take_up_changes(is_updated)
+         logical, intent(out) :: is_updated !! whether the factorization serves the active set
+         ! Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization, and
+         ! below an order a new one costs no more than the bookkeeping.
+         integer, parameter :: part = 6, least_order = 200
+         ! How many times the regularization that is wanted it may be; with less it is no use, with much more slow.
+         real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
+         integer, allocatable :: differing(:), new(:)
+         real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)
+         integer :: place(2*m), i, k, n, r
+         logical :: is_sparse
+
+         is_sparse = problem%matrix%compliance%is_sparse()
+         is_updated = self%regularization >= regularization .and. &
+            self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization
+         if (.not. is_updated) return
+         differing = pack([(i, i=1, 2*m)], [self%base%is_closed .neqv. active_set%is_closed, &
+            self%base%slip_direction /= active_set%slip_direction])
+         n = self%n_changed
+         new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
+         if (size(new) == 0) return
+         is_updated = .not. is_sparse .and. size(self%unknown) >= least_order .and. &
+            part*(n + size(new)) <= size(self%unknown)
+         if (.not. is_updated) return
+         if (n + size(new) > size(self%response, 2)) then
+            call allocate_matrix(columns, 2*m, 2*(n + size(new)), 'changed contact forces', self%error)
+            if (.not. allocated(self%error)) call allocate_matrix(rows, 2*m, 2*(n + size(new)), &
+               'changed contact forces', self%error)
+            is_updated = .not. allocated(self%error)
+            if (.not. is_updated) return
+            columns(:, :n) = self%response(:, :n)
+            call move_alloc(columns, self%response)
+            rows(:, :n) = self%row(:, :n)
+            call move_alloc(rows, self%row)
+         end if
+         self%n_changed = n + size(new)
+         self%changed(n + 1:self%n_changed) = new
+         place = 0
+         place(self%unknown) = [(i, i=1, size(self%unknown))]
+         allocate (right(size(self%unknown), size(new)), source=0.0_dp)
+         do i = 1, size(new)
+            k = n + i
+            r = new(i)
+            self%row(:, k) = problem%matrix%compliance%values(:, r)
+            self%response(:, k) = 0.0_dp
+            if (place(r) > 0) then
+               right(place(r), i) = 1.0_dp
+               cycle
+            end if
+            self%response(r, k) = 1.0_dp
+            right(:, i) = -self%row(self%unknown, k)
+            if (r <= m) right(:, i) = right(:, i) - self%base%slip_direction(r)*problem%friction(r) &
+               *problem%matrix%compliance%values(self%unknown, m + r)
+         end do
+         call solve_unknown(self, right, info)
+         do k = n + 1, self%n_changed
+            self%response(self%unknown, k) = right(:, k - n)
+            self%response(m + 1:, k) = self%response(m + 1:, k) &
+               + self%base%slip_direction*problem%friction*self%response(:m, k)
+         end do
+      end subroutine take_up_changes
+
+   end subroutine step_on_compliance
+
+   !> Corrects the forces of the factorized active set so that the changed rows hold as well.
+   subroutine correct(self, problem, active_set, load, center, solution, info)
+      class(newton_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(inout) :: solution(:) !! lambda of the factorized active set, corrected on return (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp) :: matrix(self%n_changed, self%n_changed), right(self%n_changed), product(self%n_changed)
+      real(dp) :: slope(problem%n_points)
+      logical :: is_unknown(size(load))
+      integer :: k, m, r
+
+      m = problem%n_points
+      slope = active_set%slip_direction*problem%friction
+      is_unknown = active_set%gives_force()
+      associate (n => self%n_changed)
+         call transposed_product(self%row(:, :n), self%response(:, :n), matrix)
+         product = matmul(solution, self%row(:, :n))
+         do k = 1, n
+            r = self%changed(k)
+            if (is_unknown(r)) then
+               matrix(k, :) = matrix(k, :) + self%regularization*self%diagonal(r)*self%response(r, :n)
+               right(k) = load(r) - product(k) + self%regularization*self%diagonal(r)*(center(r) - solution(r))
+            else if (r <= m) then
+               matrix(k, :) = self%response(r, :n)
+               right(k) = -solution(r)
+            else
+               matrix(k, :) = self%response(r, :n) - slope(r - m)*self%response(r - m, :n)
+               right(k) = active_set%slip_direction(r - m)*problem%slip_bound(r - m) - solution(r) &
+                  + slope(r - m)*solution(r - m)
+            end if
+         end do
+         call lu_solve(matrix, right, info)
+         if (info /= 0) return
+         call add_product(self%response(:, :n), right, solution)
+      end associate
+   end subroutine correct
+
+   !> Finds the pair of the hardest springs.
+   subroutine spring_start_solve(self, problem, solution, error)
+      class(spring_start_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem, on a band
+      type(contact_solution_t), intent(inout) :: solution !! the result
+      type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
+      real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
+      integer, parameter :: most_steps = 4
+      type(newton_system_t) :: system
+      type(equations_t) :: equations
+      type(active_set_t) :: active_set, last
+      real(dp), dimension(2*problem%n_points) :: rho, force, no_force
+      real(dp), allocatable :: x(:)
+      real(dp) :: scale, hardness
+      integer :: step, info, m
+
+      m = problem%n_points
+      call solution%reset()
+      rho = problem%augmentation()
+      scale = problem%force_scale()
+      no_force = 0.0_dp
+      call active_set%assume_stick(problem, rho, scale)
+      hardness = 1.0_dp/real(m, dp)**2
+      do while (hardness <= hardest)
+         do step = 1, most_steps
+            associate (place => problem%matrix%band%place)
+               call new_equations(equations, problem, active_set%slip_direction)
+               equations%stiffening(place) = merge(hardness*rho, 0.0_dp, active_set%gives_force())
+               equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
+               equations%coupling = active_set%slip_direction*problem%friction*equations%stiffening(place(:m))
+               equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
+               call solve_equations(system, problem, equations, x, info)
+               if (info /= 0 .or. solution%n_iterations >= self%max_iterations) exit
+               solution%displacement = x(place)
+               call problem%matrix%band%whole%multiply(x, equations%load)
+               force = problem%load - equations%load(place)
+            end associate
+            call solution%record_residual(problem%violation(solution%displacement, force)/scale)
+            last = active_set
+            call active_set%update(problem, hardness*rho, solution%displacement, no_force)
+            if (active_set%equals(last)) exit
+         end do
+         ! Forces of the springs, cut to the contact law: Newton's first active set is that of these springs.
+         solution%force = hardness*rho*(solution%displacement - problem%reference())
+         hardness = factor*hardness
+      end do
+      solution%force(:m) = max(0.0_dp, solution%force(:m))
+      solution%force(m + 1:) = bounded(solution%force(m + 1:), problem%bound(solution%force(:m)))
+      solution%effort = system%effort
+      call solution%measure(problem)
+   end subroutine spring_start_solve
+
+   !> The equations of a body that nothing touches, but for the given slip bounds.
+   pure subroutine new_equations(equations, problem, direction)
+      type(equations_t), intent(out) :: equations !! the equations
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: direction(:) !! sign of the slip of each point, 0 if it sticks (m)
+
+      associate (n => problem%matrix%band%whole%n, m => problem%n_points)
+         allocate (equations%is_known(n), source=.false.)
+         allocate (equations%known(n), equations%stiffening(n), equations%load(n), source=0.0_dp)
+         allocate (equations%slope(m), equations%coupling(m), source=0.0_dp)
+         equations%load(problem%matrix%band%place) = problem%load - [spread(0.0_dp, 1, m), direction*problem%slip_bound]
+      end associate
+   end subroutine new_equations
+
+   !> Solves the equations, with one step of refinement: the condition of a slender body is high. In their matrix the
+   !> rows and columns of known displacements are those of the unit matrix.
+   subroutine solve_equations(system, problem, equations, x, info)
+      class(newton_system_t), intent(inout) :: system !! gains the factors
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(equations_t), intent(in) :: equations !! the equations
+      real(dp), allocatable, intent(out) :: x(:) !! all displacements by position (n) [L]
+      integer, intent(out) :: info !! 0, or nonzero where the equations have no finite solution
+      real(dp), allocatable :: right(:)
+      integer :: i, j, p
+
+      associate (whole => problem%matrix%band%whole, is_known => equations%is_known, slope => equations%slope, &
+         normal => problem%matrix%band%place(:problem%n_points), matrix => system%band_factors, &
+         tangential => problem%matrix%band%place(problem%n_points + 1:))
+         ! A tangential row reaches as far as its normal one.
+         call new_band_matrix(matrix, whole%n, whole%width + problem%matrix%band%reach)
+         do j = 1, whole%n
+            if (is_known(j)) then
+               call matrix%add(j, j, 1.0_dp)
+               cycle
+            end if
+            call matrix%add(j, j, whole%entry(1, j) + equations%stiffening(j))
+            do i = j + 1, min(whole%n, j + whole%width)
+               if (is_known(i)) cycle
+               call matrix%add(i, j, whole%entry(i - j + 1, j))
+               call matrix%add(j, i, whole%entry(i - j + 1, j))
+            end do
+         end do
+         do p = 1, problem%n_points
+            if (abs(equations%coupling(p)) > 0.0_dp) call matrix%add(tangential(p), normal(p), equations%coupling(p))
+            if (.not. abs(slope(p)) > 0.0_dp) cycle
+            do j = max(1, normal(p) - whole%width), min(whole%n, normal(p) + whole%width)
+               if (.not. is_known(j)) call matrix%add(tangential(p), j, -slope(p)*whole%element(normal(p), j))
+            end do
+         end do
+         call matrix%factorize(info)
+         call system%effort%factorize(.true.)
+         x = equations%known
+         if (info /= 0) return
+         do i = 1, 2
+            right = load_residual(problem, equations, x)
+            call matrix%solve(right)
+            x = x + right
+         end do
+      end associate
+      if (.not. all(ieee_is_finite(x))) info = 1
+   end subroutine solve_equations
+
+   !> What given displacements leave of the load; 0 where they are known (n) [F].
+   pure function load_residual(problem, equations, x)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(equations_t), intent(in) :: equations !! the equations
+      real(dp), intent(in) :: x(:) !! all displacements by position (n) [L]
+      real(dp) :: load_residual(size(x))
+      integer :: m
+
+      m = problem%n_points
+      associate (normal => problem%matrix%band%place(:m), tangential => problem%matrix%band%place(m + 1:))
+         call problem%matrix%band%whole%multiply(x, load_residual)
+         load_residual(tangential) = load_residual(tangential) &
+            - equations%slope*(load_residual(normal) - problem%load(:m))
+         load_residual = equations%load - load_residual - equations%stiffening*x
+         load_residual(tangential) = load_residual(tangential) - equations%coupling*x(normal)
+      end associate
+      where (equations%is_known) load_residual = 0.0_dp
+   end function load_residual
+
+   !> Factorizes the system of the base on a dense compliance.
+   subroutine factorize_dense(self, problem, info)
+      class(newton_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: entries(:)
+      integer :: n
+
+      if (.not. allocated(self%entries)) allocate (self%entries(0))
+      n = size(self%unknown)
+      if (size(self%entries, kind=int64) < int(n, int64)**2) then
+         deallocate (self%entries)
+         allocate (self%entries(int(n, int64)**2), stat=info)
+         if (info /= 0) then
+            call new_error(self%error, system_failure, 'not enough memory: a dense matrix of '//to_text(n)// &
+               ' unknown contact forces needs '//to_text(nint(8.0e-6_dp*real(n, dp)**2, int64))//' MB')
+            return
+         end if
+      end if
+      self%is_symmetric = .not. any(self%base%is_closed .and. self%base%slip_direction /= 0 &
+         .and. problem%friction > 0.0_dp)
+      ! No argument may hold what another one writes.
+      call move_alloc(self%entries, entries)
+      call factorize_entries(self, problem, n, entries, info)
+      call move_alloc(entries, self%entries)
+   end subroutine factorize_dense
+
+   !> Writes the transposed matrix of the active set to the first of its entries, and makes its factor of it.
+   subroutine factorize_entries(self, problem, n, factor, info)
+      class(newton_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(out) :: factor(n, n) !! the factor
+      integer, intent(out) :: info !! 0, or nonzero where the matrix is singular
+      real(dp) :: slopes(problem%n_points)
+      integer :: i, j
+
+      slopes = self%base%slip_direction*problem%friction
+      associate (a => problem%matrix%compliance%values, unknown => self%unknown, m => problem%n_points)
+         do i = 1, n
+            do j = 1, n
+               factor(j, i) = a(unknown(j), unknown(i))
+            end do
+            do j = 1, count(unknown <= m)
+               factor(j, i) = factor(j, i) + slopes(unknown(j))*a(m + unknown(j), unknown(i))
+            end do
+            factor(i, i) = factor(i, i) + self%regularization*self%diagonal(unknown(i))
+         end do
+      end associate
+      if (self%is_symmetric) then
+         call cholesky_factor(factor, info)
+      else
+         call lu_factor(factor, self%pivots, info)
+      end if
+   end subroutine factorize_entries
+
+   !> Solves the factorized system for its unknown forces.
+   subroutine solve_unknown(self, right, info)
+      class(newton_system_t), intent(in) :: self !! the system
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, one of a sparse compliance, then solutions
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+
+      info = 0
+      if (allocated(self%entries)) then
+         call solve_entries(self, size(right, 1), self%entries, right)
+      else if (size(right) > 0) then
+         call self%sparse_factors%solve_transposed(right(:, 1), info)
+      end if
+   end subroutine solve_unknown
+
+   !> Solves with the first of the entries as a matrix.
+   subroutine solve_entries(self, n, factor, right)
+      class(newton_system_t), intent(in) :: self !! the system
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(in) :: factor(n, n) !! the factor
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+
+      if (self%is_symmetric) then
+         call cholesky_solve(factor, right)
+      else
+         call lu_solve_transposed(factor, self%pivots, right)
+      end if
+   end subroutine solve_entries
+
+   !> Factorizes the system of the base on a sparse compliance, which stays sparse.
+   subroutine factorize_sparse(self, problem, info)
+      class(newton_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      integer, allocatable :: row(:), column(:)
+      real(dp), allocatable :: value(:)
+      integer :: place(2*problem%n_points), i, k, m, n, point
+      real(dp) :: share
+
+      m = problem%n_points
+      place = 0
+      place(self%unknown) = [(i, i=1, size(self%unknown))]
+      associate (a => problem%matrix%compliance)
+         n = size(a%row) + size(self%unknown)
+         allocate (row(n), column(n), value(n))
+         n = 0
+         do i = 1, size(self%unknown)
+            n = n + 1
+            row(n) = i
+            column(n) = i
+            value(n) = self%regularization*self%diagonal(self%unknown(i))
+            do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
+               point = a%row(k)
+               share = 1.0_dp
+               ! The entries of a sliding point's tangential row go where its normal force stands.
+               if (place(point) == 0 .and. point > m) then
+                  point = point - m
+                  share = self%base%slip_direction(point)*problem%friction(point)
+               end if
+               if (place(point) == 0) cycle
+               n = n + 1
+               row(n) = place(point)
+               column(n) = i
+               value(n) = share*a%entry(k)
+            end do
+         end do
+      end associate
+      info = 0
+      if (size(self%unknown) > 0) call self%sparse_factors%factorize(size(self%unknown), row(:n), column(:n), &
+         value(:n), info)
+   end subroutine factorize_sparse
 
 end module amontons_newton

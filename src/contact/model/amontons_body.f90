@@ -22,8 +22,7 @@ module amontons_body
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
-   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
-   use amontons_mortar_points, only: mortar_points_t
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
@@ -37,8 +36,8 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, common_motions, condense_body, estimate_body, estimate_t, find_rigid_modes, &
-      largest_motion, new_body, poor_inf_sup
+   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_rigid_modes, largest_motion, new_body, &
+      poor_inf_sup
 
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp

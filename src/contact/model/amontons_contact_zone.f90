@@ -13,12 +13,10 @@ module amontons_contact_zone
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, &
-      new_mortar_pair, take_facing_sides, take_line
-   use amontons_mortar_points, only: mortar_points_t
-   use amontons_mortar_segments, only: meet_master, meeting_t, mortar_segment_t, sides_near
+   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
+      n_quadrature_points, new_mortar_pair, take_facing_sides, take_line
    use amontons_obstacle, only: unit_vector
-   use amontons_surface, only: meshed_body_t
+   use amontons_surface, only: meet_master, meeting_t, meshed_body_t, mortar_segment_t, sides_near
    implicit none (type, external)
    private
 

@@ -17,9 +17,9 @@ module amontons_free_boundary
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
    use amontons_mortar_pair, only: mortar_pair_t
-   use amontons_mortar_segments, only: meet_master, meet_side, meeting_t, sides_near
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
-   use amontons_surface, only: join_sides, meshed_body_t, surface_place_t, surface_t
+   use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, sides_near, &
+      surface_place_t, surface_t
    implicit none (type, external)
    private
 

@@ -272,8 +272,8 @@ contains
    pure subroutine keep_solution(search)
       type(search_t), intent(inout) :: search !! the search
       type(active_set_t) :: states
-      real(dp) :: force(2*search%relation%n_points), distance(2*search%relation%n_points), smallest
-      integer :: info, m
+      real(dp) :: force(2*search%relation%n_points), distance(2*search%relation%n_points), bound, margin
+      integer :: info, m, p
 
       m = search%relation%n_points
       states = search%states
@@ -285,33 +285,21 @@ contains
             states%slip_direction = nint(sign(1.0_dp, distance(m + 1:)))
          end where
          if (relation%violation(states, force, distance) > strict) return
-         smallest = least_margin(relation, states, force, distance)
-         call keep(search, force, distance, smallest > loose)
+         ! The least of the numbers that the states ask to be positive: above zero, no other states hold nearby. Slips
+         ! that no friction resists may have either sign.
+         margin = huge(margin)
+         do p = 1, m
+            margin = min(margin, merge(force(p), -distance(p), states%is_closed(p)))
+            bound = relation%slip_bound(p) + relation%friction(p)*max(0.0_dp, force(p))
+            if (states%slip_direction(p) == 0) then
+               margin = min(margin, bound - abs(force(m + p)))
+            else if (bound > 0.0_dp) then
+               margin = min(margin, states%slip_direction(p)*distance(m + p))
+            end if
+         end do
+         call keep(search, force, distance, margin > loose)
       end associate
    end subroutine keep_solution
-
-   !> The least of the numbers that the states ask to be positive; above zero, no other states hold nearby. Slips that
-   !> no friction resists may have either sign.
-   pure real(dp) function least_margin(relation, states, force, distance) result(margin)
-      type(contact_relation_t), intent(in) :: relation !! the relation
-      type(active_set_t), intent(in) :: states !! states of all points
-      real(dp), intent(in) :: force(:) !! lambda (2m) [-]
-      real(dp), intent(in) :: distance(:) !! w (2m) [-]
-      real(dp) :: bound
-      integer :: m, p
-
-      m = relation%n_points
-      margin = huge(margin)
-      do p = 1, m
-         margin = min(margin, merge(force(p), -distance(p), states%is_closed(p)))
-         bound = relation%slip_bound(p) + relation%friction(p)*max(0.0_dp, force(p))
-         if (states%slip_direction(p) == 0) then
-            margin = min(margin, bound - abs(force(m + p)))
-         else if (bound > 0.0_dp) then
-            margin = min(margin, states%slip_direction(p)*distance(m + p))
-         end if
-      end do
-   end function least_margin
 
    !> Keeps a pair unless it is known: a point between two states counts as either.
    pure subroutine keep(search, force, distance, is_isolated)
