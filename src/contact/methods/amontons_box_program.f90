@@ -195,11 +195,8 @@ contains
       !> Steps along the direction to the least objective, and makes the next direction conjugate; or to the end of the
       !> box, and expands the face met there. A point from which the objective falls without end stays.
       subroutine take_step()
-         ! A bound beyond this was not meant as one.
-         real(dp), parameter :: far = sqrt(huge(1.0_dp))
          real(dp), dimension(size(b)) :: image, old, old_gradient, move
          real(dp) :: curvature, length, room, used
-         integer :: i
 
          call multiply(direction, image)
          curvature = dot_product(direction, image)
@@ -209,12 +206,7 @@ contains
          if (curvature > 10.0_dp*epsilon(1.0_dp)*norm*dot_product(direction, direction)) then
             length = dot_product(gradient, direction)/curvature
          end if
-         ! The longest step that stays in the box.
-         room = huge(room)
-         do i = 1, size(y)
-            if (direction(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/direction(i))
-            if (direction(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/direction(i))
-         end do
+         room = least_room(y, low, high, direction)
          is_bounded = min(length, room) < huge(length)
          if (.not. is_bounded) return
          y = min(max(y - min(length, room)*direction, low), high)
@@ -263,6 +255,23 @@ contains
       end function free_part
 
    end subroutine mprgp
+
+   !> The longest step against a direction that stays in the box; the largest number if no bound ends it.
+   pure real(dp) function least_room(y, low, high, direction) result(room)
+      real(dp), intent(in) :: y(:) !! the point (n)
+      real(dp), intent(in) :: low(:) !! lower bounds (n)
+      real(dp), intent(in) :: high(:) !! upper bounds (n)
+      real(dp), intent(in) :: direction(:) !! the direction (n)
+      ! A bound beyond this was not meant as one.
+      real(dp), parameter :: far = sqrt(huge(1.0_dp))
+      integer :: i
+
+      room = huge(room)
+      do i = 1, size(y)
+         if (direction(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/direction(i))
+         if (direction(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/direction(i))
+      end do
+   end function least_room
 
    !> How far a point is from the minimizer: the largest move of a component that a step down its own parabola makes.
    pure real(dp) function box_violation(y, gradient, low, high, scale) result(violation)

@@ -433,7 +433,7 @@ contains
          allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0))
       end if
       info = 0
-      call take_up_changes(is_updated)
+      call take_up_changes(self, problem, active_set, regularization, is_updated)
       if (allocated(self%error)) return
       if (.not. is_updated) then
          self%n_changed = 0
@@ -469,75 +469,77 @@ contains
       force = solution
       displacement = problem%displacement(load, force)
       call self%effort%multiply(1.0_dp)
-
-   contains
-
-      !> Takes up the rows in which the active set differs from the factorized one, each with the solution of the
-      !> factorized system for a unit in it, unless a new factorization is better, as it always is of a sparse
-      !> compliance.
-      subroutine take_up_changes(is_updated)
-         logical, intent(out) :: is_updated !! whether the factorization serves the active set
-         ! Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization, and
-         ! below an order a new one costs no more than the bookkeeping.
-         integer, parameter :: part = 6, least_order = 200
-         ! How many times the regularization that is wanted it may be; with less it is no use, with much more slow.
-         real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
-         integer, allocatable :: differing(:), new(:)
-         real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)
-         integer :: place(2*m), i, k, n, r
-         logical :: is_sparse
-
-         is_sparse = problem%matrix%compliance%is_sparse()
-         is_updated = self%regularization >= regularization .and. &
-            self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization
-         if (.not. is_updated) return
-         differing = pack([(i, i=1, 2*m)], [self%base%is_closed .neqv. active_set%is_closed, &
-            self%base%slip_direction /= active_set%slip_direction])
-         n = self%n_changed
-         new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
-         if (size(new) == 0) return
-         is_updated = .not. is_sparse .and. size(self%unknown) >= least_order .and. &
-            part*(n + size(new)) <= size(self%unknown)
-         if (.not. is_updated) return
-         if (n + size(new) > size(self%response, 2)) then
-            call allocate_matrix(columns, 2*m, 2*(n + size(new)), 'changed contact forces', self%error)
-            if (.not. allocated(self%error)) call allocate_matrix(rows, 2*m, 2*(n + size(new)), &
-               'changed contact forces', self%error)
-            is_updated = .not. allocated(self%error)
-            if (.not. is_updated) return
-            columns(:, :n) = self%response(:, :n)
-            call move_alloc(columns, self%response)
-            rows(:, :n) = self%row(:, :n)
-            call move_alloc(rows, self%row)
-         end if
-         self%n_changed = n + size(new)
-         self%changed(n + 1:self%n_changed) = new
-         place = 0
-         place(self%unknown) = [(i, i=1, size(self%unknown))]
-         allocate (right(size(self%unknown), size(new)), source=0.0_dp)
-         do i = 1, size(new)
-            k = n + i
-            r = new(i)
-            self%row(:, k) = problem%matrix%compliance%values(:, r)
-            self%response(:, k) = 0.0_dp
-            if (place(r) > 0) then
-               right(place(r), i) = 1.0_dp
-               cycle
-            end if
-            self%response(r, k) = 1.0_dp
-            right(:, i) = -self%row(self%unknown, k)
-            if (r <= m) right(:, i) = right(:, i) - self%base%slip_direction(r)*problem%friction(r) &
-               *problem%matrix%compliance%values(self%unknown, m + r)
-         end do
-         call solve_unknown(self, right, info)
-         do k = n + 1, self%n_changed
-            self%response(self%unknown, k) = right(:, k - n)
-            self%response(m + 1:, k) = self%response(m + 1:, k) &
-               + self%base%slip_direction*problem%friction*self%response(:m, k)
-         end do
-      end subroutine take_up_changes
-
    end subroutine step_on_compliance
+
+   !> Takes up the rows in which the active set differs from the factorized one, each with the solution of the
+   !> factorized system for a unit in it, unless a new factorization is better, as it always is of a sparse
+   !> compliance.
+   subroutine take_up_changes(self, problem, active_set, regularization, is_updated)
+      class(newton_system_t), intent(inout) :: self !! the system; its error tells where memory ran out
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
+      logical, intent(out) :: is_updated !! whether the factorization serves the active set
+      ! Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization, and
+      ! below an order a new one costs no more than the bookkeeping.
+      integer, parameter :: part = 6, least_order = 200
+      ! How many times the regularization that is wanted it may be; with less it is no use, with much more slow.
+      real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
+      integer, allocatable :: differing(:), new(:)
+      real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)
+      integer :: place(2*problem%n_points), i, info, k, m, n, r
+      logical :: is_sparse
+
+      m = problem%n_points
+      is_sparse = problem%matrix%compliance%is_sparse()
+      is_updated = self%regularization >= regularization .and. &
+         self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization
+      if (.not. is_updated) return
+      differing = pack([(i, i=1, 2*m)], [self%base%is_closed .neqv. active_set%is_closed, &
+         self%base%slip_direction /= active_set%slip_direction])
+      n = self%n_changed
+      new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
+      if (size(new) == 0) return
+      is_updated = .not. is_sparse .and. size(self%unknown) >= least_order .and. &
+         part*(n + size(new)) <= size(self%unknown)
+      if (.not. is_updated) return
+      if (n + size(new) > size(self%response, 2)) then
+         call allocate_matrix(columns, 2*m, 2*(n + size(new)), 'changed contact forces', self%error)
+         if (.not. allocated(self%error)) call allocate_matrix(rows, 2*m, 2*(n + size(new)), &
+            'changed contact forces', self%error)
+         is_updated = .not. allocated(self%error)
+         if (.not. is_updated) return
+         columns(:, :n) = self%response(:, :n)
+         call move_alloc(columns, self%response)
+         rows(:, :n) = self%row(:, :n)
+         call move_alloc(rows, self%row)
+      end if
+      self%n_changed = n + size(new)
+      self%changed(n + 1:self%n_changed) = new
+      place = 0
+      place(self%unknown) = [(i, i=1, size(self%unknown))]
+      allocate (right(size(self%unknown), size(new)), source=0.0_dp)
+      do i = 1, size(new)
+         k = n + i
+         r = new(i)
+         self%row(:, k) = problem%matrix%compliance%values(:, r)
+         self%response(:, k) = 0.0_dp
+         if (place(r) > 0) then
+            right(place(r), i) = 1.0_dp
+            cycle
+         end if
+         self%response(r, k) = 1.0_dp
+         right(:, i) = -self%row(self%unknown, k)
+         if (r <= m) right(:, i) = right(:, i) - self%base%slip_direction(r)*problem%friction(r) &
+            *problem%matrix%compliance%values(self%unknown, m + r)
+      end do
+      call solve_unknown(self, right, info)
+      do k = n + 1, self%n_changed
+         self%response(self%unknown, k) = right(:, k - n)
+         self%response(m + 1:, k) = self%response(m + 1:, k) &
+            + self%base%slip_direction*problem%friction*self%response(:m, k)
+      end do
+   end subroutine take_up_changes
 
    !> Corrects the forces of the factorized active set so that the changed rows hold as well.
    subroutine correct(self, problem, active_set, load, center, solution, info)

@@ -307,7 +307,6 @@ contains
    end subroutine find_free_places
 
    !> Adds the nodes of one body of a pair that face the other one, unless both sets have the place.
-   ! allow(S902): two boundaries, what holds them, and two limits of distance that only the pair knows
    pure subroutine add_facing(boundary, extended, first, other, outline, constraints, search, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the boundary of the one body
