@@ -395,7 +395,8 @@ contains
       trace%gap = 0.0_dp*motion(:m)
       if (has_middles) trace%slip = merge(motion(m + 1:), 0.0_dp, (status == slip_plus .or. status == slip_minus) &
          .and. abs(motion(m + 1:)) > rounding*maxval(abs(displacement)))
-      call find_edges(stuck, body%zone, status == stick_point, trace)
+      ! Without friction rounding makes a point stick or slip.
+      call find_edges(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
    end subroutine find_zones
 
    !> What each contact set carries.

@@ -80,7 +80,7 @@ contains
          'there, so that its sides are smaller than the obstacle')
       associate (is_closed => status /= open_point, zone => body%zone, lacks => lacks_points(status))
          if (lacks(1)) then
-            call add_no_contact(result, zone)
+            call add_no_contact(result, body)
          else if (lacks(2)) then
             call result%warnings%add('only '//counted(count(is_closed), 'contact point')// &
                ' closed: the mesh is too coarse for the pressure there'//error_clause(result, body, is_closed)// &
@@ -164,23 +164,24 @@ contains
    end function case_warning_sentence
 
    !> Warns that nothing touches, and says how far the nearest point is from its obstacle or the other body.
-   subroutine add_no_contact(result, zone)
+   subroutine add_no_contact(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warning
-      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(body_t), intent(in) :: body !! the body
       character(:), allocatable :: sentence
       real(dp), allocatable :: displacement(:), gap(:)
       integer :: p
 
-      sentence = case_warning_sentence(no_contact, zone)
-      displacement = zone%rows%displacement(result%displacement)
-      gap = result%load_case%gap - displacement(:zone%n_points)
+      sentence = case_warning_sentence(no_contact, body%zone)
+      displacement = body%zone%rows%displacement(result%displacement)
+      gap = result%load_case%gap - displacement(:body%zone%n_points)
       ! Of points that differ by rounding alone the first.
       p = findloc(gap <= minval(gap) + 1.0e-6_dp*abs(minval(gap)), .true., dim=1)
       associate (travel => max(maxval(abs(displacement)), abs(result%load_case%gap(p))))
-         ! A body that lies on its obstacle without any force touches it, too.
-         if (gap(p) > epsilon(1.0_dp)*travel) then
+         ! A body that lies on its obstacle without any force touches it, too. One that nothing holds is where rounding
+         ! left it: its gap says nothing.
+         if (gap(p) > epsilon(1.0_dp)*travel .and. all(body%motions%n_free == 0)) then
             call result%warnings%add(sentence//'; the smallest gap is '//result%warnings%number(gap(p), 'L')//' at '// &
-               result%warnings%place(zone%position(:, p)))
+               result%warnings%place(body%zone%position(:, p)))
          else
             call result%warnings%add(sentence//' with a force')
          end if

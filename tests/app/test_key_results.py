@@ -134,6 +134,14 @@ class KeyResults(ProgramTest):
         # Its tributary length.
         self.assertEqual(summary["key_results"]["contact_width"], result["weight"][result["status"].index("stick")])
 
+    def test_nothing_sticks_without_friction(self):
+        # Slips of 1e-18 and of 0: rounding decides which, and made a zone of points that stick of the latter.
+        sides = "support set = 'left'  ux = 0.0", "support set = 'right'  ux = 0.0"
+        for width in (5.157, 4.0, 3.3):
+            result = self.solve(block(*sides, PRESSURE, "contact set = 'bottom'",
+                                      mesh=f"size = {width}, 2.556  cells = 15, 5  element = 'quad9'"))
+            self.assertEqual(result.summary["key_results"]["stick_width"], 0.0)
+
     def test_body_without_contact(self):
         run = self.run_program(self.write("case.nml", block("support set = 'bottom'  ux = 0.0  uy = 0.0", PRESSURE)))
         self.assertRegex(run.stdout, r"; no contact set, largest von Mises stress \d\S*, displacement \d\S*\n$")

@@ -30,6 +30,18 @@ LOOSE = """&mesh name = 'low'  size = 1.052, 0.5  cells = 8, 3  origin = 0.2297,
 &contact set = 'low.top'  against = 'loose.bottom'  friction = 0.5  extra_gap = 0.001  search = 0.4 /
 &contact set = 'loose.top'  against = 'high.bottom'  friction = 0.5  search = 0.4 /
 """
+# The upper block comes down on the middle one, which hovers over the lower one.
+HOVERING = """&mesh name = 'low'  size = 2.603, 0.995  cells = 23, 5  origin = -1.3897, 0.0 /
+&mesh name = 'loose'  size = 2.036, 0.818  cells = 11, 5  origin = -0.8349, 0.995  element = 'quad8' /
+&mesh name = 'high'  size = 2.654, 0.57  cells = 8, 2  origin = -1.4879, 1.813  element = 'quad9' /
+&material young = 29210.0  poisson = 0.45  region = 'low' /
+&material young = 1709.0  poisson = 0.0  region = 'loose' /
+&material young = 4414.0  poisson = 0.2  region = 'high' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.top'  ux = 4.865e-5  uy = -4.036e-4 /
+&contact set = 'low.top'  against = 'loose.bottom'  friction = 0.1  extra_gap = 7.594e-4 /
+&contact set = 'high.bottom'  against = 'loose.top'  friction = 0.8 /
+"""
 # The upper block is lifted; a small load acts on the lower one.
 CARRIED = """&mesh name = 'low'  size = 2.0, 1.0  cells = 4, 3  element = 'quad8' /
 &mesh name = 'high'  size = 2.6, 0.4  cells = 3, 3  origin = 0.0, 1.0 /
@@ -206,6 +218,11 @@ class Pairs(ProgramTest):
         self.assertRegex(warnings, r"warning: a.bottom/b.top: slip of 0.39\d* at \(.*\), more than half a side of the "
                          "slave: the sides that face each other are those of the undeformed bodies and do not follow\n")
         self.run_program("--verify", ".")
+
+    def test_gap_of_a_body_that_nothing_holds_is_not_told(self):
+        # Pushed out by the upper body, and then as far from either as rounding has it.
+        run = self.run_program(self.write("case.nml", HOVERING))
+        self.assertIn("warning: the bodies do not touch each other with a force\n", run.stdout)
 
     def test_sweep_of_bodies_apart_is_warned_about(self):
         # One warning for all cases; beside a rigid obstacle it is not the bodies alone that do not touch.
