@@ -29,6 +29,11 @@ DECKS = {
                      "output probe = 4.0, 2.0  points_every = 2  states_every = 2  fields_every = 2"
                      "  fretting = 'parameters'"),
 }
+# What newcomers look for by name, whether there is such a thing or not.
+SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamics", "frictional heat",
+            "gasket", "impact", "interference", "large sliding", "macOS", "orthotropic", "plasticity",
+            "preload", "press fit", "pull-out", "reaction", "roughness", "rubber", "seal", "shrink fit",
+            "submodel", "thermal contact", "three dimensions", "torque", "vibration", "wear", "Windows")
 
 
 def documented(*pages):
@@ -55,11 +60,6 @@ def members(value, path=""):
     elif isinstance(value, list):
         for inner in value:
             yield from members(inner, path)
-# What newcomers look for by name, whether there is such a thing or not.
-SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamics", "frictional heat",
-            "gasket", "impact", "interference", "large sliding", "macOS", "orthotropic", "plasticity",
-            "preload", "press fit", "pull-out", "reaction", "roughness", "rubber", "seal", "shrink fit",
-            "submodel", "thermal contact", "three dimensions", "torque", "vibration", "wear", "Windows")
 
 
 class DocumentedNames(ProgramTest):
