@@ -2,7 +2,9 @@
 # Runs both commands of the README on other systems, from nothing: in a clean root of each Debian, with each gfortran
 # and flang that it packages and that compiles the program. Prints a row for each; logs are in build/elsewhere.
 # Usage: elsewhere.sh [--table1] [SUITE[:COMPILER]]...     for instance elsewhere.sh bookworm trixie:gfortran-13
+#        elsewhere.sh --packages [SUITE]...
 #   --table1    only the first command
+#   --packages  makes the Debian packages in a clean root instead, and installs and tries them in another one
 # Exit status: 0 if every command passed, 1 if one failed, 77 if a root cannot be made here.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -16,9 +18,9 @@ if ! unshare --mount --pid --fork --kill-child --mount-proc true; then
    echo 'elsewhere.sh: no clean roots can be made here: mounts of its own are forbidden to this process.' >&2
    exit 77
 fi
-has_tests=true
-if [[ ${1-} == --table1 ]]; then
-   has_tests=false
+action=all
+if [[ ${1-} == --table1 || ${1-} == --packages ]]; then
+   action=${1#--}
    shift
 fi
 
@@ -100,18 +102,45 @@ install_compiler() {
 }
 
 status=0
-# Runs both commands in a fresh copy of this tree and prints their row.
-run_commands() {
-   local suite=$1 compiler=$2 log=$folder/$1-$2 table=passed tests=- start middle
+# Puts a fresh copy of this tree into the root.
+copy_tree() {
    rm -rf "$root/amontons"
    mkdir "$root/amontons"
    git ls-files -z --cached --others --exclude-standard | tar --create --null --files-from - |
       tar --extract --directory "$root/amontons"
+}
+
+# Makes the Debian packages in the root, then installs them in a new one and uses each.
+try_packages() {
+   local suite=$1 log=$folder/$1-packages.log start=$SECONDS packages result=passed
+   packages=$(realpath "$folder")/packages
+   rm -rf "$packages"
+   mkdir "$packages"
+   copy_tree
+   {
+      inside /amontons/scripts/deb.sh && cp "$root"/amontons/build/deb/*.deb "$packages" && make_root "$suite" &&
+         mkdir "$root/packages" && cp "$packages"/*.deb input/long_bar_1.nml "$root/packages" &&
+         inside sh -ec 'cd /packages; DEBIAN_FRONTEND=noninteractive apt-get -qq install ./*.deb
+            amontons --output results long_bar_1.nml; amontons --verify results
+            python3 -c "import amontons; print(amontons.solve_deck(\"long_bar_1.nml\").summary[\"lengths\"])"
+            amontons-plot results/long_bar_1; amontons-report results; amontons-adapt --help'
+   } &>"$log" || result=failed
+   if [[ $result == failed ]]; then
+      status=1
+      tail -n 40 "$log" >&2
+   fi
+   printf '%-10s packages %-8s %7d\n' "$suite" "$result" $((SECONDS - start))
+}
+
+# Runs both commands in a fresh copy of this tree and prints their row.
+run_commands() {
+   local suite=$1 compiler=$2 log=$folder/$1-$2 table=passed tests=- start middle
+   copy_tree
    install_compiler "$compiler"
    start=$SECONDS
    inside "${variables[@]}" /amontons/scripts/table1.sh &>"$log.table1.log" || table=failed
    middle=$SECONDS
-   if $has_tests; then
+   if [[ $action == all ]]; then
       tests=passed
       inside "${variables[@]}" /amontons/scripts/test.sh &>"$log.test.log" || tests=failed
       if [[ $tests == failed ]]; then
@@ -128,7 +157,7 @@ run_commands() {
       $((SECONDS - middle))
 }
 
-printf '%-10s %-12s %-8s %7s  %-28s %7s\n' suite compiler table1.sh s test.sh s
+[[ $action == packages ]] || printf '%-10s %-12s %-8s %7s  %-28s %7s\n' suite compiler table1.sh s test.sh s
 (($# > 0)) || set -- bookworm trixie
 for argument in "$@"; do
    suite=${argument%%:*}
@@ -137,7 +166,9 @@ for argument in "$@"; do
       echo "elsewhere.sh: no clean root of $suite can be made here." >&2
       exit 77
    }
-   if [[ $argument == *:* ]]; then
+   if [[ $action == packages ]]; then
+      try_packages "$suite"
+   elif [[ $argument == *:* ]]; then
       run_commands "$suite" "${argument#*:}"
    else
       for compiler in $(compilers); do
