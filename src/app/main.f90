@@ -15,22 +15,19 @@ program main
    use amontons_threads, only: has_blas_room, n_threads, set_threads
    implicit none (type, external)
 
-   interface
-      !> Ends the process quietly: `stop` with a status would print it.
-      subroutine c_exit(status) bind(c, name='exit')
+   abstract interface
+      !> Ends the process.
+      subroutine exit_with(status) bind(c)
          import :: c_int
          implicit none (type, external)
          integer(c_int), value :: status !! exit status
-      end subroutine c_exit
-
-      !> Ends the process without a word to its libraries.
-      subroutine c_quick_exit(status) bind(c, name='quick_exit')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: status !! exit status
-      end subroutine c_quick_exit
+      end subroutine exit_with
    end interface
 
+   !> Ends the process quietly: `stop` with a status would print it.
+   procedure(exit_with), bind(c, name='exit') :: c_exit
+   !> Ends the process without a word to its libraries.
+   procedure(exit_with), bind(c, name='quick_exit') :: c_quick_exit
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
    integer :: length, status

@@ -98,8 +98,10 @@ contains
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! memory ran out, or there are no ranks
       type(distributed_condenser_t), allocatable :: made
-      integer, allocatable :: position(:)
+      integer, allocatable :: position(:), owner(:), elements(:), last_nodes(:), number(:)
       real(dp), allocatable :: sums(:, :)
+      real(dp) :: megabytes(0:n_ranks - 1)
+      integer :: i, k
 
       if (.not. has_begun) then
          call new_error(error, input_refused, "factorization = 'distributed' is for a run on several ranks: "// &
@@ -119,8 +121,29 @@ contains
       if (allocated(error)) return
       allocate (work)
       allocate (work%subdomain)
-      call spread_body(work%subdomain, position, mesh, materials, springs, constraints, dof_map, error)
+      ! Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all Schur variables.
+      call give_order(order_take)
+      call find_owners(owner, n_ranks, position, mesh, dof_map)
+      megabytes = assembly_mb(owner, n_ranks, mesh)
+      call broadcast(megabytes)
+      call check_room(assembly, megabytes(0), error)
       if (allocated(error)) return
+      last_nodes = pack([(i, i=1, mesh%n_nodes)], any(dof_map%dof > made%n - made%n_schur, dim=1))
+      allocate (number(mesh%n_nodes), source=0)
+      do i = n_ranks - 1, 0, -1
+         elements = pack([(k, k=1, mesh%n_elements)], owner == i)
+         associate (own => work%subdomain)
+            if (i > 0) then
+               call new_subdomain(own, elements, springs(:0), last_nodes(:0), number, mesh, dof_map)
+            else
+               call new_subdomain(own, elements, springs, last_nodes, number, mesh, dof_map)
+            end if
+            own%materials%list = materials%list
+            own%materials%of_element = materials%of_element(elements)
+            own%constraints%axis = constraints%axis(:, own%node)
+            if (i > 0) call own%pass(channel_t(i, .true.))
+         end associate
+      end do
       allocate (sums(2, made%n), source=0.0_dp)
       call work%assemble(sums, error)
       if (allocated(error)) return
@@ -137,43 +160,6 @@ contains
       made%n_flops = work%mumps%report%n_flops
       call move_alloc(made, condenser)
    end subroutine new_distributed_condenser
-
-   !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all Schur variables.
-   subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map, error)
-      type(subdomain_t), intent(out) :: own !! that of rank 0
-      integer, intent(in) :: position(:) !! position of each unknown in the order of elimination
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
-      real(dp) :: megabytes(0:n_ranks - 1)
-      integer, allocatable :: owner(:), all_elements(:), elements(:), last_nodes(:), number(:)
-      integer :: i
-
-      call give_order(order_take)
-      call find_owners(owner, n_ranks, position, mesh, dof_map)
-      megabytes = assembly_mb(owner, n_ranks, mesh)
-      call broadcast(megabytes)
-      call check_room(assembly, megabytes(0), error)
-      if (allocated(error)) return
-      all_elements = [(i, i=1, mesh%n_elements)]
-      last_nodes = pack([(i, i=1, mesh%n_nodes)], any(dof_map%dof > dof_map%n_dofs - dof_map%n_schur, dim=1))
-      allocate (number(mesh%n_nodes), source=0)
-      do i = n_ranks - 1, 0, -1
-         elements = pack(all_elements, owner == i)
-         if (i > 0) then
-            call new_subdomain(own, elements, springs(:0), last_nodes(:0), number, mesh, dof_map)
-         else
-            call new_subdomain(own, elements, springs, last_nodes, number, mesh, dof_map)
-         end if
-         own%materials%list = materials%list
-         own%materials%of_element = materials%of_element(elements)
-         own%constraints%axis = constraints%axis(:, own%node)
-         if (i > 0) call own%pass(channel_t(i, .true.))
-      end do
-   end subroutine spread_body
 
    !> Has the other ranks make condensers of the same body, which they do at this time; for rank 0. One that is not
    !> spread each of them condenses by itself.

@@ -33,6 +33,18 @@ module amontons_mumps
       procedure :: solve => mumps_solve
    end type mumps_t
 
+   abstract interface
+      !> Has an instance give something up.
+      subroutine release(handle) bind(c)
+         import :: c_ptr
+         implicit none (type, external)
+         type(c_ptr), value, intent(in) :: handle !! the instance
+      end subroutine release
+   end interface
+
+   procedure(release), bind(c, name='amontons_mumps_free') :: c_mumps_free
+   procedure(release), bind(c, name='amontons_mumps_drop_matrix') :: c_mumps_drop_matrix
+
    ! allow(assumed-size): C takes an address and knows no shape
    interface
       subroutine c_mumps_text(text, size) bind(c, name='amontons_mumps_text')
@@ -48,12 +60,6 @@ module amontons_mumps
          implicit none (type, external)
          type(c_ptr) :: handle
       end function c_mumps_new
-
-      subroutine c_mumps_free(handle) bind(c, name='amontons_mumps_free')
-         import :: c_ptr
-         implicit none (type, external)
-         type(c_ptr), value, intent(in) :: handle
-      end subroutine c_mumps_free
 
       subroutine c_mumps_analyze(handle, n, n_entries, row, column, n_schur, schur, position, report) &
          bind(c, name='amontons_mumps_analyze')
@@ -73,12 +79,6 @@ module amontons_mumps
          real(c_double), intent(inout) :: value(*), schur(*)
          type(mumps_report_t), intent(inout) :: report
       end subroutine c_mumps_factorize
-
-      subroutine c_mumps_drop_matrix(handle) bind(c, name='amontons_mumps_drop_matrix')
-         import :: c_ptr
-         implicit none (type, external)
-         type(c_ptr), value, intent(in) :: handle
-      end subroutine c_mumps_drop_matrix
 
       subroutine c_mumps_solve(handle, is_backward, n_loads, all, of_schur, report) &
          bind(c, name='amontons_mumps_solve')

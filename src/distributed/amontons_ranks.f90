@@ -6,6 +6,7 @@ module amontons_ranks
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
+   use amontons_system, only: action
    implicit none (type, external)
    private
 
@@ -34,6 +35,8 @@ module amontons_ranks
       generic :: pass => pass_number, pass_text, pass_numbers, pass_columns, pass_real_columns
    end type channel_t
 
+   procedure(action), bind(c, name='amontons_mpi_end') :: mpi_end
+
    ! allow(assumed-size): C takes an address and knows no shape
    interface
       function mpi_begin(rank, size) bind(c, name='amontons_mpi_begin') result(has_begun)
@@ -42,10 +45,6 @@ module amontons_ranks
          integer(c_int), intent(out) :: rank, size
          integer(c_int) :: has_begun
       end function mpi_begin
-
-      subroutine mpi_end() bind(c, name='amontons_mpi_end')
-         implicit none (type, external)
-      end subroutine mpi_end
 
       subroutine mpi_order(order, is_giver) bind(c, name='amontons_mpi_order')
          import :: c_int

@@ -25,7 +25,6 @@ module amontons_symmetric_matrix
       procedure :: multiply => symmetric_matrix_multiply
       procedure :: part_multiply => symmetric_matrix_part_multiply
       procedure :: reciprocal_diagonal => symmetric_matrix_reciprocal_diagonal
-      procedure :: scale => symmetric_matrix_scale
    end type symmetric_matrix_t
 
 contains
@@ -161,15 +160,9 @@ contains
       real(dp) :: diagonal(self%n)
       integer :: j
 
-      if (self%is_sparse()) then
-         do j = 1, self%n
-            diagonal(j) = self%element(j, j)
-         end do
-      else
-         do j = 1, self%n
-            diagonal(j) = self%values(j, j)
-         end do
-      end if
+      do j = 1, self%n
+         diagonal(j) = self%element(j, j)
+      end do
    end function symmetric_matrix_diagonal
 
    !> The reciprocals of the diagonal, as a stiffness to each row's motion; where the diagonal is not positive, the
@@ -220,17 +213,5 @@ contains
          end do
       end do
    end subroutine symmetric_matrix_fill_block
-
-   !> Multiplies the matrix by a number.
-   pure subroutine symmetric_matrix_scale(self, factor)
-      class(symmetric_matrix_t), intent(inout) :: self !! the matrix
-      real(dp), intent(in) :: factor !! the number
-
-      if (allocated(self%values)) then
-         self%values = factor*self%values
-      else
-         self%entry = factor*self%entry
-      end if
-   end subroutine symmetric_matrix_scale
 
 end module amontons_symmetric_matrix

@@ -119,7 +119,7 @@ contains
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
       type(csv_table_t) :: rows
-      integer :: p, columns(3), i
+      integer :: p, columns(3)
 
       allocate (force(2*n_points), status(n_points))
       call read_csv_table(rows, path, fault=fault)
@@ -133,10 +133,7 @@ contains
          call rows%get_number(p, columns(1), force(p), fault)
          call rows%get_number(p, columns(2), force(n_points + p), fault)
          ! Each status is one of the known names.
-         status(p) = 0
-         do i = 1, size(status_names)
-            if (rows%field(p, columns(3)) == trim(status_names(i))) status(p) = i
-         end do
+         status(p) = findloc(status_names == rows%field(p, columns(3)), .true., dim=1)
          if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
             rows%field(p, columns(3))//"'"
       end do

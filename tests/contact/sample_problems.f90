@@ -53,12 +53,19 @@ contains
    end subroutine compliance_problem
 
    !> Gives a problem a copy of its operator, which lives as long as the tests and which no other problem has.
-   subroutine keep_matrix(problem)
+   subroutine keep_matrix(problem, factor)
       type(contact_problem_t), intent(inout) :: problem !! the problem
+      real(dp), intent(in), optional :: factor !! what the compliance is multiplied by; 1 if it is not given
 
       call keep_another()
       last%matrix = problem%matrix
       problem%matrix => last%matrix
+      if (.not. present(factor)) return
+      associate (compliance => problem%matrix%compliance)
+         if (allocated(compliance%values)) compliance%values = factor*compliance%values
+         if (allocated(compliance%entry)) compliance%entry = factor*compliance%entry
+      end associate
+      call problem%matrix%find_augmentation()
    end subroutine keep_matrix
 
    !> Makes room for another operator.
