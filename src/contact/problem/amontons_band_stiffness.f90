@@ -231,7 +231,7 @@ contains
       real(dp), allocatable :: condensed(:)
       real(dp) :: x(self%whole%n), y(self%whole%n)
 
-      call self%find_interior(0.0_dp*contact_load, x, interior_load)
+      call self%find_interior(spread(0.0_dp, 1, size(contact_load)), x, interior_load)
       call self%whole%multiply(x, y)
       condensed = contact_load - y(self%place)
    end function band_stiffness_condensed
