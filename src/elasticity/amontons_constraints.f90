@@ -13,11 +13,13 @@ module amontons_constraints
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: find_named, mesh_t
-   use amontons_text, only: to_text
+   use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
+   use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 
-   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, spring_side_t, &
+   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, rigid_names, &
+      spring_side_t, &
       substitution_t, support_t, supported_components
 
    !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent.
@@ -32,6 +34,9 @@ module amontons_constraints
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
       real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values [L]
       real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
+      type(rigid_face_t) :: rigid
+         !! whether sets, separated by commas in `set`, move as one rigid body; the first three components are those
+         !! of `rigid_components` then
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
    end type support_t
 
@@ -40,13 +45,21 @@ module amontons_constraints
    type :: constraints_t
       logical, allocatable :: is_free(:, :) !! whether the node can move along e1, e2 (2, n_nodes)
       real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
+      type(rigid_set_t), allocatable :: rigid(:)
+         !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
+         !! components of all others count as held
+      integer, allocatable :: rigid_of(:) !! the set that each node belongs to, 0 for none (n_nodes)
    contains
       procedure :: frame => constraints_frame
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
       procedure :: leaves_free => constraints_leaves_free
+      procedure :: spread_resultants => constraints_spread_resultants
       procedure, private :: hold => constraints_hold
    end type constraints_t
+
+   !> Most characters of the name of a rigid set.
+   integer, parameter, public :: longest_name = 16
 
    !> Below this a component of a unit vector counts as none: mesh files carry about eight digits, so directions that
    !> should agree differ in the last of them.
@@ -114,8 +127,15 @@ contains
       allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
       allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
+      allocate (constraints%rigid_of(mesh%n_nodes), source=0)
+      allocate (constraints%rigid(0))
+      do i = 1, size(supports)
+         if (supports(i)%rigid%is_given) call add_rigid_set(constraints, prescribed, mesh, supports(i), error)
+         if (allocated(error)) return
+      end do
       do i = 1, size(supports)
          associate (support => supports(i))
+            if (support%rigid%is_given) cycle
             is_done = len(support%set) == 0
             if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
                error)
@@ -134,6 +154,91 @@ contains
          end associate
       end do
    end subroutine new_constraints
+
+   !> The names of the rigid sets, in the order of the constraints.
+   pure function rigid_names(supports) result(names)
+      type(support_t), intent(in) :: supports(:) !! the supports
+      character(longest_name), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(0))
+      do i = 1, size(supports)
+         if (supports(i)%rigid%is_given) names = [character(longest_name) :: names, supports(i)%name]
+      end do
+   end function rigid_names
+
+   !> Adds a set that moves as a rigid body.
+   subroutine add_rigid_set(constraints, prescribed, mesh, support, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements, own unknowns (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: support !! the set, and what is prescribed of its motion
+      type(error_t), allocatable, intent(out) :: error !! a set is missing, or has a node of another rigid one
+      type(rigid_set_t) :: rigid
+      real(dp) :: motion(3)
+      integer :: shared
+
+      call new_rigid_set(rigid, mesh, support%set, support%rigid, error)
+      if (.not. allocated(error)) then
+         shared = findloc(constraints%rigid_of(rigid%node) > 0, .true., dim=1)
+         if (shared > 0) call new_error(error, input_refused, 'the node at '// &
+            place_text(mesh%coordinates(:, rigid%node(shared)))//' belongs to two rigid sets; give them as one: '// &
+            "set = 'A, B'")
+      end if
+      if (allocated(error)) then
+         error%message = support%origin//error%message
+         return
+      end if
+      motion = merge(support%displacement(:3), 0.0_dp, support%is_held(:3))
+      constraints%is_free(:, rigid%node) = .false.
+      constraints%is_free(:, rigid%lead(1)) = .not. support%is_held(:2)
+      constraints%is_free(1, rigid%lead(2)) = .not. support%is_held(3)
+      prescribed(:, rigid%lead(1)) = motion(:2)
+      prescribed(1, rigid%lead(2)) = motion(3)*rigid%length
+      constraints%rigid = [constraints%rigid, rigid]
+      constraints%rigid_of(rigid%node) = size(constraints%rigid)
+   end subroutine add_rigid_set
+
+   !> Checks that a support agrees with the rigid motion of the set that its node belongs to.
+   subroutine check_on_rigid(constraints, prescribed, mesh, node, direction, displacement, error)
+      type(constraints_t), intent(in) :: constraints !! the constraints
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements, own unknowns (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: direction(2) !! unit vector along which the support holds the node [-]
+      real(dp), intent(in) :: displacement !! where to [L]
+      type(error_t), allocatable, intent(out) :: error !! the motion along the direction is free, or another one
+      real(dp) :: block(2, 2, 2), row(4), given
+
+      associate (rigid => constraints%rigid(constraints%rigid_of(node)))
+         block = rigid%displacement(mesh%coordinates(:, node))
+         row = [matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]
+         given = dot_product(row, [prescribed(:, rigid%lead(1)), prescribed(:, rigid%lead(2))])
+         if (any(abs(row) > negligible .and. [constraints%is_free(:, rigid%lead(1)), &
+            constraints%is_free(:, rigid%lead(2))])) then
+            call new_error(error, input_refused, 'the support holds the node at '// &
+               place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
+         else if (abs(given - displacement) > negligible*(abs(displacement) + abs(given))) then
+            call new_error(error, input_refused, 'the support contradicts the motion of the rigid set at the node '// &
+               place_text(mesh%coordinates(:, node)))
+         end if
+      end associate
+   end subroutine check_on_rigid
+
+   !> Makes forces on the nodes of the resultants that act on the own unknowns of rigid sets.
+   pure subroutine constraints_spread_resultants(self, forces)
+      class(constraints_t), intent(in) :: self !! the constraints
+      real(dp), intent(inout) :: forces(:, :)
+         !! forces on the nodes' own unknowns; of rigid sets on return forces on nodes (2, n_nodes) [F]
+      integer :: i
+
+      do i = 1, size(self%rigid)
+         associate (rigid => self%rigid(i))
+            forces(:, rigid%lead) = rigid%lead_forces([forces(:, rigid%lead(1)), &
+               forces(1, rigid%lead(2))*rigid%length])
+         end associate
+      end do
+   end subroutine constraints_spread_resultants
 
    !> Holds the prescribed components of nodes.
    subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, error, normal)
@@ -159,6 +264,12 @@ contains
          if (present(normal)) direction(:, 3:) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
          do component = 1, 4
             if (.not. support%is_held(component)) cycle
+            if (constraints%rigid_of(nodes(i)) > 0) then
+               call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), &
+                  support%displacement(component), error)
+               if (allocated(error)) return
+               cycle
+            end if
             call constraints%hold(prescribed(:, nodes(i)), nodes(i), direction(:, component), &
                support%displacement(component), is_consistent)
             if (is_consistent) cycle
@@ -203,7 +314,8 @@ contains
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
 
-      is_free = any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
+      is_free = self%rigid_of(node) == 0 .and. &
+         any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
    end function constraints_leaves_free
 
    !> The projector on the directions in which supports leave a node free [-].

@@ -8,6 +8,7 @@ module amontons_loads
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
+   use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -22,6 +23,8 @@ module amontons_loads
    integer, parameter, public :: load_on_region = 3
    !> What a load acts on: the thermal strain of a region, or of the whole body.
    integer, parameter, public :: load_by_temperature = 4
+   !> What a load acts on: sets that move as one rigid body.
+   integer, parameter, public :: load_on_rigid_set = 5
 
    !> A load. Which components count depends on what it acts on.
    type :: load_t
@@ -36,7 +39,9 @@ module amontons_loads
       real(dp) :: total_force(2) = 0.0_dp
          !! resultant of a uniform traction on the set, over the thickness or all around the axis; 0, 0 for none [F]
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
-      real(dp) :: force(2) = 0.0_dp !! point force on the node, or on each node of the set, x and y [F]
+      real(dp) :: force(2) = 0.0_dp !! force on the node, on each node of the set, or on the rigid set, x and y [F]
+      type(rigid_face_t) :: rigid !! the point of a rigid set that `force` and `moment` act at
+      real(dp) :: moment = 0.0_dp !! moment on the rigid set about its point [F L]
       real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
       real(dp) :: gravity(2) = 0.0_dp !! acceleration that makes a weight of the density, x and y [L/T^2]
       real(dp) :: angular_speed = 0.0_dp !! of a rotation: its centrifugal force acts on the density [1/T]
@@ -71,6 +76,7 @@ contains
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load names a set, region or point that the mesh has not
+      type(rigid_set_t) :: rigid
       integer :: i
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
@@ -82,6 +88,10 @@ contains
             call add_point_forces(forces, mesh, materials, loads(i), error)
          case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
+         case (load_on_rigid_set)
+            call new_rigid_set(rigid, mesh, loads(i)%set, loads(i)%rigid, error)
+            if (.not. allocated(error)) forces(:, rigid%lead) = forces(:, rigid%lead) &
+               + rigid%lead_forces([loads(i)%force, loads(i)%moment])
          case default
             ! A temperature strains the body; it is no force.
             cycle

@@ -56,6 +56,7 @@ contains
          end associate
          gram = 0.0_dp
          do i = start(p), start(p + 1) - 1
+            if (constraints%rigid_of(node(i)) > 0) cycle
             frame = constraints%frame(node(i))
             do axis = 1, 2
                if (constraints%is_free(axis, node(i))) cycle
@@ -64,6 +65,17 @@ contains
                   gram(:, k) = gram(:, k) + row*row(k)
                end do
             end do
+         end do
+         do i = 1, size(constraints%rigid)
+            associate (rigid => constraints%rigid(i))
+               if (piece(rigid%node(1)) /= p) cycle
+               motion(:2, :) = unit_motions(motions(p), rigid%point)
+               motion(3, :) = [0.0_dp, 0.0_dp, rigid%length/motions(p)%radius]
+               do axis = 1, 3
+                  if (constraints%is_free(merge(axis, 1, axis < 3), rigid%lead(merge(1, 2, axis < 3)))) cycle
+                  gram = gram + spread(motion(axis, :), 1, 3)*spread(motion(axis, :), 2, 3)
+               end do
+            end associate
          end do
          ! The directions that springs resist, whatever their stiffness.
          do i = 1, size(springs)

@@ -2,7 +2,7 @@
 !> sets, ties and their obstacles.
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
-   use amontons_constraints, only: support_t, supported_components
+   use amontons_constraints, only: longest_name, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
@@ -11,18 +11,20 @@ module amontons_config_groups
    use amontons_generated_mesh, only: diagonal_names
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_rigid_set, load_on_sides, &
+      load_t, new_load
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_names
+   use amontons_rigid_set, only: rigid_components
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
    public :: accuracy_options_t, describe_accuracy, describe_case, describe_contact, describe_load, &
-      describe_material, describe_mesh, describe_output, describe_problem, describe_support, describe_tie, &
-      reduced_source_t, require_expansion
+      describe_material, describe_mesh, describe_output, describe_problem, describe_rigid, describe_support, &
+      describe_tie, reduced_source_t, take_rigid, require_expansion
 
    !> The group of the case.
    type(group_t), parameter, public :: case_group = group_t('case')
@@ -66,6 +68,8 @@ module amontons_config_groups
    type(group_t), parameter, public :: material_group = group_t('material', is_repeatable=.true., is_shared=.true.)
    !> The group of a support.
    type(group_t), parameter, public :: support_group = group_t('support', is_repeatable=.true., is_shared=.true.)
+   !> The group of a rigid set.
+   type(group_t), parameter, public :: rigid_group = group_t('rigid', is_repeatable=.true., is_shared=.true.)
    !> The group of a load.
    type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
 
@@ -371,6 +375,77 @@ contains
       call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
          'un, ut, spring_n and spring_t need set: a point has no normal')
    end subroutine describe_support
+
+   !> Describes one `&rigid`: sets that move as a rigid body.
+   subroutine describe_rigid(visitor, motion, drive, is_axisymmetric)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(support_t), intent(inout) :: motion !! the sets, and what is prescribed of their motion
+      type(load_t), intent(inout) :: drive !! the force and the moment that act on them
+      logical, intent(in) :: is_axisymmetric !! whether they belong to a body of revolution
+      character(*), parameter :: forced(3) = [character(6) :: 'force', 'force', 'moment']
+      character(*), parameter :: meanings(3) = [character(37) :: 'displacement of the point along x', &
+         'displacement of the point along y', 'rotation in radians, counterclockwise']
+      character, parameter :: units(3) = ['L', 'L', ' ']
+      logical :: has_name, has_force, has_moment, is_driven(3)
+      integer :: k
+
+      has_name = is_filled(motion%name)
+      has_force = any(abs(drive%force) > 0.0_dp)
+      has_moment = abs(drive%moment) > 0.0_dp
+      call visitor%open_group(rigid_group)
+      call visitor%text(key_t('name', 'of the rigid body: `&steps` know its motion as a support, force and'// &
+         ' moment as a load; results have it', is_filled=.true., is_required=.true., is_free=.true., also='label'), &
+         motion%name, has_name)
+      call visitor%text(key_t('set', 'the boundary or node set that moves as a rigid body; several are separated by'// &
+         " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface'), motion%set)
+      call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
+         default='the middle of the set', also='center node reference'), motion%rigid%point, motion%rigid%has_point)
+      do k = 1, size(rigid_components)
+         call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true.), &
+            motion%displacement(k), motion%is_held(k))
+      end do
+      call visitor%reals(key_t('force', 'force on the point along x and y', 'F', default='none', &
+         also='f fx fy'), drive%force, has_force)
+      call visitor%real(key_t('moment', 'moment about the point, counterclockwise', 'F L', default='none', &
+         also='m torque'), drive%moment, has_moment)
+      call visitor%close_group()
+      call visitor%locate('set', motion%origin)
+      if (.not. visitor%is_judging()) return
+      call visitor%require(len(motion%name) <= longest_name, 'name', 'name must have at most '// &
+         to_text(longest_name)//' characters')
+      is_driven = abs([drive%force, drive%moment]) > 0.0_dp
+      do k = 1, size(rigid_components)
+         call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
+            trim(rigid_components(k))//' is prescribed: nothing is left for '//trim(forced(k))//' to move')
+      end do
+      is_driven = is_driven .or. (motion%is_held(:3) .and. abs(motion%displacement(:3)) > 0.0_dp)
+      call visitor%require(.not. (is_axisymmetric .and. any(is_driven([1, 3]))), 'set', &
+         'a rigid set of a body of revolution moves along the axis only: give uy or the second component of force')
+   end subroutine describe_rigid
+
+   !> Makes the support and the load that a rigid set is.
+   subroutine take_rigid(supports, loads, motion, drive, is_axisymmetric)
+      type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
+      type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
+      type(support_t), intent(in) :: motion !! the sets, and what is prescribed of their motion
+      type(load_t), intent(in) :: drive !! the force and the moment that act on them
+      logical, intent(in) :: is_axisymmetric !! whether they belong to a body of revolution
+      type(support_t) :: support
+      type(load_t) :: load
+
+      support = motion
+      support%rigid%is_given = .true.
+      if (is_axisymmetric) support%is_held([1, 3]) = .true.
+      call new_load(load, motion%set)
+      load%name = motion%name
+      load%origin = motion%origin
+      load%target = load_on_rigid_set
+      load%rigid = support%rigid
+      load%force = drive%force
+      load%moment = drive%moment
+      supports = [supports, support]
+      loads = [loads, load]
+   end subroutine take_rigid
 
    !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
    subroutine describe_load(visitor, load)

@@ -294,7 +294,7 @@ contains
                call visitor%require(is_found, 'contact', "no &contact has the set '"//axis%name//"'"//list('sets', &
                   names))
             end if
-         else if (visitor%deck%knows('load', 'name')) then
+         else if (visitor%deck%knows('load', 'name') .and. visitor%deck%knows('rigid', 'name')) then
             names = ''
             do i = 1, size(loads)
                if (len(loads(i)%name) > 0) names = names//', '//loads(i)%name

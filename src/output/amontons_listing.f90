@@ -18,7 +18,7 @@ module amontons_listing
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_rigid_set, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
    use amontons_methods, only: method_options_t
@@ -26,6 +26,7 @@ module amontons_listing
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
+   use amontons_rigid_set, only: rigid_components
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
    use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
@@ -198,6 +199,19 @@ contains
       character(:), allocatable :: text
       integer :: k
 
+      if (support%rigid%is_given) then
+         text = support%name//": rigid set '"//support%set//"'"
+         if (support%rigid%has_point) text = text//', about '//with_unit(pair_text(support%rigid%point), units, 'L')
+         do k = 1, size(rigid_components)
+            text = text//', '//trim(rigid_components(k))
+            if (support%is_held(k)) then
+               text = text//' = '//short_text(support%displacement(k))
+            else
+               text = text//' free'
+            end if
+         end do
+         return
+      end if
       if (len(support%set) > 0) then
          text = "set '"//support%set//"'"
       else
@@ -391,6 +405,9 @@ contains
          call mesh%set_nodes(load%set, nodes, error)
          text = text//' on each of '//counted(size(nodes), 'node')//', '// &
             with_unit(pair_text(size(nodes)*load%force), units, 'F')//' in all'
+      case (load_on_rigid_set)
+         text = text//'force '//with_unit(pair_text(load%force), units, 'F')//', moment '// &
+            with_unit(short_text(load%moment), units, 'F L')
       case (load_by_temperature)
          if (allocated(load%temperature_table)) then
             text = text//'temperature from '//load%temperature_file

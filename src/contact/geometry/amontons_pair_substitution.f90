@@ -36,7 +36,7 @@ module amontons_pair_substitution
 
 contains
 
-   !> Makes the substitution of all ties and pairs whose points are corners; ties come first.
+   !> Makes the substitution of all ties and pairs whose points are corners, ties first, and of rigid sets.
    subroutine new_pair_substitution(substitution, ties, pairs, constraints, coordinates, error)
       type(substitution_t), intent(out) :: substitution !! the substitution
       type(mortar_pair_t), intent(in) :: ties(:) !! the pairs that are bonded, so that w = 0
@@ -54,6 +54,9 @@ contains
       do i = 1, size(pairs)
          if (pairs(i)%is_set()) n = n + size(pairs(i)%node) + pairs(i)%slave%n_sides
       end do
+      do i = 1, size(constraints%rigid)
+         n = n + size(constraints%rigid(i)%node)
+      end do
       allocate (sums(n))
       allocate (sum_of(size(coordinates, 2)), source=0)
       allocate (substitution%is_bonded(size(sum_of)), source=.false.)
@@ -65,6 +68,18 @@ contains
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
          call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
+      end do
+      n = maxval(sum_of)
+      do i = 1, size(constraints%rigid)
+         associate (rigid => constraints%rigid(i))
+            do node = 1, size(rigid%node)
+               n = n + 1
+               sum_of(rigid%node(node)) = n
+               sums(n)%node = rigid%lead
+               sums(n)%block = rigid%displacement(coordinates(:, rigid%node(node)))
+               sums(n)%is_own = [.true., .true.]
+            end do
+         end associate
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &

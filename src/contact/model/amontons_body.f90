@@ -7,8 +7,8 @@ module amontons_body
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_constraints, only: dof_map_t, new_constraints, new_dof_map, new_foundation, spring_side_t, &
-      substitution_t, support_t
+   use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
+      spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
@@ -32,7 +32,7 @@ module amontons_body
    use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t
-   use amontons_text, only: to_text
+   use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 
@@ -108,6 +108,7 @@ contains
       call new_constraints(body%constraints, prescribed, mesh, supports, error)
       if (allocated(error)) return
       call new_foundation(body%springs, mesh, body%materials, supports, error)
+      if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, contacts, error, ties)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
@@ -115,7 +116,7 @@ contains
       if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
-         bonds_of(body%ties))
+         bonds_of(body%ties, body%constraints))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
@@ -146,9 +147,49 @@ contains
       end do
    end subroutine new_body
 
-   !> Nodes of surfaces that face each other: one of either body for each segment (2, segments).
-   pure function bonds_of(pairs) result(bonds)
+   !> Refuses rigid sets that share a node with surfaces that contacts or ties act on.
+   subroutine check_rigid_sets(body, contacts, error, ties)
+      type(meshed_body_t), intent(in) :: body !! mesh and supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(error_t), allocatable, intent(out) :: error !! there is such a node
+      type(tie_t), intent(in), optional :: ties(:) !! the bonded sets
+      integer :: i
+
+      if (size(body%constraints%rigid) == 0) return
+      do i = 1, size(contacts)
+         call check_set(contacts(i)%set, contacts(i)%origin)
+         call check_set(contacts(i)%pairing%against, contacts(i)%origin)
+      end do
+      if (.not. present(ties)) return
+      do i = 1, size(ties)
+         call check_set(ties(i)%set, ties(i)%origin)
+         call check_set(ties(i)%to, ties(i)%origin)
+      end do
+
+   contains
+
+      !> Refuses a surface with a node of a rigid set. That there is no such surface is found later.
+      subroutine check_set(name, origin)
+         character(*), intent(in) :: name !! name of its set; empty for none
+         character(*), intent(in) :: origin !! where it was named, as messages begin
+         type(error_t), allocatable :: fault
+         integer, allocatable :: nodes(:)
+         integer :: shared
+
+         if (len(name) == 0 .or. allocated(error)) return
+         call body%mesh%set_nodes(name, nodes, fault)
+         if (allocated(fault)) return
+         shared = findloc(body%constraints%rigid_of(nodes) > 0, .true., dim=1)
+         if (shared > 0) call new_error(error, input_refused, origin//"set '"//name//"' shares the node at "// &
+            place_text(body%mesh%coordinates(:, nodes(shared)))//' with a rigid set; a node can belong to one of them')
+      end subroutine check_set
+
+   end subroutine check_rigid_sets
+
+   !> Nodes of surfaces that face each other, one of either body for each segment, and of rigid sets (2, any).
+   pure function bonds_of(pairs, constraints) result(bonds)
       type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
+      type(constraints_t), intent(in), optional :: constraints !! the supports with the rigid sets; none without them
       integer, allocatable :: bonds(:, :)
       integer :: i, k
 
@@ -161,6 +202,13 @@ contains
                   pairs(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
             end associate
          end do
+      end do
+      if (.not. present(constraints)) return
+      do i = 1, size(constraints%rigid)
+         associate (rigid => constraints%rigid(i))
+            bonds = reshape([bonds, ([rigid%lead(1), rigid%node(k)], k=1, size(rigid%node))], &
+               [2, size(bonds, 2) + size(rigid%node)])
+         end associate
       end do
    end function bonds_of
 

@@ -11,6 +11,7 @@ module amontons_certificate
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_loads, only: load_on_rigid_set
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
@@ -75,6 +76,8 @@ module amontons_certificate
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
+      real(dp), allocatable :: rigid_force(:, :)
+         !! forces along x and y and moment that drive each rigid set (3, sets) [F, F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
@@ -118,7 +121,9 @@ contains
       call take_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
       certificate%couple_scale = certificate%couple
+      call take_rigid_forces(certificate%rigid_force, reaction, body, load_case)
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
+      call body%constraints%spread_resultants(reaction)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
          call sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
          force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
@@ -286,6 +291,36 @@ contains
             + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_tangent_fixed))
       end associate
    end subroutine check_points
+
+   !> Notes what drives rigid sets: the given forces and moments, and what else it takes to prescribe their motion.
+   pure subroutine take_rigid_forces(force, reaction, body, load_case)
+      real(dp), allocatable, intent(out) :: force(:, :) !! forces along x and y, moment of each set (3, sets) [F, F L]
+      real(dp), intent(in) :: reaction(:, :) !! what is missing on the nodes' own unknowns (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads
+      real(dp) :: share
+      integer :: i, j, k
+
+      allocate (force(3, size(body%constraints%rigid)))
+      do i = 1, size(force, 2)
+         associate (rigid => body%constraints%rigid(i))
+            force(:, i) = [reaction(:, rigid%lead(1)), reaction(1, rigid%lead(2))*rigid%length]
+         end associate
+      end do
+      share = 1.0_dp
+      i = 0
+      do j = 1, size(load_case%supports)
+         if (.not. load_case%supports(j)%rigid%is_given) cycle
+         i = i + 1
+         do k = 1, size(load_case%loads)
+            associate (load => load_case%loads(k))
+               if (load%target /= load_on_rigid_set .or. load%set /= load_case%supports(j)%set) cycle
+               if (allocated(load_case%factor)) share = load_case%factor(k)
+               force(:, i) = force(:, i) + share*[load%force, load%moment]
+            end associate
+         end do
+      end do
+   end subroutine take_rigid_forces
 
    !> Takes the forces that bonded surfaces exert on each other out of the reactions of the nodes' own unknowns.
    pure subroutine take_tie_forces(force, reaction, body)

@@ -427,6 +427,10 @@ contains
             do i = 1, size(parting%load)
                if (axis%target == swept_load .and. axis%name == load_case%loads(i)%name) parting%load(i) = 1 + k
             end do
+            do i = 1, size(parting%support)
+               if (axis%target == swept_load .and. load_case%supports(i)%rigid%is_given .and. &
+                  axis%name == load_case%supports(i)%name) parting%support(i) = 1 + k
+            end do
             do i = 1, size(parting%friction)
                if (axis%acts_on(load_case%contacts(i)%set)) parting%friction(i) = 1 + k
             end do
