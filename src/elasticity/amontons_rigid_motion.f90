@@ -5,7 +5,7 @@ module amontons_rigid_motion
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, number_pieces
-   use amontons_text, only: to_text
+   use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 
@@ -131,7 +131,7 @@ contains
       motion = matmul(self%mode, amounts)
       motion = motion/maxval(abs(motion))
       text = 'the body'
-      if (.not. self%is_whole) text = 'the piece around '//to_text(self%center(1))//', '//to_text(self%center(2))
+      if (.not. self%is_whole) text = 'the piece around '//place_text(self%center)
       text = text//' is free to'
       if (norm2(motion(1:2)) > negligible) text = text//' translate along ('//short(motion(1))//', '// &
          short(motion(2))//')'

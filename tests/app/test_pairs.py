@@ -42,6 +42,36 @@ HOVERING = """&mesh name = 'low'  size = 2.603, 0.995  cells = 23, 5  origin = -
 &contact set = 'low.top'  against = 'loose.bottom'  friction = 0.1  extra_gap = 7.594e-4 /
 &contact set = 'high.bottom'  against = 'loose.top'  friction = 0.8 /
 """
+# Two blocks lie loose between others, one of them far stiffer than what is held.
+STIFF = """&mesh name = 'low'  size = 2.811, 0.598  cells = 4, 8  origin = -1.5805, 0.0  element = 'quad8' /
+&mesh name = 'soft'  size = 1.428, 0.327  cells = 5, 2  origin = -0.7847, 0.598  element = 'quad8' /
+&mesh name = 'stiff'  size = 1.53, 0.423  cells = 14, 4  origin = -0.7597, 0.925  element = 'tri6' /
+&mesh name = 'high'  size = 1.55, 0.525  cells = 12, 5  origin = -0.6937, 1.348  element = 'quad8' /
+&material young = 1000.0  poisson = 0.33  region = 'low' /
+&material young = 4083.0  poisson = 0.3  region = 'soft' /
+&material young = 1e7  poisson = 0.45  region = 'stiff' /
+&material young = 20000.0  poisson = 0.2  region = 'high' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.top'  ux = -6.122e-5  uy = -1.306e-4 /
+&contact set = 'soft.bottom'  against = 'low.top'  friction = 0.1  extra_gap = 8.055e-4 /
+&contact set = 'soft.top'  against = 'stiff.bottom'  friction = 0.8 /
+&contact set = 'high.bottom'  against = 'stiff.top'  friction = 0.8  extra_gap = 6.164e-4 /
+"""
+# The blocks on the frictionless floor go as far, the upper one pushed and the loose one with it.
+CARRIED_ALONG = """&mesh name = 'a'  size = 1.101, 0.527  cells = 4, 6  origin = -0.6602, 0.0  element = 'tri3' /
+&mesh name = 'b'  size = 1.511, 0.663  cells = 10, 4  origin = -0.6151, 0.527  element = 'tri6' /
+&mesh name = 'c'  size = 2.562, 0.961  cells = 14, 7  origin = -1.2647, 1.19  element = 'quad8' /
+&mesh name = 'd'  size = 1.602, 0.636  cells = 11, 2  origin = -0.7685, 2.151  element = 'tri6' /
+&material young = 11870.0  poisson = 0.45  region = 'a' /
+&material young = 7535.0  poisson = 0.3  region = 'b' /
+&material young = 104.1  poisson = 0.3  region = 'c' /
+&material young = 2616.0  poisson = 0.2  region = 'd' /
+&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /
+&load set = 'd.top'  pressure = 0.017584  traction = 0.00035169, 0.0 /
+&contact set = 'a.top'  against = 'b.bottom' /
+&contact set = 'c.bottom'  against = 'b.top'  friction = 0.5 /
+&tie set = 'd.bottom'  to = 'c.top' /
+"""
 # The upper block is lifted; a small load acts on the lower one.
 CARRIED = """&mesh name = 'low'  size = 2.0, 1.0  cells = 4, 3  element = 'quad8' /
 &mesh name = 'high'  size = 2.6, 0.4  cells = 3, 3  origin = 0.0, 1.0 /
@@ -223,6 +253,15 @@ class Pairs(ProgramTest):
         # Pushed out by the upper body, and then as far from either as rounding has it.
         run = self.run_program(self.write("case.nml", HOVERING))
         self.assertIn("warning: the bodies do not touch each other with a force\n", run.stdout)
+
+    def test_loose_bodies_converge_however_stiff_they_are(self):
+        # The rounding errors of their stiffness grow with the way that they are pushed, not with that of the supports.
+        for young in ("1e7", "1e8"):
+            self.run_program(self.write("case.nml", STIFF.replace("1e7", young)))
+
+    def test_of_pieces_that_move_alike_the_first_is_named(self):
+        run = self.run_program(self.write("case.nml", CARRIED_ALONG), status=2)
+        self.assertIn("; the piece around 0.1404, 0.8585 is free to translate along (1.0, 0.0)", run.stderr)
 
     def test_sweep_of_bodies_apart_is_warned_about(self):
         # One warning for all cases; beside a rigid obstacle it is not the bodies alone that do not touch.

@@ -452,18 +452,22 @@ contains
       amounts = amounts(:, :count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1))))
    end function common_motions
 
-   !> Names a combination of the free motions of some pieces by that of the piece that moves most.
+   !> Names a combination of the free motions of some pieces by that of the piece that moves most, of several
+   !> whose amounts differ by rounding the first.
    pure function largest_motion(motions, amounts) result(text)
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)
       character(:), allocatable :: text
+      real(dp), parameter :: as_much = 1.0_dp - 1.0e-6_dp
+      real(dp) :: amount(size(motions))
       integer :: first(size(motions) + 1), i
 
       first(1) = 1
       do i = 1, size(motions)
          first(i + 1) = first(i) + motions(i)%n_free
+         amount(i) = norm2(amounts(first(i):first(i + 1) - 1))
       end do
-      i = maxloc([(norm2(amounts(first(i):first(i + 1) - 1)), i=1, size(motions))], dim=1)
+      i = max(1, findloc(amount >= as_much*maxval(amount), .true., dim=1))
       text = motions(i)%describe(amounts(first(i):first(i + 1) - 1))
    end function largest_motion
 

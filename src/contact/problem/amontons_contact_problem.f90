@@ -236,7 +236,8 @@ contains
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%augmentation())*self%prescribed
          if (maxval(abs(displacement)) <= far*self%prescribed .and. maxval(abs(contact_force)) <= &
-            pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled)
+            pressed*uncanceled) scale = max(scale, share_of_moves*maxval(self%augmentation())*max(self%prescribed, &
+            maxval(abs(displacement))))
       end if
    end function acting_force
 
