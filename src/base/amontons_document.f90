@@ -81,7 +81,7 @@ contains
       text = ''
       do i = 1, size(list)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(list(i)%key)//'": '//json_number(list(i)%value)
+         text = text//json_string(trim(list(i)%key))//': '//json_number(list(i)%value)
       end do
    end function quantity_members
 

@@ -4,13 +4,16 @@ module amontons_quantity
    implicit none (type, external)
    private
 
-   public :: at_place, expanded, quantity_t, scales, value_of
+   public :: at_place, expanded, longest_key, quantity_t, scales, value_of
+
+   !> The longest name of a number: a force may have the name of a set in its own.
+   integer, parameter :: longest_key = 96
 
    !> A named number, and where it is found. Who writes or compares numbers walks over lists of these, so that a new one
    !> is named in one place.
    type :: quantity_t
-      character(32) :: key = '' !! its name in files
-      character(32) :: label = '' !! its name in listings
+      character(longest_key) :: key = '' !! its name in files
+      character(longest_key) :: label = '' !! its name in listings
       real(dp) :: value = 0.0_dp !! the number
       real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
       real(dp) :: resolution = 0.0_dp !! share of a side that it is known to: 1 for a length from node to node [-]

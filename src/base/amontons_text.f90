@@ -537,7 +537,7 @@ contains
       character(*), intent(in) :: label !! the label
       character(*), intent(in) :: value !! what belongs to it
       character(:), allocatable :: text
-      character(20) :: column
+      character(max(20, len_trim(label) + 1)) :: column
 
       column = label
       text = '  '//trim(column//value)//newline

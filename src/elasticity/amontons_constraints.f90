@@ -49,11 +49,15 @@ module amontons_constraints
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
       integer, allocatable :: rigid_of(:) !! the set that each node belongs to, 0 for none (n_nodes)
+      integer, allocatable :: holder(:, :) !! number of the support that holds e1, e2; 0 for none (2, n_nodes)
+      real(dp), allocatable :: skew(:, :)
+         !! what its direction has of the other axis, over what it has of this one (2, n_nodes) [-]
    contains
       procedure :: frame => constraints_frame
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
       procedure :: leaves_free => constraints_leaves_free
+      procedure :: part_of => constraints_part_of
       procedure :: spread_resultants => constraints_spread_resultants
       procedure, private :: hold => constraints_hold
    end type constraints_t
@@ -70,6 +74,7 @@ module amontons_constraints
 
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
+      integer :: support = 0 !! number of the support
       integer :: n_nodes = 0 !! number of nodes of the side, 2 or 3
       integer :: node(3) = 0 !! the nodes
       real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
@@ -127,10 +132,13 @@ contains
       allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
       allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
+      allocate (constraints%holder(2, mesh%n_nodes), source=0)
+      allocate (constraints%skew(2, mesh%n_nodes), source=0.0_dp)
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       allocate (constraints%rigid(0))
       do i = 1, size(supports)
-         if (supports(i)%rigid%is_given) call add_rigid_set(constraints, prescribed, mesh, supports(i), error)
+         if (supports(i)%rigid%is_given) call add_rigid_set(constraints, prescribed, mesh, supports(i), i, &
+            error)
          if (allocated(error)) return
       end do
       do i = 1, size(supports)
@@ -138,16 +146,16 @@ contains
             if (support%rigid%is_given) cycle
             is_done = len(support%set) == 0
             if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
-               error)
+               i, error)
             set = find_named(mesh%node_sets, support%set)
             if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
-               call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, error)
+               call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, i, error)
                ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
                is_done = allocated(error) .or. find_named(mesh%sets, support%set) == 0
             end if
             if (.not. is_done) call new_boundary_line(line, mesh, support%set, error)
             if (.not. (is_done .or. allocated(error))) call hold_nodes(constraints, prescribed, mesh, line%node, &
-               support, error, line%normal)
+               support, i, error, line%normal)
             if (.not. allocated(error)) cycle
             error%message = support%origin//error%message
             return
@@ -168,11 +176,12 @@ contains
    end function rigid_names
 
    !> Adds a set that moves as a rigid body.
-   subroutine add_rigid_set(constraints, prescribed, mesh, support, error)
+   subroutine add_rigid_set(constraints, prescribed, mesh, support, number, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
       real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements, own unknowns (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: support !! the set, and what is prescribed of its motion
+      integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or has a node of another rigid one
       type(rigid_set_t) :: rigid
       real(dp) :: motion(3)
@@ -197,6 +206,7 @@ contains
       prescribed(1, rigid%lead(2)) = motion(3)*rigid%length
       constraints%rigid = [constraints%rigid, rigid]
       constraints%rigid_of(rigid%node) = size(constraints%rigid)
+      constraints%holder(:, rigid%node) = number
    end subroutine add_rigid_set
 
    !> Checks that a support agrees with the rigid motion of the set that its node belongs to.
@@ -241,12 +251,13 @@ contains
    end subroutine constraints_spread_resultants
 
    !> Holds the prescribed components of nodes.
-   subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, error, normal)
+   subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, number, error, normal)
       type(constraints_t), intent(inout) :: constraints !! the constraints
       real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: nodes(:) !! the nodes; 0 for none at the point of the support
       type(support_t), intent(in) :: support !! the support
+      integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! no node, or the supports contradict each other at one
       real(dp), intent(in), optional :: normal(:, :)
          !! outward normal at each; without it normal and tangential components do not exist (2, nodes) [-]
@@ -271,7 +282,7 @@ contains
                cycle
             end if
             call constraints%hold(prescribed(:, nodes(i)), nodes(i), direction(:, component), &
-               support%displacement(component), is_consistent)
+               support%displacement(component), number, is_consistent)
             if (is_consistent) cycle
             associate (position => mesh%coordinates(:, nodes(i)))
                call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
@@ -283,21 +294,23 @@ contains
    end subroutine hold_nodes
 
    !> Holds one direction of a node: direction . u = displacement.
-   pure subroutine constraints_hold(self, prescribed, node, direction, displacement, is_consistent)
+   pure subroutine constraints_hold(self, prescribed, node, direction, displacement, support, is_consistent)
       class(constraints_t), intent(inout) :: self !! the constraints
       real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
       real(dp), intent(in) :: displacement !! where to [L]
+      integer, intent(in) :: support !! number of the support
       logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
-      real(dp) :: frame(2, 2), missing, along(2)
+      real(dp) :: frame(2, 2), missing, along(2), share(2)
       integer :: free
 
       missing = displacement - dot_product(direction, prescribed)
       if (all(self%is_free(:, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
-      along = abs(matmul(direction, frame))
+      share = matmul(direction, frame)
+      along = abs(share)
       free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
       if (free == 0) then
          is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
@@ -305,8 +318,35 @@ contains
       end if
       is_consistent = .true.
       self%is_free(free, node) = .false.
-      prescribed = prescribed + frame(:, free)*missing/dot_product(direction, frame(:, free))
+      self%holder(free, node) = support
+      self%skew(free, node) = share(3 - free)/share(free)
+      prescribed = prescribed + frame(:, free)*missing/share(free)
    end subroutine constraints_hold
+
+   !> What of a motion the forces of some supports do work on: the work of the reactions on this part is that of the
+   !> forces of these supports on the motion. Each support acts along the directions that it holds; what another one
+   !> before it holds, is the other's (2, n_nodes) [L].
+   pure function constraints_part_of(self, supports, motion) result(part)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: supports(:) !! numbers of the supports
+      real(dp), intent(in) :: motion(:, :) !! the motion (2, n_nodes) [L]
+      real(dp), allocatable :: part(:, :)
+      real(dp) :: frame(2, 2), along(2), work(2)
+      integer :: axis, node
+
+      allocate (part(2, size(motion, 2)), source=0.0_dp)
+      do node = 1, size(motion, 2)
+         if (all(self%holder(:, node) == 0)) cycle
+         frame = self%frame(node)
+         along = matmul(motion(:, node), frame)
+         do axis = 1, 2
+            work(axis) = 0.0_dp
+            if (any(supports == self%holder(axis, node))) work(axis) = along(axis) &
+               + self%skew(axis, node)*along(3 - axis)
+         end do
+         part(:, node) = matmul(frame, work - self%skew(:, node)*work(2:1:-1))
+      end do
+   end function constraints_part_of
 
    !> Whether the supports leave a node some motion along a direction.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
@@ -379,6 +419,7 @@ contains
          allocate (more(size(nodes, 2)))
          do k = 1, size(more)
             associate (side => more(k), moduli => supports(i)%spring)
+               side%support = i
                side%n_nodes = count(nodes(:3, k) > 0)
                side%node = nodes(:3, k)
                call new_side_geometry(geometry, nodes(:3, k), mesh%coordinates)

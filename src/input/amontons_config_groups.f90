@@ -187,12 +187,14 @@ contains
       call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
          ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
          also='out every frequency'), fields_every, has_fields)
-      has_key_results = sweep%has_body_results
-      key_results = key_result_names(merge(2, 1, sweep%has_body_results))
-      call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, those of the contact'// &
-         ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
+      has_key_results = sweep%has_forces
+      key_results = key_result_names(merge(3, merge(2, 1, sweep%has_forces), sweep%has_body_results))
+      call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, of the contact points;'// &
+         ' these and forces by name; or all, with the largest von Mises stress and displacement of the body, which'// &
+         ' take longer', &
          default="`'contact'`"), key_results, key_result_names, has_key_results)
-      sweep%has_body_results = key_results == key_result_names(2)
+      sweep%has_body_results = key_results == key_result_names(3)
+      sweep%has_forces = key_results /= key_result_names(1)
       ! Describes what a history leaves of its steps.
       has_points = history%points_every > 0
       has_states = history%states_every > 0
@@ -352,8 +354,9 @@ contains
       ! A support that holds nothing else has them even if they are 0.
       has_spring = any(support%spring > 0.0_dp) .or. all(.not. support%is_held)
       call visitor%open_group(support_group)
-      call visitor%text(key_t('name', 'by which `&steps` know it; several supports may share a name', default='none', &
-         is_filled=.true., is_free=.true., also='label'), support%name, has_name)
+      call visitor%text(key_t('name', 'name of its reactions, by which `&steps` know it, too; several'// &
+         ' supports may share a name', &
+         default='that of its set', is_filled=.true., also='label'), support%name, has_name)
       call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
          also='nset boundary'), support%set, has_set)
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
@@ -583,8 +586,8 @@ contains
 
       has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
-      call visitor%text(key_t('name', 'by which `&steps` know it, besides its `set`', default='none', &
-         is_filled=.true., also='label'), contact%name, has_name)
+      call visitor%text(key_t('name', 'name of its forces, by which `&steps` know it besides its `set`', &
+         default='that of its set', is_filled=.true., is_shared=.true., also='label'), contact%name, has_name)
       call visitor%text(key_t('set', 'the boundary set that may touch an obstacle, or another body', is_filled=.true., &
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)
@@ -672,10 +675,13 @@ contains
    subroutine describe_tie(visitor, tie)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(tie_t), intent(inout) :: tie !! the tie
-      logical :: has_search
+      logical :: has_name, has_search
 
+      has_name = is_filled(tie%name)
       has_search = tie%search > 0.0_dp
       call visitor%open_group(tie_group)
+      call visitor%text(key_t('name', 'name of its forces', default='that of its set', is_filled=.true., &
+         also='label'), tie%name, has_name)
       call visitor%text(key_t('set', 'the boundary set that is bonded, the slave', is_filled=.true., &
          is_required=.true., also='slave surface'), tie%set)
       call visitor%text(key_t('to', 'the boundary set of the body that it is bonded to, the master', is_filled=.true., &

@@ -26,7 +26,7 @@ module amontons_sweep
    !> How a quantity is combined with those before it, as a deck writes it.
    character(7), parameter :: combination_names(2) = [character(7) :: 'product', 'paired']
    !> Whose key results the table of a sweep has, as a deck writes it.
-   character(7), parameter :: key_result_names(2) = [character(7) :: 'contact', 'all']
+   character(7), parameter :: key_result_names(3) = [character(7) :: 'contact', 'forces', 'all']
    !> Most cases of a sweep.
    integer, parameter :: largest_n_cases = 1000000000
 
@@ -47,6 +47,7 @@ module amontons_sweep
    type :: sweep_t
       type(sweep_axis_t), allocatable :: axes(:) !! the quantities, in the deck's order
       logical :: has_body_results = .false. !! whether the key results of the whole body are kept of each case
+      logical :: has_forces = .false. !! whether the forces by name are
       integer :: fields_every = 0 !! the fields of the first case and of every so many behind it are written; 0 for none
    contains
       procedure :: has_fields => sweep_has_fields

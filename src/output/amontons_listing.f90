@@ -441,13 +441,20 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
       character(:), allocatable :: text
+      integer :: n
 
       listing%ending = '.lst'
       call listing%record(head_text(label))
       associate (solution => result%solution)
-         if (.not. allocated(result%answer)) call listing%add(heading('Key results')// &
-            quantities_text(result%key_results, label%units)//counts_text(solution%status), &
-            [maxval([force_scale(result), result%key_results%scale])])
+         if (.not. allocated(result%answer)) then
+            n = size(result%key_results)
+            if (allocated(result%certificate%named)) n = n - size(result%certificate%named)
+            text = heading('Key results')//quantities_text(result%key_results(:n), label%units)// &
+               counts_text(solution%status)
+            if (n < size(result%key_results)) text = text//heading('Forces by name')// &
+               quantities_text(result%key_results(n + 1:), label%units)
+            call listing%add(text, [maxval([force_scale(result), result%key_results%scale])])
+         end if
          call listing%add(warnings_text(result%warnings))
          call listing%add(model_text(body, result%load_case, label%units))
          if (allocated(result%answer)) call listing%add(heading('Solution')//'  '//result%answer//newline)

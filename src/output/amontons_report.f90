@@ -6,7 +6,8 @@ module amontons_report
    use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
-   use amontons_document, only: document_t, json_logical, json_number, json_numbers, json_string, quantity_members
+   use amontons_document, only: document_t, field, json_logical, json_number, json_numbers, json_string, &
+      quantity_members
    use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_key_results, only: interval_t, resultants
@@ -357,7 +358,7 @@ contains
          text = text//',verdict,order,extrapolated,error_bar'//newline
          do i = 1, size(result%convergence)
             associate (judged => result%convergence(i)%convergence)
-               text = text//trim(result%convergence(i)%quantity%key)//','//comma_separated(judged%value)//','// &
+               text = text//field(trim(result%convergence(i)%quantity%key))//','//comma_separated(judged%value)//','// &
                   trim(verdict_names(judged%verdict))//','//comma_separated([judged%order, judged%extrapolated])//','
                if (has_bar(judged)) text = text//comma_separated([judged%bar])
                text = text//newline

@@ -348,7 +348,7 @@ contains
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck), &
             rigid_results(body, rigid_names(result%load_case%supports), result%displacement, &
-            result%certificate%rigid_force, result%certificate%force_scale)]
+            result%certificate%rigid_force, result%certificate%force_scale), result%certificate%named]
       end associate
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)

@@ -300,6 +300,7 @@ contains
       computed = row%result
       allocate (peaks(0))
       if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
+      if (case%config%sweep%has_forces) peaks = [peaks, result%certificate%named]
       list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
          result%load_case%free_gap, peaks)
       numbers = expanded(list)

@@ -70,8 +70,9 @@ class DocumentedNames(ProgramTest):
         missing = set()
         for name in names:
             # Names and numbers of contact sets, probes, meshes and points; names of extremes are those of key results.
-            last = name.rpartition(".")[2]
-            forms = {form for known in (name, last) for form in (
+            # Those of forces end with the name of a set, which may have points in it.
+            last, inner = name.rpartition(".")[2], name.partition(".")[2]
+            forms = {form for known in (name, last, inner) for form in (
                 known, re.sub(r"_\d+$", "", known), re.sub(r"_\d+$", "_1", known), re.sub(r"_[xy]$", "", known),
                 re.sub(r"_step$", "", known), re.sub(r"_[xy]_\d+$", "", known))}
             if not any(pattern.fullmatch(form) for pattern in patterns for form in forms):

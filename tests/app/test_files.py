@@ -37,6 +37,8 @@ MEMBERS = {
         "max_contact_pressure", "max_contact_shear", "max_slip", "max_von_mises", "max_displacement", "contact_width",
         "stick_width",
         "contact_centroid_x", "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
+        *(f"reaction_{component}_left" for component in ("x", "y", "moment")),
+        *(f"force_{component}_bottom" for component in ("normal", "tangential", "x", "y", "moment")),
         *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip", "von_mises", "displacement")
           for axis in "xy")), float),
     "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),

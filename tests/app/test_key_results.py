@@ -147,7 +147,8 @@ class KeyResults(ProgramTest):
         self.assertRegex(run.stdout, r"; no contact set, largest von Mises stress \d\S*, displacement \d\S*\n$")
         summary = self.result("case").summary
         self.assertEqual(set(summary["key_results"]), {name + ending for name in ("max_von_mises", "max_displacement")
-                                                       for ending in ("", "_x", "_y")})
+                                                       for ending in ("", "_x", "_y")}
+                         | {f"reaction_{component}_bottom" for component in ("x", "y", "moment")})
         listing = (self.directory / "case.lst").read_text(encoding="utf-8")
         for heading in ("Contact line\n", "Contact points (", "Max. pressure"):
             self.assertNotIn(heading, listing)

@@ -31,6 +31,7 @@ module amontons_contact_set
 
    !> A boundary set bonded to that of another body: no gap, no slip.
    type :: tie_t
+      character(:), allocatable :: name !! name of its forces; empty or not allocated for that of its set
       character(:), allocatable :: set !! name of the slave's boundary set
       character(:), allocatable :: to !! name of the master's boundary set
       real(dp) :: search = 0.0_dp
@@ -67,7 +68,8 @@ module amontons_contact_set
    !> lambda_N.
    type :: contact_t
       character(:), allocatable :: name
-         !! its name, by which a load history knows it besides its set; empty or not allocated without one
+         !! its name, by which a load history knows it besides its set, and of its forces; empty or not allocated
+         !! without one
       character(:), allocatable :: set !! name of the boundary set
       type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
       type(pairing_t) :: pairing !! the other body, if the set is paired

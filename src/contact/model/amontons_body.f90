@@ -36,11 +36,25 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_rigid_modes, largest_motion, new_body, &
-      poor_inf_sup
+   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_rigid_modes, largest_motion, &
+      named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
+
+   !> A kind of force by name: of contact sets.
+   integer, parameter :: of_contact = 1
+   !> A kind of force by name: of supports and foundations.
+   integer, parameter :: of_support = 2
+   !> A kind of force by name: of ties.
+   integer, parameter :: of_tie = 3
+
+   !> Contact sets, supports or ties of one name, whose forces are told together.
+   type :: named_forces_t
+      integer :: kind = 0 !! what they are
+      character(64) :: name = '' !! their name
+      integer, allocatable :: member(:) !! their numbers
+   end type named_forces_t
 
    !> What many load cases share; constant once it is condensed.
    type, extends(meshed_body_t) :: body_t
@@ -61,6 +75,7 @@ module amontons_body
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(contact_rows_t) :: tie_rows !! the rows of the points of all ties, one tie after the other
       type(contact_rows_t) :: checked_tie_rows !! these rows, integrated on another way
+      type(named_forces_t), allocatable :: named(:) !! what exerts forces on it, by name
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
       type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
@@ -112,7 +127,18 @@ contains
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
-      allocate (body%ties(0))
+      allocate (body%ties(0), body%named(0))
+      do i = 1, size(supports)
+         call add_name(body%named, of_support, i, supports(i)%set, 'point_'//to_text(i), supports(i)%name)
+      end do
+      do i = 1, size(contacts)
+         call add_name(body%named, of_contact, i, contacts(i)%set, '', contacts(i)%name)
+      end do
+      if (present(ties)) then
+         do i = 1, size(ties)
+            call add_name(body%named, of_tie, i, ties(i)%set, '', ties(i)%name)
+         end do
+      end if
       if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
@@ -146,6 +172,38 @@ contains
          return
       end do
    end subroutine new_body
+
+   !> Adds a contact set, support or tie to those of its kind and name.
+   pure subroutine add_name(list, kind, number, set, other, name)
+      type(named_forces_t), allocatable, intent(inout) :: list(:) !! what has a name so far
+      integer, intent(in) :: kind !! what is added
+      integer, intent(in) :: number !! its number
+      character(*), intent(in) :: set !! name of its set; may be empty
+      character(*), intent(in) :: other !! its name if it has neither name nor set
+      character(:), allocatable, intent(in) :: name !! its name, if it has one
+      type(named_forces_t), allocatable :: longer(:)
+      character(:), allocatable :: own
+      integer :: i, n
+
+      own = set
+      if (allocated(name)) then
+         if (len(name) > 0) own = name
+      end if
+      if (len(own) == 0) own = other
+      n = size(list)
+      do i = 1, n
+         if (list(i)%kind == kind .and. list(i)%name == own) exit
+      end do
+      if (i > n) then
+         allocate (longer(n + 1))
+         longer(:n) = list
+         longer(i)%kind = kind
+         longer(i)%name = own
+         allocate (longer(i)%member(0))
+         call move_alloc(longer, list)
+      end if
+      list(i)%member = [list(i)%member, number]
+   end subroutine add_name
 
    !> Refuses rigid sets that share a node with surfaces that contacts or ties act on.
    subroutine check_rigid_sets(body, contacts, error, ties)

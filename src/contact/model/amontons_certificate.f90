@@ -12,6 +12,7 @@ module amontons_certificate
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_on_rigid_set
+   use amontons_named_forces, only: force_values, named_quantities
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
@@ -81,6 +82,7 @@ module amontons_certificate
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
+      type(quantity_t), allocatable :: named(:) !! the forces on the body by name [F]
    contains
       procedure :: energies => certificate_energies
       procedure :: is_finite => certificate_is_finite
@@ -104,7 +106,7 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
-      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:)
+      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, strained_share, uncanceled, work
       integer :: i
@@ -116,8 +118,10 @@ contains
          call body%internal_forces(internal, displacement, load_case%thermal_strain)
       end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+      reaction = internal - load_case%force - contact
+      named = force_values(body, reaction, displacement, force)
       ! Of bonded nodes the reactions are the forces that the surfaces exert on each other.
-      reaction = body%dof_map%substitution%forces(internal - load_case%force - contact)
+      reaction = body%dof_map%substitution%forces(reaction)
       call take_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
       certificate%couple_scale = certificate%couple
@@ -139,6 +143,7 @@ contains
          call check_ties(certificate, body, tied, contact)
          call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
             springs)
+         certificate%named = named_quantities(body, named, max(least_scale, sums%forces))
          certificate%imbalance = relative(certificate%equilibrium, force_size)
          ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
          ! not show in resultants and energy: a share of |K| |u| is a scale, too.

@@ -18,7 +18,9 @@ module amontons_history_files
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries, collection_head, collection_t, collection_tail, manifest_t
+   use amontons_named_forces, only: named_quantities
    use amontons_output_file, only: output_file_t, remove_temporaries
+   use amontons_quantity, only: quantity_t
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
    use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, read_reals, to_text
@@ -48,8 +50,10 @@ module amontons_history_files
    integer, parameter, public :: a_length = 3
    !> A kind of number: an energy or a work.
    integer, parameter, public :: an_energy = 4
+   !> A kind of number: a moment.
+   integer, parameter :: a_moment = 5
    !> The first of the kinds that are measured by the largest number of their own column.
-   integer, parameter :: own_scale = 5
+   integer, parameter :: own_scale = 6
    !> Number of kinds.
    integer, parameter, public :: n_kinds = own_scale + 4
    !> The kinds of the parameters of fretting.
@@ -107,7 +111,7 @@ contains
             allocate (tables(i)%kinds(0))
             select case (contents(i))
             case (of_steps)
-               call describe_steps(tables(i), history, size(body%zone%pairs))
+               call describe_steps(tables(i), history, body)
             case (of_points)
                call describe_points(tables(i), history)
             case (of_states)
@@ -137,10 +141,11 @@ contains
    end subroutine history_table_add
 
    !> Describes the table of the steps, in the order of `history_row`.
-   pure subroutine describe_steps(table, history, n_sets)
+   pure subroutine describe_steps(table, history, body)
       type(history_table_t), intent(inout) :: table !! the table
       type(history_t), intent(in) :: history !! the history
-      integer, intent(in) :: n_sets !! number of contact sets
+      type(body_t), intent(in) :: body !! the body
+      type(quantity_t), allocatable :: named(:)
       character(:), allocatable :: set
       integer :: i, k
 
@@ -158,13 +163,17 @@ contains
       call table%add('energy_error', an_energy)
       call table%add('max_slip_step,max_slip_accumulated', a_length)
       call table%add('residual', number_alone)
-      do i = 1, several(n_sets)
+      do i = 1, several(size(body%zone%pairs))
          set = '_'//to_text(i)
          call table%add('open_length'//set//',slip_length'//set//',stick_length'//set, number_alone)
          call table%add('normal_force'//set//',tangential_force'//set, a_force)
       end do
       do i = 1, history%n_probes()
          call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
+      end do
+      named = named_quantities(body)
+      do i = 1, size(named)
+         call table%add(field(trim(named(i)%key)), merge(a_force, a_moment, named(i)%dimension == 'F'))
       end do
       call table%add('iterations,statuses', number_alone)
    end subroutine describe_steps
@@ -275,7 +284,7 @@ contains
       do i = 1, several(size(body%zone%pairs))
          numbers = [numbers, set_numbers(body, state, i)]
       end do
-      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement)]
+      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named]
    end function step_numbers
 
    !> Lengths of the zones and contact forces of all contact sets, or of one.

@@ -19,9 +19,10 @@ module amontons_history_model
    use amontons_friction_law, only: open_point, slip_minus
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
+   use amontons_load_case, only: condensed_force, load_case_t
    use amontons_load_family, only: acting_t, obstacle_motion_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
+   use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_tests, new_force_form
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
@@ -39,13 +40,13 @@ module amontons_history_model
       real(dp), allocatable, private :: strain_row(:, :) !! condensed K u_i (2m, parts) [F]
       real(dp), allocatable, private :: load(:, :) !! f_i . u_j (parts, parts) [F L]
       real(dp), allocatable, private :: load_row(:, :) !! condensed f_i (2m, parts) [F]
-      real(dp), allocatable, private :: reaction(:, :) !! u_pi . (K u_j - f_j) (parts, parts) [F L]
-      real(dp), allocatable, private :: reaction_row(:, :) !! condensed K u_pi (2m, parts) [F]
+      type(force_form_t) :: forces
+         !! what the reactions of the supports do on the displacements that each part prescribes, their work while its
+         !! factor grows by 1 [F L]; then the forces by name [F]
       real(dp) :: stiffness = 0.0_dp !! norm of the body's K [F/L]
       real(dp), allocatable :: prescribed(:, :) !! what the parts prescribe of the contact displacements (2m, parts) [L]
    contains
       procedure :: load_work => energy_form_load_work
-      procedure :: reactions => energy_form_reactions
       procedure :: strain_energy => energy_form_strain_energy
    end type energy_form_t
 
@@ -89,6 +90,7 @@ module amontons_history_model
       real(dp), allocatable :: worn(:) !! normal force times |slip|, summed over all steps (m) [F L]
       real(dp), allocatable :: reaction(:)
          !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
+      real(dp), allocatable :: named(:) !! forces by name, in the order of `named_quantities` [F]
       real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
       real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
       real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
@@ -113,37 +115,31 @@ contains
       type(energy_form_t), intent(out) :: form !! the form
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! force and prescribed displacement of each part, condensed
-      real(dp), allocatable :: field(:, :), forces(:, :), at_rest(:), loads(:, :, :)
+      type(force_test_t), allocatable :: tests(:), named(:)
+      real(dp), allocatable :: forces(:, :), loads(:, :, :)
       integer :: i, j, m, n
 
       m = body%zone%n_points
       n = size(parts)
       form%stiffness = body%condensation%condenser%matrix_norm
-      allocate (form%field(2, body%mesh%n_nodes, n), form%strain(n, n), form%load(n, n), form%reaction(n, n))
-      allocate (form%strain_row(2*m, n), form%load_row(2*m, n), form%reaction_row(2*m, n), form%prescribed(2*m, n))
-      allocate (at_rest(2*m), source=0.0_dp)
-      do j = 1, n
-         call recover_displacement(field, body, parts(j), at_rest)
-         form%field(:, :, j) = field
-      end do
-      allocate (loads(2, body%mesh%n_nodes, size(parts)))
-      do i = 1, size(parts)
-         call body%internal_forces(forces, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
-         loads(:, :, i) = parts(i)%force - forces
-      end do
+      allocate (form%strain(n, n), form%load(n, n), form%strain_row(2*m, n), form%load_row(2*m, n), &
+         form%prescribed(2*m, n))
+      named = named_tests(body)
+      allocate (tests(n + size(named)))
+      tests(n + 1:) = named
+      call find_responses(form%field, loads, body, parts)
       do j = 1, n
          call body%internal_forces(forces, form%field(:, :, j))
          do i = 1, n
             form%strain(i, j) = sum(form%field(:, :, i)*forces)
             form%load(i, j) = sum(loads(:, :, i)*form%field(:, :, j))
-            form%reaction(i, j) = sum(parts(i)%prescribed*(forces - loads(:, :, j)))
          end do
          form%strain_row(:, j) = condensed_force(body, forces)
          form%load_row(:, j) = condensed_force(body, loads(:, :, j))
-         call body%internal_forces(forces, parts(j)%prescribed)
-         form%reaction_row(:, j) = condensed_force(body, forces)
+         tests(j)%held = parts(j)%prescribed
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
+      call new_force_form(form%forces, body, tests, form%field, loads)
    end subroutine new_energy_form
 
    !> Strain energy u . K u / 2 [F L].
@@ -168,18 +164,6 @@ contains
 
       work = dot_product(factor, matmul(self%load, change) + matmul(v_change, self%load_row))
    end function energy_form_load_work
-
-   !> What the reactions of the supports do on the displacements that each part prescribes: their work while factor i
-   !> grows by 1 (parts) [F L].
-   pure function energy_form_reactions(self, factor, v, force) result(reactions)
-      class(energy_form_t), intent(in) :: self !! the form
-      real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
-      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
-      real(dp) :: reactions(size(factor))
-
-      reactions = matmul(self%reaction, factor) + matmul(v, self%reaction_row) + matmul(force, self%prescribed)
-   end function energy_form_reactions
 
    !> Separates what changes from what does not, and condenses each part.
    subroutine new_history_model(model, body, problem, prepared, config, error)
@@ -423,10 +407,13 @@ contains
       type(step_state_t), intent(inout) :: state !! the state
       type(history_model_t), intent(in) :: model !! the model
       type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
+      real(dp), allocatable :: forces(:)
 
       associate (factor => state%instant%factor, v => state%solution%displacement, force => state%solution%force)
          state%bound = problem%bound(force(:problem%n_points))
-         state%reaction = model%energies%reactions(factor, v, force)
+         forces = model%energies%forces%values(factor, v, force)
+         state%reaction = forces(:size(factor))
+         state%named = forces(size(factor) + 1:)
          state%strain_energy = model%energies%strain_energy(problem, factor, v)
       end associate
    end subroutine complete

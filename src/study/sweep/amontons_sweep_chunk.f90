@@ -24,7 +24,8 @@ module amontons_sweep_chunk
    use amontons_load_family, only: acting_t, one_part, parting_t
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_model_warnings, only: add_sweep_warnings
-   use amontons_quantity, only: expanded, quantity_t
+   use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form
+   use amontons_quantity, only: expanded, longest_key, quantity_t
    use amontons_result, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence, find_case_warnings
@@ -36,7 +37,8 @@ module amontons_sweep_chunk
    implicit none (type, external)
    private
 
-   public :: append_row, case_keys, case_quantities, case_result_t, chunk_length, chunk_t, new_case, new_chunk, &
+   public :: append_row, case_keys, case_quantities, case_result_t, chunk_length, chunk_t, condense_task, &
+      new_case, new_chunk, &
       outcome_labels, prepare_sweep, ranked_quantities, read_warnings, set_numbers, solve_again, solve_chunks, &
       sweep_header, sweep_statistics_t, sweep_task_t
 
@@ -90,6 +92,7 @@ module amontons_sweep_chunk
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
       type(load_solver_t) :: solver !! their loads, and the way to their solutions
+      type(force_form_t) :: forces !! the forces by name, where they are asked for
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: wants_error_estimate = .false.
@@ -120,7 +123,7 @@ contains
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
       real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
-      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
+      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks` and forces by name, if the deck asks for them
       type(quantity_t), allocatable :: list(:)
       type(interval_t), allocatable :: closed(:), stuck(:)
       type(lengths_t) :: lengths
@@ -140,7 +143,7 @@ contains
    pure function case_keys(body, sweep) result(keys)
       type(body_t), intent(in) :: body !! the body
       type(sweep_t), intent(in) :: sweep !! the sweep
-      character(32), allocatable :: keys(:)
+      character(longest_key), allocatable :: keys(:)
       type(quantity_t), allocatable :: list(:)
 
       list = expanded(ranked_quantities(body, sweep))
@@ -160,6 +163,7 @@ contains
       zeros = 0.0_dp
       peaks = body_peaks_at_rest()
       if (.not. sweep%has_body_results) peaks = peaks(:0)
+      if (sweep%has_forces) peaks = [peaks, named_quantities(body)]
       list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
    end function ranked_quantities
 
@@ -171,7 +175,7 @@ contains
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
       real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
-      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
+      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks` and forces by name, if the deck asks for them
       type(quantity_t), allocatable :: list(:)
 
       list = expanded(case_quantities(body, solution, friction, slip_bound, free_gap, peaks))
@@ -330,7 +334,7 @@ contains
          text = text//','//field(sweep%axes(i)%label())
       end do
       do i = 1, size(keys)
-         text = text//','//trim(keys(i))
+         text = text//','//field(trim(keys(i)))
       end do
       text = text//',residual,iterations,outcome,warnings,statuses'//newline
    end function sweep_header
@@ -411,6 +415,19 @@ contains
       call new_load_solver(task%solver, cache%body, result%load_case, parting_of(config%sweep, result%load_case), &
          config%method, error)
    end subroutine prepare_sweep
+
+   !> Condenses the loads of a sweep, and what its forces by name follow from.
+   subroutine condense_task(task, body, problem)
+      type(sweep_task_t), intent(inout) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), allocatable :: fields(:, :, :), loads(:, :, :)
+
+      call task%solver%loads%condense(body, problem)
+      if (.not. task%sweep%has_forces) return
+      call find_responses(fields, loads, body, task%solver%loads%parts)
+      call new_force_form(task%forces, body, named_tests(body), fields, loads)
+   end subroutine condense_task
 
    !> Which quantity multiplies what: that of number k belongs to part 1 + k.
    pure function parting_of(sweep, load_case) result(parting)
@@ -607,11 +624,24 @@ contains
             else
                call set_case(task, chunk%first + i - 1, acting)
                call set_numbers(kept, body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), peaks(:, i))
+                  loads%gap_of(acting), [peaks(:, i), forces_of(task, body, acting, solutions(i))])
             end if
          end associate
       end do
    end subroutine find_numbers
+
+   !> The forces by name of a case, if the deck asks for them.
+   pure function forces_of(task, body, acting, solution) result(list)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(acting_t), intent(in) :: acting !! what acts in the case
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      type(quantity_t), allocatable :: list(:)
+
+      allocate (list(0))
+      if (task%sweep%has_forces) list = named_quantities(body, task%forces%values(acting%factor, &
+         solution%displacement, solution%force))
+   end function forces_of
 
    !> Finds the key results of the whole body, if the deck asks for them, of all cases of a chunk.
    subroutine find_body_results(peaks, task, body, chunk, solutions)

@@ -4,7 +4,7 @@ module amontons_sweep_ranks
    use amontons_error, only: error_t
    use amontons_solve_case, only: cache_t
    use amontons_study, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_t, solve_chunks, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_t, condense_task, solve_chunks, sweep_task_t
    implicit none (type, external)
    private
 
@@ -21,7 +21,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
 
       n_sharing = 1
-      call task%solver%loads%condense(cache%body, cache%problem)
+      call condense_task(task, cache%body, cache%problem)
       call task%solver%method%prepare(cache%problem, error)
       associate (unused => config)
       end associate

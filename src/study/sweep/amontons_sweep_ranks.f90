@@ -14,7 +14,8 @@ module amontons_sweep_ranks
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t, condense_case
    use amontons_study, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, prepare_sweep, solve_chunks, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, condense_task, new_chunk, prepare_sweep, &
+      solve_chunks, sweep_task_t
    use amontons_system, only: return_memory
    use amontons_text, only: comma_separated, read_reals
    use amontons_threads, only: n_threads
@@ -50,7 +51,7 @@ contains
       logical :: is_shared
 
       is_shared = n_ranks > 1 .and. task%sweep%n_cases() > chunk_length .and. &
-         .not. (is_spread(cache) .and. task%sweep%has_body_results)
+         .not. (is_spread(cache) .and. task%sweep%has_forces)
       if (is_shared) then
          call give_order(order_take)
          file = config%file
@@ -60,7 +61,7 @@ contains
       end if
       if (is_shared) is_shared = on_all_ranks(.true.)
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
-      call task%solver%loads%condense(cache%body, cache%problem)
+      call condense_task(task, cache%body, cache%problem)
       call task%solver%method%prepare(cache%problem, error)
       if (is_shared) is_shared = is_same(task, cache, .not. allocated(error))
       n_sharing = merge(n_ranks, 1, is_shared)
@@ -79,7 +80,7 @@ contains
       call read_sweep(taken, file, deck, error)
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
-      if (.not. allocated(error)) call taken%task%solver%loads%condense(taken%cache%body, taken%cache%problem)
+      if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem)
       if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine take_sweep

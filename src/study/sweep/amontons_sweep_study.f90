@@ -462,7 +462,7 @@ contains
             text = ''
             list = ranked_quantities(body, config%sweep)
             do i = 1, size(list)
-               text = text//', "'//trim(list(i)%key)//'": {"least": '//json_number(statistics%least(i))// &
+               text = text//', '//json_string(trim(list(i)%key))//': {"least": '//json_number(statistics%least(i))// &
                   ', "least_case": '//to_text(statistics%least_case(i))//', "greatest": '// &
                   json_number(statistics%greatest(i))//', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
             end do

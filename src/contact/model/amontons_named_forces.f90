@@ -1,0 +1,263 @@
+!> Forces by name: what each contact set, support, elastic foundation and tie exerts on the body, by components.
+!>
+!> One description serves all who tell them. A component is the work on a rigid motion of what is held there: the
+!> reactions of the nodes on a field of displacements, the contact forces and the springs on vectors of their own. So it
+!> follows from displacements and contact forces of all nodes, and just as well, without those of the nodes, from the
+!> factors of the parts of a family and the contact displacements (section 10 of doc/theory.md).
+module amontons_named_forces
+   use amontons_assembly, only: spring_forces
+   use amontons_body, only: body_t, named_forces_t, of_contact, of_support
+   use amontons_contact_rows, only: turned
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
+   use amontons_quantity, only: quantity_t
+   implicit none (type, external)
+   private
+
+   public :: find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
+      new_force_form
+
+   !> Components of a force: along the normal and the tangent of a contact line, along x and y, the moment about the
+   !> origin, counter-clockwise.
+   integer, parameter :: normal = 1, tangential = 2, along_x = 3, along_y = 4, moment = 5
+   !> Their names in files.
+   character(10), parameter :: component_names(*) = [character(10) :: 'normal', 'tangential', 'x', 'y', 'moment']
+   !> Names of the kinds in files, in the order of `of_contact`, `of_support`, `of_tie`.
+   character(8), parameter :: kind_names(*) = [character(8) :: 'force', 'reaction', 'tie']
+
+   !> How a number follows from reactions, displacements and contact forces; what is not allocated has no part in it.
+   type :: force_test_t
+      real(dp), allocatable :: held(:, :) !! displacements that the reactions of the nodes do work on (2, n_nodes) [L]
+      real(dp), allocatable :: pulled(:, :) !! forces that do work on the displacements of the nodes (2, n_nodes) [F]
+      real(dp), allocatable :: contact(:) !! factors of (lambda_N; lambda_T) (2m)
+   end type force_test_t
+
+   !> Numbers as sums over the factors of the parts of a family, contact displacements and contact forces.
+   type :: force_form_t
+      real(dp), allocatable, private :: of_part(:, :) !! what each part adds without contact displacements (any, parts)
+      real(dp), allocatable, private :: of_displacement(:, :) !! factors of the contact displacements (2m, any)
+      real(dp), allocatable, private :: of_contact(:, :) !! factors of the contact forces (2m, any)
+   contains
+      procedure :: values => force_form_values
+   end type force_form_t
+
+contains
+
+   !> The components of all forces by name: number in `body%named`, and component (2, any). In a body of revolution
+   !> forces across the axis and moments are none.
+   pure function components_of(body) result(list)
+      type(body_t), intent(in) :: body !! the body
+      integer, allocatable :: list(:, :)
+      integer :: component, i
+
+      allocate (list(2, 0))
+      do i = 1, size(body%named)
+         do component = merge(normal, along_x, body%named(i)%kind == of_contact), moment
+            if (body%is_axisymmetric .and. any(component == [along_x, moment])) cycle
+            list = reshape([list, i, component], [2, size(list, 2) + 1])
+         end do
+      end do
+   end function components_of
+
+   !> Forces by name as quantities, in the order of `named_tests`.
+   pure function named_quantities(body, values, scale) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in), optional :: values(:) !! the values; 0 without them
+      real(dp), intent(in), optional :: scale !! what rounding errors of the forces are measured by [F]
+      type(quantity_t), allocatable :: list(:)
+      integer, allocatable :: components(:, :)
+      integer :: k
+
+      components = components_of(body)
+      allocate (list(size(components, 2)))
+      do k = 1, size(list)
+         associate (named => body%named(components(1, k)), component => components(2, k))
+            list(k)%key = trim(kind_names(named%kind))//'_'//trim(component_names(component))//'_'//named%name
+            list(k)%label = list(k)%key
+            list(k)%label(:1) = achar(iachar(list(k)%key(:1)) - iachar('a') + iachar('A'))
+            list(k)%label(len_trim(kind_names(named%kind)) + 1:) = ' '//trim(component_names(component))//' '// &
+               named%name
+            if (present(values)) list(k)%value = values(k)
+            if (present(scale)) list(k)%scale = scale
+            list(k)%dimension = 'F'
+            if (component == moment) then
+               list(k)%scale = list(k)%scale*maxval(abs(body%mesh%coordinates))
+               list(k)%dimension = 'F L'
+            end if
+         end associate
+      end do
+   end function named_quantities
+
+   !> How all forces by name follow from reactions, displacements and contact forces.
+   pure function named_tests(body) result(tests)
+      type(body_t), intent(in) :: body !! the body
+      type(force_test_t), allocatable :: tests(:)
+      integer, allocatable :: components(:, :)
+      integer :: k
+
+      components = components_of(body)
+      allocate (tests(size(components, 2)))
+      do k = 1, size(tests)
+         call new_named_test(tests(k), body, body%named(components(1, k)), components(2, k))
+      end do
+   end function named_tests
+
+   !> Finds how a component of a force by name follows.
+   pure subroutine new_named_test(test, body, named, component)
+      type(force_test_t), intent(out) :: test !! how it follows
+      type(body_t), intent(in) :: body !! the body
+      type(named_forces_t), intent(in) :: named !! what exerts the force
+      integer, intent(in) :: component !! the component
+      real(dp), allocatable :: motion(:, :)
+      logical, allocatable :: is_meant(:)
+      integer :: i, p
+
+      motion = rigid_motion(component, body%mesh%coordinates)
+      if (named%kind == of_contact) then
+         test%contact = contact_factors(body, named%member, component, motion)
+         return
+      end if
+      if (named%kind == of_support) then
+         motion = body%constraints%part_of(named%member, motion)
+         test%held = body%dof_map%substitution%displacement(motion)
+         ! The motion of rigid sets is that of their nodes already.
+         where (spread(body%constraints%rigid_of > 0, 1, 2)) test%held = motion
+         is_meant = [(any(named%member == body%springs(i)%support), i=1, size(body%springs))]
+         if (any(is_meant)) test%pulled = -spring_forces(body%mesh%n_nodes, pack(body%springs, is_meant), &
+            rigid_motion(component, body%mesh%coordinates))
+      else
+         test%held = 0.0_dp*motion
+         do i = 1, size(named%member)
+            associate (tie => body%ties(named%member(i)))
+               do p = 1, size(tie%node)
+                  test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
+                     motion(:, tie%node(p)))
+               end do
+            end associate
+         end do
+         test%held = body%dof_map%substitution%displacement(test%held)
+      end if
+   end subroutine new_named_test
+
+   !> The motion that a component of forces does work on.
+   pure function rigid_motion(component, positions) result(motion)
+      integer, intent(in) :: component !! the component
+      real(dp), intent(in) :: positions(:, :) !! where (2, any) [L]
+      real(dp) :: motion(2, size(positions, 2))
+
+      motion = 0.0_dp
+      if (component == along_x) motion(1, :) = 1.0_dp
+      if (component == along_y) motion(2, :) = 1.0_dp
+      if (component < moment) return
+      motion(1, :) = -positions(2, :)
+      motion(2, :) = positions(1, :)
+   end function rigid_motion
+
+   !> Factors of the contact forces in a component of the force of some contact sets on the body, of pairs on the slave.
+   pure function contact_factors(body, sets, component, motion) result(factors)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: sets(:) !! numbers of the sets
+      integer, intent(in) :: component !! the component
+      real(dp), intent(in) :: motion(:, :) !! the motion that it does work on (2, n_nodes)
+      real(dp), allocatable :: factors(:)
+      real(dp) :: at_points(2, body%zone%n_points)
+      integer :: m, p
+
+      m = body%zone%n_points
+      factors = -body%zone%rows%displacement(motion)
+      at_points = rigid_motion(component, body%zone%position)
+      do p = 1, m
+         associate (direction => body%zone%normal(:, p))
+            if (component <= tangential) then
+               factors([p, m + p]) = merge(1.0_dp, 0.0_dp, component == [normal, tangential])
+            else if (body%zone%pairs(body%zone%set(p))%is_set()) then
+               factors([p, m + p]) = -[dot_product(direction, at_points(:, p)), &
+                  dot_product(turned(direction), at_points(:, p))]
+            end if
+         end associate
+         if (all(sets /= body%zone%set(p))) factors([p, m + p]) = 0.0_dp
+      end do
+   end function contact_factors
+
+   !> The values of all forces by name.
+   pure function force_values(body, reaction, displacement, force) result(values)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: reaction(:, :) !! forces on the nodes besides loads and contact (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: values(:)
+      type(force_test_t) :: test
+      integer, allocatable :: components(:, :)
+      integer :: k
+
+      components = components_of(body)
+      allocate (values(size(components, 2)), source=0.0_dp)
+      do k = 1, size(values)
+         call new_named_test(test, body, body%named(components(1, k)), components(2, k))
+         if (allocated(test%held)) values(k) = sum(test%held*reaction)
+         if (allocated(test%pulled)) values(k) = values(k) + sum(test%pulled*displacement)
+         if (allocated(test%contact)) values(k) = values(k) + dot_product(test%contact, force)
+      end do
+   end function force_values
+
+   !> Computes the displacements of the nodes under each part of a family, contact displacements held, and the nodal
+   !> forces of each part; of temperatures those that cause the same strain.
+   subroutine find_responses(fields, loads, body, parts)
+      real(dp), allocatable, intent(out) :: fields(:, :, :) !! displacements of the nodes (2, n_nodes, parts) [L]
+      real(dp), allocatable, intent(out) :: loads(:, :, :) !! nodal forces (2, n_nodes, parts) [F]
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(load_case_t), intent(in) :: parts(:) !! the parts, condensed
+      real(dp), allocatable :: field(:, :), at_rest(:)
+      integer :: i
+
+      allocate (fields(2, body%mesh%n_nodes, size(parts)), loads(2, body%mesh%n_nodes, size(parts)))
+      allocate (at_rest(2*body%zone%n_points), source=0.0_dp)
+      do i = 1, size(parts)
+         call recover_displacement(field, body, parts(i), at_rest)
+         fields(:, :, i) = field
+         call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         loads(:, :, i) = parts(i)%force - field
+      end do
+   end subroutine find_responses
+
+   !> Computes the form of some numbers. The work of reactions r = K u - f - contact on displacements is a product of
+   !> K u_j - f_j with them, and those of E v with K times them, condensed.
+   subroutine new_force_form(form, body, tests, fields, loads)
+      type(force_form_t), intent(out) :: form !! the form
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(force_test_t), intent(in) :: tests(:) !! how the numbers follow
+      real(dp), intent(in) :: fields(:, :, :) !! displacements under each part, from `find_responses` [L]
+      real(dp), intent(in) :: loads(:, :, :) !! nodal forces of each part [F]
+      real(dp), allocatable :: forces(:, :)
+      integer :: i, j, m
+
+      m = body%zone%n_points
+      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(2*m, size(tests)), &
+         form%of_contact(2*m, size(tests)), source=0.0_dp)
+      do i = 1, size(tests)
+         associate (test => tests(i))
+            if (allocated(test%contact)) form%of_contact(:, i) = test%contact
+            if (.not. allocated(test%held)) cycle
+            call body%internal_forces(forces, test%held)
+            if (allocated(test%pulled)) forces = forces + test%pulled
+            do j = 1, size(fields, 3)
+               form%of_part(i, j) = sum(forces*fields(:, :, j)) - sum(test%held*loads(:, :, j))
+            end do
+            form%of_displacement(:, i) = condensed_force(body, forces)
+            form%of_contact(:, i) = form%of_contact(:, i) + body%zone%rows%displacement(test%held)
+         end associate
+      end do
+   end subroutine new_force_form
+
+   !> The numbers.
+   pure function force_form_values(self, factor, v, force) result(values)
+      class(force_form_t), intent(in) :: self !! the form
+      real(dp), intent(in) :: factor(:) !! factors of the parts [-]
+      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), allocatable :: values(:)
+
+      values = matmul(self%of_part, factor) + matmul(v, self%of_displacement) + matmul(force, self%of_contact)
+   end function force_form_values
+
+end module amontons_named_forces
