@@ -100,10 +100,22 @@ void amontons_error_text(int code, char *text, int size)
     snprintf(text, (size_t)size, "%s", strerror(code));
 }
 
-/* The most memory this process ever held, in kibibytes. */
+/* The most memory this process ever held, in kibibytes. What getrusage tells is on Linux at least what the process held
+   that started the program, /proc knows better. */
 long long amontons_peak_memory(void)
 {
     struct rusage usage;
+    char line[128];
+    long long peak = -1;
+    FILE *status = fopen("/proc/self/status", "r");
+    if (status != NULL) {
+        while (peak < 0 && fgets(line, sizeof line, status) != NULL)
+            if (sscanf(line, "VmHWM: %lld kB", &peak) != 1)
+                peak = -1;
+        fclose(status);
+    }
+    if (peak >= 0)
+        return peak;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
 }
 

@@ -56,6 +56,11 @@ class Costs(ProgramTest):
         least, most = (int(re.search(r"about (\d+) MB", text).group(1)) for text in told)
         self.assertGreater(most - least, 11)
 
+    def test_memory_of_what_started_the_program_is_not_its_own(self):
+        held = bytearray(200_000_000)
+        told = self.run_program("--check", "case.nml").stdout
+        self.assertLess(int(re.search(r"about (\d+) MB", told).group(1)), len(held)//2_000_000)
+
     def test_check_tells_the_size_of_the_finest_mesh(self):
         told = self.run_program("--check", "--refine", "2", "case.nml").stdout
         self.assertTrue(told.startswith("case: deck OK; 561 nodes, 512 elements, "), told)
