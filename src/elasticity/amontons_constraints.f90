@@ -137,8 +137,13 @@ contains
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       allocate (constraints%rigid(0))
       do i = 1, size(supports)
-         if (supports(i)%rigid%is_given) call add_rigid_set(constraints, prescribed, mesh, supports(i), i, &
-            error)
+         if (.not. supports(i)%rigid%is_given) cycle
+         if (any(rigid_names(supports(:i - 1)) == supports(i)%name)) then
+            call new_error(error, input_refused, supports(i)%origin//"another rigid set has the name '"// &
+               supports(i)%name//"'; give them as one: set = 'A, B'")
+            return
+         end if
+         call add_rigid_set(constraints, prescribed, mesh, supports(i), i, error)
          if (allocated(error)) return
       end do
       do i = 1, size(supports)
