@@ -168,7 +168,7 @@ contains
 
       if (self%has(key%name)) then
          allocate (numbers(self%deck%count_values(self%place, key%name, most_values)), source=0.0_dp)
-      else if (allocated(values)) then
+      else if (allocated(values) .and. is_given) then
          numbers = values
       else
          allocate (numbers(0))

@@ -238,7 +238,8 @@ contains
       call channel%pass(self%materials%of_element)
       if (channel%is_sender) then
          associate (list => self%materials%list)
-            numbers = reshape([list%thickness, list%lambda, list%mu], [size(list), 3])
+            numbers = reshape([(list(i)%thickness, list(i)%lambda, list(i)%mu, list(i)%law, i=1, size(list))], &
+               [3 + size(list(1)%law), size(list)])
             is = merge(1, 0, reshape([list%has_mean_dilatation, list%is_plane_stress, list%is_axisymmetric], &
                [size(list), 3]))
          end associate
@@ -249,9 +250,10 @@ contains
       allocate (self%materials%list(size(is, 1)))
       do i = 1, size(is, 1)
          associate (material => self%materials%list(i))
-            material%thickness = numbers(i, 1)
-            material%lambda = numbers(i, 2)
-            material%mu = numbers(i, 3)
+            material%thickness = numbers(1, i)
+            material%lambda = numbers(2, i)
+            material%mu = numbers(3, i)
+            material%law = reshape(numbers(4:, i), shape(material%law))
             material%has_mean_dilatation = is(i, 1) > 0
             material%is_plane_stress = is(i, 2) > 0
             material%is_axisymmetric = is(i, 3) > 0

@@ -132,7 +132,8 @@ contains
             call set_thermal_strain(geometry, thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
             do point = 1, geometry%n_points
                stress = element_stress(geometry, material, displacement, point)
-               work = work + geometry%volume(point)*geometry%thermal_strain(point)*(stress(1) + stress(2) + stress(4))
+               work = work + geometry%volume(point)*geometry%thermal_strain(point) &
+                  *dot_product(stress, material%expansion_form())
             end do
          end associate
       end do

@@ -51,12 +51,12 @@ contains
       associate (list => materials%list)
          ratio = maxval(list%lambda/list%mu)
          if (ratio > incompressible) text = text//"; Poisson's ratio of "// &
-            to_text(list(maxloc(list%lambda/list%mu, dim=1))%poisson)//' makes a material nearly incompressible'
-         ratio = maxval(list%young)/minval(list%young)
+            to_text(list(maxloc(list%lambda/list%mu, dim=1))%poisson(1))//' makes a material nearly incompressible'
+         ratio = maxval(list%young(1))/minval(list%young(1))
          if (ratio > far_apart) text = text//'; the stiffest material is '//rounded(ratio)// &
             ' times as stiff as the softest'
          ratio = 1.0_dp
-         stiffness = maxval(list%young*list%thickness)
+         stiffness = maxval(list%young(1)*list%thickness)
          do i = 1, size(springs)
             spring = maxval(abs(springs(i)%stiffness))
             if (spring > 0.0_dp) ratio = max(ratio, spring/stiffness, stiffness/spring)

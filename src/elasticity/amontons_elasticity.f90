@@ -6,7 +6,7 @@ module amontons_elasticity
    use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quad4, quadrature_point, &
       shape_functions, tri3
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t
+   use amontons_material, only: isotropic_law, material_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -182,20 +182,19 @@ contains
       end do
    end subroutine choose_reference
 
-   !> Stiffness of an element: sum over the points of volume times
-   !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
-   !> part. With a mean dilatation b this lambda is that of the deviatoric stress, -2/3 mu, and the pressure adds
-   !> (lambda + 2/3 mu) volume b_i b_j^T.
+   !> Stiffness of an element: sum over the points of volume times B_i^T D B_j, D the law and B the strains of unit
+   !> displacements. With a mean dilatation b, D is the law of the deviatoric stress, whose lambda is -2/3 mu, and the
+   !> pressure adds (lambda + 2/3 mu) volume b_i b_j^T.
    pure subroutine element_stiffness(geometry, material, stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: xx, xy, yx, yy, lambda, bulk, block(2, 2)
+      real(dp) :: xx, xy, yx, yy, bulk, law(4, 4), block(2, 2)
       integer :: i, j, point
 
-      lambda = material%lambda
-      if (geometry%has_mean_dilatation) lambda = -2.0_dp*material%mu/3.0_dp
-      bulk = (material%lambda - lambda)*sum(geometry%volume(:geometry%n_points))
+      law = material%law
+      if (geometry%has_mean_dilatation) law = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
+      bulk = (material%lambda + 2.0_dp*material%mu/3.0_dp)*sum(geometry%volume(:geometry%n_points))
       do j = 1, geometry%n_nodes
          do i = j, geometry%n_nodes
             xx = 0.0_dp
@@ -211,11 +210,11 @@ contains
                   yy = yy + volume*a(2)*b(2)
                end associate
             end do
-            associate (mu => material%mu)
-               block(:, 1) = [(lambda + 2.0_dp*mu)*xx + mu*yy, lambda*yx + mu*xy]
-               block(:, 2) = [lambda*xy + mu*yx, (lambda + 2.0_dp*mu)*yy + mu*xx]
-            end associate
-            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, lambda, material%mu, i, j, block)
+            block(1, 1) = law(1, 1)*xx + law(3, 3)*yy + law(3, 1)*(xy + yx)
+            block(2, 1) = law(2, 1)*yx + law(3, 3)*xy + law(3, 2)*yy + law(3, 1)*xx
+            block(1, 2) = law(2, 1)*xy + law(3, 3)*yx + law(3, 2)*yy + law(3, 1)*xx
+            block(2, 2) = law(2, 2)*yy + law(3, 3)*xx + law(3, 2)*(xy + yx)
+            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:, 4), i, j, block)
             if (geometry%has_mean_dilatation) then
                associate (a => geometry%mean_dilatation(:, i), b => geometry%mean_dilatation(:, j))
                   block(:, 1) = block(:, 1) + bulk*(a*b(1))
@@ -229,25 +228,24 @@ contains
    end subroutine element_stiffness
 
    !> Adds what the hoop strain u_r / r contributes to the stiffness between two nodes.
-   pure subroutine add_hoop_stiffness(geometry, first_lame, shear_modulus, i, j, block)
+   pure subroutine add_hoop_stiffness(geometry, hoop_law, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      real(dp), intent(in) :: first_lame !! lambda [F/L^2]
-      real(dp), intent(in) :: shear_modulus !! mu [F/L^2]
+      real(dp), intent(in) :: hoop_law(4) !! stresses of a unit hoop strain [F/L^2]
       integer, intent(in) :: i !! node of the rows
       integer, intent(in) :: j !! node of the columns
       real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
-      real(dp) :: lambda, mu, hoop_i, hoop_j
+      real(dp) :: law(4), hoop_i, hoop_j
       integer :: point
 
       do point = 1, geometry%n_points
-         lambda = first_lame*geometry%volume(point)
-         mu = shear_modulus*geometry%volume(point)
+         law = hoop_law*geometry%volume(point)
          hoop_i = geometry%values(i, point)/geometry%position(1, point)
          hoop_j = geometry%values(j, point)/geometry%position(1, point)
          associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point))
-            block(1, 1) = block(1, 1) + lambda*(a(1)*hoop_j + hoop_i*b(1)) + (lambda + 2.0_dp*mu)*hoop_i*hoop_j
-            block(2, 1) = block(2, 1) + lambda*a(2)*hoop_j
-            block(1, 2) = block(1, 2) + lambda*hoop_i*b(2)
+            block(1, 1) = block(1, 1) + (law(1)*a(1) + law(3)*a(2))*hoop_j + hoop_i*(law(1)*b(1) + law(3)*b(2)) &
+               + law(4)*hoop_i*hoop_j
+            block(2, 1) = block(2, 1) + (law(2)*a(2) + law(3)*a(1))*hoop_j
+            block(1, 2) = block(1, 2) + hoop_i*(law(2)*b(2) + law(3)*b(1))
          end associate
       end do
    end subroutine add_hoop_stiffness
@@ -324,8 +322,8 @@ contains
          strain(1:2) = strain(1:2) + mean
          strain(4) = strain(4) + mean
       end if
-      strain(1:2) = strain(1:2) - geometry%thermal_strain(point)
-      if (.not. material%is_plane_stress) strain(4) = strain(4) - geometry%thermal_strain(point)
+      if (abs(geometry%thermal_strain(point)) > 0.0_dp) strain = strain &
+         - geometry%thermal_strain(point)*material%expansion_form()
    end function strain_at
 
    !> Adds what the stress at one quadrature point amounts to: volume times B^T stress.
@@ -385,8 +383,7 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       real(dp), dimension(4) :: u, v, u_xi, u_eta, v_xi, v_eta
-      real(dp) :: lambda, lambda_across, mu, trace
-      integer :: i
+      integer :: i, k
 
       do i = 1, 4
          u(i) = displacement(1, self%node(i))
@@ -394,20 +391,19 @@ contains
       end do
       call differentiate(u, u_xi, u_eta)
       call differentiate(v, v_xi, v_eta)
-      lambda = material%lambda
-      lambda_across = merge(0.0_dp, lambda, material%is_plane_stress)
-      mu = material%mu
-      !$omp simd private(trace)
+      !$omp simd
       do i = 1, 4
          self%strain(i, 1) = (u_xi(i)*self%by_eta(i, 2) - u_eta(i)*self%by_xi(i, 2))/self%area(i)
          self%strain(i, 2) = (v_eta(i)*self%by_xi(i, 1) - v_xi(i)*self%by_eta(i, 1))/self%area(i)
          self%strain(i, 3) = (u_eta(i)*self%by_xi(i, 1) - u_xi(i)*self%by_eta(i, 1) + v_xi(i)*self%by_eta(i, 2) &
             - v_eta(i)*self%by_xi(i, 2))/self%area(i)
-         trace = self%strain(i, 1) + self%strain(i, 2)
-         self%stress(i, 1) = lambda*trace + 2.0_dp*mu*self%strain(i, 1)
-         self%stress(i, 2) = lambda*trace + 2.0_dp*mu*self%strain(i, 2)
-         self%stress(i, 3) = mu*self%strain(i, 3)
-         self%stress(i, 4) = lambda_across*trace
+      end do
+      do k = 1, 4
+         !$omp simd
+         do i = 1, 4
+            self%stress(i, k) = material%law(k, 1)*self%strain(i, 1) + material%law(k, 2)*self%strain(i, 2) &
+               + material%law(k, 3)*self%strain(i, 3)
+         end do
       end do
    end subroutine plane_quadrilateral_deform
 

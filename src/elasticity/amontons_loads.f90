@@ -251,7 +251,7 @@ contains
    !> next.
    subroutine sum_thermal_strain(strain, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: strain(:)
-         !! expansion coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
+         !! largest expansion coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
          !! allocated if no load is a temperature [-]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, with their coefficients
@@ -275,8 +275,8 @@ contains
          do k = 1, size(elements)
             first = mesh%node_start(elements(k))
             last = mesh%node_start(elements(k) + 1) - 1
-            strain(first:last) = strain(first:last) + materials%list(materials%of_element(elements(k)))%expansion &
-               *at_nodes(mesh%node(first:last))
+            strain(first:last) = strain(first:last) + at_nodes(mesh%node(first:last)) &
+               *materials%list(materials%of_element(elements(k)))%largest_expansion()
          end do
       end do
    end subroutine sum_thermal_strain

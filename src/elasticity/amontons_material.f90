@@ -1,5 +1,6 @@
-!> Linear isotropic elasticity in the plane and in bodies of revolution.
+!> Linear elasticity in the plane and in bodies of revolution, isotropic or orthotropic.
 module amontons_material
+   use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
@@ -7,7 +8,8 @@ module amontons_material
    implicit none (type, external)
    private
 
-   public :: formulation_names, hypothesis_names, material_t, materials_t, new_material, new_materials, on_axis
+   public :: formulation_names, hypothesis_names, isotropic_law, material_t, materials_t, new_material, new_materials, &
+      on_axis, turned_compliance
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
@@ -18,28 +20,41 @@ module amontons_material
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
+   !> Degrees of half a turn.
+   real(dp), parameter :: half_turn = 180.0_dp
    !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest radius.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
-   !> A material. Under every hypothesis stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own.
+   !> A material. Stresses are `law` times strains, both in the order xx, yy, xy (the engineering shear 2 xy), zz. That of
+   !> an isotropic one is stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own for each hypothesis.
    type :: material_t
-      real(dp) :: young = 1.0_dp !! Young's modulus [F/L^2]
-      real(dp) :: poisson = 0.0_dp !! Poisson's ratio [-]
+      real(dp) :: young(3) = 0.0_dp !! Young's modulus; along the three axes of an orthotropic material [F/L^2]
+      real(dp) :: poisson(3) = 0.0_dp
+         !! Poisson's ratio; of an orthotropic material nu12, nu13, nu23: how axis 2 contracts when 1 is pulled, ... [-]
+      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of the axes 1 and 2; 0 if the material is isotropic [F/L^2]
+      real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise; axis 3 is that of z [degrees]
       real(dp) :: density = 0.0_dp !! mass per volume; 0 if it is not known [M/L^3]
-      real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
+      real(dp) :: expansion(3) = 0.0_dp !! coefficient of thermal expansion, along the three axes [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
       character(12) :: hypothesis = 'plane strain' !! one of `hypothesis_names`
       character(8) :: formulation = 'auto' !! one of `formulation_names`
       logical :: has_mean_dilatation = .false. !! whether linear quadrilaterals of it are of the B-bar formulation
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
-      real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis [F/L^2]
-      real(dp) :: mu = 0.5_dp !! shear modulus [F/L^2]
+      real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis, if the material is isotropic [F/L^2]
+      real(dp) :: mu = 0.5_dp !! then the shear modulus [F/L^2]
+      real(dp) :: law(4, 4) = 0.0_dp !! stresses of strains under the hypothesis [F/L^2]
+      real(dp) :: compliance(4, 4) = 0.0_dp !! strains of stresses in space [L^2/F]
+      real(dp) :: plane_compliance(3, 3) = 0.0_dp
+         !! the same in a plane body, where the stress zz follows from the hypothesis [L^2/F]
       logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: choose_formulation => material_choose_formulation
       procedure :: depth => material_depth
+      procedure :: derive => material_derive
+      procedure :: expansion_form => material_expansion_form
+      procedure :: largest_expansion => material_largest_expansion
       procedure :: locks => material_locks
       procedure :: squared_norm => material_squared_norm
       procedure :: squared_norms => material_squared_norms
@@ -80,16 +95,108 @@ contains
       material%hypothesis = hypothesis
       material%region = ''
       material%origin = ''
-      material%is_plane_stress = hypothesis == 'plane stress'
-      material%is_axisymmetric = hypothesis == 'axisymmetric'
-      material%mu = young/(2.0_dp*(1.0_dp + poisson))
-      if (material%is_plane_stress) then
-         material%lambda = young*poisson/(1.0_dp - poisson**2)
-      else
-         material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
-      end if
-      call material%choose_formulation(formulation_names(1))
+      call material%derive(error)
    end subroutine new_material
+
+   !> Derives the law from constants and hypothesis. An orthotropic material is one that has `shear`.
+   pure subroutine material_derive(self, error)
+      class(material_t), intent(inout) :: self !! the material
+      type(error_t), allocatable, intent(out) :: error !! an orthotropic material that would gain energy when strained
+      real(dp) :: law(4, 4)
+      integer :: i, info, n
+
+      self%is_plane_stress = self%hypothesis == 'plane stress'
+      self%is_axisymmetric = self%hypothesis == 'axisymmetric'
+      self%compliance = compliance_of(self)
+      if (self%shear > 0.0_dp) then
+         law = self%compliance
+         call cholesky_factor(law, info)
+         if (info /= 0) then
+            call new_error(error, input_refused, 'the elastic constants are not positive definite: nu12**2 E2/E1, '// &
+               'nu13**2 E3/E1 and nu23**2 E3/E2 must be below 1, and so must their sum and 2 nu12 nu13 nu23 E3/E1')
+            return
+         end if
+         self%compliance = turned_compliance(self%compliance, -radians(self%angle))
+         ! In plane stress the strain zz is not known, and makes no stress.
+         n = merge(3, 4, self%is_plane_stress)
+         law = self%compliance
+         self%law = 0.0_dp
+         do i = 1, n
+            self%law(i, i) = 1.0_dp
+         end do
+         call cholesky_factor(law(:n, :n), info)
+         call cholesky_solve(law(:n, :n), self%law(:n, :n))
+         self%lambda = self%law(1, 2)
+         self%mu = self%shear
+      else
+         associate (young => self%young(1), poisson => self%poisson(1))
+            self%mu = young/(2.0_dp*(1.0_dp + poisson))
+            self%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - merge(1.0_dp, 2.0_dp, self%is_plane_stress)*poisson))
+         end associate
+         self%law = isotropic_law(self%lambda, self%mu)
+         if (self%is_plane_stress) self%law(:, 4) = 0.0_dp
+         if (self%is_plane_stress) self%law(4, :) = 0.0_dp
+      end if
+      associate (s => self%compliance)
+         self%plane_compliance = s(:3, :3)
+         if (.not. self%is_plane_stress) self%plane_compliance = self%plane_compliance &
+            - spread(s(:3, 4), 2, 3)*spread(s(4, :3), 1, 3)/s(4, 4)
+      end associate
+      call self%choose_formulation((self%formulation))
+   end subroutine material_derive
+
+   !> Law of an isotropic material [F/L^2].
+   pure function isotropic_law(lambda, mu) result(law)
+      real(dp), intent(in) :: lambda !! first Lame coefficient [F/L^2]
+      real(dp), intent(in) :: mu !! shear modulus [F/L^2]
+      real(dp) :: law(4, 4)
+      integer :: i
+
+      law = lambda
+      law(3, :) = 0.0_dp
+      law(:, 3) = 0.0_dp
+      do i = 1, 4
+         law(i, i) = law(i, i) + merge(mu, 2.0_dp*mu, i == 3)
+      end do
+   end function isotropic_law
+
+   !> Strains of stresses along the axes of a material [L^2/F].
+   pure function compliance_of(material) result(compliance)
+      type(material_t), intent(in) :: material !! the material
+      real(dp) :: compliance(4, 4)
+
+      associate (young => material%young, poisson => material%poisson)
+         compliance = 0.0_dp
+         compliance(1, 1) = 1.0_dp/young(1)
+         compliance(2, 2) = 1.0_dp/young(2)
+         compliance(3, 3) = merge(1.0_dp/material%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), material%shear > 0.0_dp)
+         compliance(4, 4) = 1.0_dp/young(3)
+         compliance(2, 1) = -poisson(1)/young(1)
+         compliance(4, 1) = -poisson(2)/young(1)
+         compliance(4, 2) = -poisson(3)/young(2)
+         compliance(1, 2) = compliance(2, 1)
+         compliance(1, 4) = compliance(4, 1)
+         compliance(2, 4) = compliance(4, 2)
+      end associate
+   end function compliance_of
+
+   !> A compliance in axes that are turned by an angle, counterclockwise [L^2/F].
+   pure function turned_compliance(compliance, angle) result(turned)
+      real(dp), intent(in) :: compliance(4, 4) !! the compliance [L^2/F]
+      real(dp), intent(in) :: angle !! the angle [rad]
+      real(dp) :: turned(4, 4)
+      real(dp) :: stress(4, 4), c, s
+
+      ! The stresses in the old axes that unit stresses in the turned ones are.
+      c = cos(angle)
+      s = sin(angle)
+      stress = 0.0_dp
+      stress(:3, 1) = [c**2, s**2, c*s]
+      stress(:3, 2) = [s**2, c**2, -c*s]
+      stress(:3, 3) = [-2.0_dp*c*s, 2.0_dp*c*s, c**2 - s**2]
+      stress(4, 4) = 1.0_dp
+      turned = matmul(transpose(stress), matmul(compliance, stress))
+   end function turned_compliance
 
    !> Chooses how linear quadrilaterals integrate the change of volume. In plane stress nothing locks.
    pure subroutine material_choose_formulation(self, formulation)
@@ -104,7 +211,7 @@ contains
    elemental logical function material_locks(self) result(locks)
       class(material_t), intent(in) :: self !! the material
 
-      locks = self%poisson >= nearly_incompressible .and. .not. self%is_plane_stress
+      locks = self%poisson(1) >= nearly_incompressible .and. .not. (self%is_plane_stress .or. self%shear > 0.0_dp)
    end function material_locks
 
    !> Gives every element of a mesh its material: that of its region, or the one without a region.
@@ -171,37 +278,65 @@ contains
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: strain(4) !! strain xx, yy, the engineering shear 2 xy, and zz (hoop; 0 in the plane) [-]
       real(dp) :: stress(4)
-      real(dp) :: mean
+      integer :: i
 
-      mean = self%lambda*(strain(1) + strain(2) + strain(4))
-      stress(1:2) = mean + 2.0_dp*self%mu*strain(1:2)
-      stress(3) = self%mu*strain(3)
-      stress(4) = mean + 2.0_dp*self%mu*strain(4)
-      if (self%is_plane_stress) stress(4) = 0.0_dp
+      do i = 1, 4
+         stress(i) = self%law(i, 1)*strain(1) + self%law(i, 2)*strain(2) + self%law(i, 3)*strain(3) &
+            + self%law(i, 4)*strain(4)
+      end do
    end function material_stress
+
+   !> The coefficient of thermal expansion that is largest in size [1/K].
+   elemental real(dp) function material_largest_expansion(self) result(expansion)
+      class(material_t), intent(in) :: self !! the material
+
+      expansion = self%expansion(maxloc(abs(self%expansion), dim=1))
+   end function material_largest_expansion
+
+   !> Strain of free thermal expansion xx, yy, 2 xy, zz as multiples of that along the axis with the largest coefficient;
+   !> no zz in plane stress [-].
+   pure function material_expansion_form(self) result(form)
+      class(material_t), intent(in) :: self !! the material
+      real(dp) :: form(4)
+      real(dp) :: along(3), c, s
+
+      along = 1.0_dp
+      if (abs(self%largest_expansion()) > 0.0_dp) along = self%expansion/self%largest_expansion()
+      c = cos(radians(self%angle))
+      s = sin(radians(self%angle))
+      form = [along(1)*c**2 + along(2)*s**2, along(1)*s**2 + along(2)*c**2, 2.0_dp*c*s*(along(1) - along(2)), &
+         merge(0.0_dp, along(3), self%is_plane_stress)]
+   end function material_expansion_form
+
+   !> An angle in radians.
+   pure real(dp) function radians(degrees)
+      real(dp), intent(in) :: degrees !! the angle [degrees]
+
+      radians = degrees*acos(-1.0_dp)/half_turn
+   end function radians
 
    !> Stress times the strain that makes it, twice the density of the strain energy [F/L^2].
    pure real(dp) function material_squared_norm(self, stress) result(product)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz; zz counts in a body of revolution alone [F/L^2]
-      real(dp) :: across
 
-      across = stress(4)
-      if (self%is_plane_stress) across = 0.0_dp
-      if (.not. (self%is_plane_stress .or. self%is_axisymmetric)) across = self%poisson*(stress(1) + stress(2))
-      product = ((1.0_dp + self%poisson)*(stress(1)**2 + stress(2)**2 + across**2 + 2.0_dp*stress(3)**2) &
-         - self%poisson*(stress(1) + stress(2) + across)**2)/self%young
+      if (self%is_axisymmetric) then
+         product = dot_product(stress, matmul(self%compliance, stress))
+      else
+         product = dot_product(stress(:3), matmul(self%plane_compliance, stress(:3)))
+      end if
    end function material_squared_norm
 
-   !> The same of stresses in a plane body, at several points side by side. There both hypotheses have one formula: in
-   !> two dimensions the stress leaves no choice of its own lambda [F/L^2].
+   !> The same of stresses in a plane body, at several points side by side [F/L^2].
    pure function material_squared_norms(self, stress) result(products)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(4, 3) !! stresses (point; xx, yy, xy) [F/L^2]
       real(dp) :: products(4)
 
-      products = (stress(:, 1)**2 + stress(:, 2)**2 + 2.0_dp*stress(:, 3)**2 &
-         - self%lambda/(2.0_dp*(self%lambda + self%mu))*(stress(:, 1) + stress(:, 2))**2)/(2.0_dp*self%mu)
+      associate (s => self%plane_compliance)
+         products = s(1, 1)*stress(:, 1)**2 + s(2, 2)*stress(:, 2)**2 + s(3, 3)*stress(:, 3)**2 &
+            + 2.0_dp*(s(2, 1)*stress(:, 1)*stress(:, 2) + stress(:, 3)*(s(3, 1)*stress(:, 1) + s(3, 2)*stress(:, 2)))
+      end associate
    end function material_squared_norms
 
    !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].

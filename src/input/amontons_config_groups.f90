@@ -13,7 +13,7 @@ module amontons_config_groups
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_rigid_set, load_on_sides, &
       load_t, new_load
-   use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
+   use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_names
    use amontons_rigid_set, only: rigid_components
@@ -304,16 +304,32 @@ contains
    subroutine describe_material(visitor, material)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(material_t), intent(inout) :: material !! the material
-      type(material_t) :: derived
       type(error_t), allocatable :: error
-      logical :: has_region
+      real(dp), allocatable :: young(:), poisson(:), expansion(:)
+      logical :: has_region, is_orthotropic, has_young, has_poisson, has_shear, has_angle, has_expansion
 
       has_region = is_filled(material%region)
+      is_orthotropic = material%shear > 0.0_dp
+      has_young = all(material%young > 0.0_dp)
+      has_poisson = has_young
+      has_expansion = has_young
+      has_shear = is_orthotropic
+      has_angle = is_orthotropic
+      young = material%young(:merge(3, 1, is_orthotropic))
+      poisson = material%poisson(:merge(3, 1, is_orthotropic))
+      expansion = material%expansion(:merge(3, 1, is_orthotropic))
       call visitor%open_group(material_group)
-      call visitor%real(key_t('young', "Young's modulus", 'F/L²', above=0.0_dp, is_required=.true., &
-         also='e modulus e_modulus youngs_modulus'), material%young)
-      call visitor%real(key_t('poisson', "Poisson's ratio", above=-1.0_dp, below=0.5_dp, is_required=.true., &
-         also='nu poissons_ratio'), material%poisson)
+      call visitor%list(key_t('young', "Young's modulus; of an orthotropic material `E1, E2, E3` along its axes, the"// &
+         ' third of which is that of z, or of the circumference', 'F/L²', above=0.0_dp, is_required=.true., &
+         also='e modulus e_modulus youngs_modulus'), young, has_young)
+      call visitor%list(key_t('poisson', "Poisson's ratio; of an orthotropic material `nu12, nu13, nu23`: nu12 is how"// &
+         ' much axis 2 contracts when axis 1 is pulled', above=-1.0_dp, &
+         below=merge(huge(0.5_dp), 0.5_dp, size(young) > 1), is_required=.true., also='nu poissons_ratio'), poisson, &
+         has_poisson)
+      call visitor%real(key_t('shear', 'with three numbers in `young`: shear modulus G12 in the plane', 'F/L²', &
+         above=0.0_dp, default='isotropic', also='g g12 shear_modulus'), material%shear, has_shear)
+      call visitor%real(key_t('angle', 'with `shear`: angle of axis 1 to the x axis, counterclockwise', '°', &
+         also='orientation'), material%angle, has_angle)
       call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
          ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
       call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
@@ -323,8 +339,9 @@ contains
          formulation_names)
       call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &
          at_least=0.0_dp, also='rho mass'), material%density)
-      call visitor%real(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`', &
-         '1/K', also='alpha cte'), material%expansion)
+      call visitor%list(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`; with'// &
+         ' `shear` one number or three, along the axes', '1/K', default='`0.0`', also='alpha cte'), expansion, &
+         has_expansion)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)
       call visitor%close_group()
@@ -332,13 +349,29 @@ contains
       call visitor%locate('region', material%origin)
       call visitor%require(material%formulation /= 'b-bar' .or. material%hypothesis /= 'plane stress', 'formulation', &
          "formulation must not be 'b-bar' in plane stress, where nothing locks")
-      ! Its rules are those above.
-      call new_material(derived, material%young, material%poisson, material%hypothesis, material%thickness, error)
-      material%lambda = derived%lambda
-      material%mu = derived%mu
-      material%is_plane_stress = derived%is_plane_stress
-      material%is_axisymmetric = derived%is_axisymmetric
-      call material%choose_formulation((material%formulation))
+      if (.not. visitor%is_judging()) return
+      is_orthotropic = size(young) == 3
+      call visitor%only('shear angle', is_orthotropic, 'three numbers in young')
+      call visitor%require(size(young) == 1 .or. is_orthotropic, 'young', &
+         'young: expected 1 number or 3, found '//to_text(size(young)))
+      call visitor%require(size(poisson) == size(young), 'poisson', 'poisson must have as many numbers as young')
+      call visitor%require(size(expansion) == 1 .or. size(expansion) == size(young), 'expansion', &
+         'expansion must be one number, or as many as young has')
+      call visitor%require(material%shear > 0.0_dp .or. .not. is_orthotropic, 'young', &
+         'three numbers in young need shear')
+      call visitor%require(material%formulation /= 'b-bar' .or. .not. is_orthotropic, 'formulation', &
+         "formulation must not be 'b-bar' with an orthotropic material")
+      if (.not. ((size(young) == 1 .or. is_orthotropic) .and. size(poisson) == size(young) &
+         .and. any(size(expansion) == [1, size(young)]) .and. (is_orthotropic .eqv. material%shear > 0.0_dp) &
+         .and. all(young > 0.0_dp) .and. all(poisson > -1.0_dp))) return
+      material%young = young(1)
+      material%poisson = poisson(1)
+      material%expansion = expansion(1)
+      if (is_orthotropic) material%young = young
+      if (is_orthotropic) material%poisson = poisson
+      if (size(expansion) > 1) material%expansion = expansion
+      call material%derive(error)
+      if (allocated(error)) call visitor%require(.false., 'young', error%message)
    end subroutine describe_material
 
    !> Describes one `&support`.

@@ -182,12 +182,24 @@ contains
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
-      text = trim(material%hypothesis)//', Young '//with_unit(short_text(material%young), units, 'F/L^2')// &
-         ', Poisson '//short_text(material%poisson)
+      integer :: i, n
+
+      n = merge(3, 1, material%shear > 0.0_dp)
+      text = trim(material%hypothesis)
+      do i = 1, n
+         text = text//', Young '//with_unit(short_text(material%young(i)), units, 'F/L^2')
+      end do
+      do i = 1, n
+         text = text//', Poisson '//short_text(material%poisson(i))
+      end do
+      if (n > 1) text = text//', shear '//with_unit(short_text(material%shear), units, 'F/L^2')//', angle '// &
+         short_text(material%angle)
       if (.not. material%is_axisymmetric) text = text//', thickness '// &
          with_unit(short_text(material%thickness), units, 'L')
       if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
-      if (abs(material%expansion) > 0.0_dp) text = text//', expansion '//short_text(material%expansion)
+      do i = 1, n
+         if (any(abs(material%expansion) > 0.0_dp)) text = text//', expansion '//short_text(material%expansion(i))
+      end do
       if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text

@@ -360,7 +360,7 @@ contains
          list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value, &
             'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
-         scale = max(displacement, maxval([0.0_dp, abs(force/[area, area])])/maxval(body%materials%list%young) &
+         scale = max(displacement, maxval([0.0_dp, abs(force/[area, area])])/maxval(body%materials%list%young(1)) &
             *maxval([0.0_dp, maxval(zone%position, dim=2) - minval(zone%position, dim=2)]))
          list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
             status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale, 'L')

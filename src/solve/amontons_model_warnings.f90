@@ -135,10 +135,10 @@ contains
          if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
          call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
             trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
-            "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
+            "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson(1)))// &
             ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
       end if
-      associate (poisson => minval(body%materials%list%poisson))
+      associate (poisson => minval(body%materials%list%poisson(1)))
          if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
             '; negative ratios are rare')
       end associate
@@ -146,7 +146,7 @@ contains
          call warnings%add("formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
       end if
       if (any(load_case%loads%target == load_by_temperature) .and. .not. &
-         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
+         any(abs(body%materials%list%largest_expansion()) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')
    end subroutine add_material_warnings
 

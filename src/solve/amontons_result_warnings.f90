@@ -125,7 +125,7 @@ contains
       ! summed up [-].
       real(dp), parameter :: rounding = 1.0e-12_dp
 
-      pressure = rounding*maxval(body%materials%list%young)*displacement/size_of_body
+      pressure = rounding*maxval(body%materials%list%young(1))*displacement/size_of_body
    end function rounding_pressure
 
    !> Warns of contact that reaches an end of its set beyond which body and obstacle go on.
@@ -293,7 +293,7 @@ contains
       is_raised(1) = maxval(hypot(solution%displacement(:m), solution%displacement(m + 1:))) &
          > large_displacement*size_of_body
       is_raised(2:3) = lacks_points(solution%status)
-      is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young)
+      is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young(1))
       reached = body%free_boundary%reached_ends(contacts, body%mesh%coordinates, gap, solution%status)
       is_raised(end_of_set) = size(reached) > 0
       if (m <= 2 .or. any(is_raised(2:3))) return

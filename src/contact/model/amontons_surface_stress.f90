@@ -11,7 +11,7 @@ module amontons_surface_stress
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t
-   use amontons_material, only: material_t
+   use amontons_material, only: material_t, turned_compliance
    implicit none (type, external)
    private
 
@@ -23,11 +23,11 @@ module amontons_surface_stress
       integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
       real(dp), allocatable, private :: row(:) !! its factor (terms) [F/L^3]
       real(dp), allocatable, private :: part(:, :) !! what each part adds to the sums (2m, parts) [F/L^2]
-      real(dp), allocatable, private :: share(:) !! how much of the normal stress each sum has besides (2m) [-]
+      real(dp), allocatable, private :: share(:, :) !! how much of normal stress and shear each sum has besides (2, 2m) [-]
       real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
       real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
-      real(dp), allocatable :: young(:) !! Young's modulus at each point (m) [F/L^2]
-      real(dp), allocatable :: poisson(:) !! Poisson's ratio there (m) [-]
+      real(dp), allocatable :: compliance(:, :, :)
+         !! strains of stresses, both in the order of `stress`, the shear strain the engineering one (4, 4, m) [L^2/F]
    contains
       procedure :: stress => surface_stress_stress
    end type surface_stress_t
@@ -55,8 +55,8 @@ contains
       integer :: p, set
 
       associate (zone => body%zone, m => body%zone%n_points)
-         allocate (surface%part(2*m, size(parts)), surface%share(2*m), surface%outward(2, m), surface%young(m), &
-            surface%poisson(m), surface%column(0), surface%row(0))
+         allocate (surface%part(2*m, size(parts)), surface%share(2, 2*m), surface%outward(2, m), &
+            surface%compliance(4, 4, m), surface%column(0), surface%row(0))
          allocate (surface%start(1), source=1)
          surface%area = zone%area
          set = 0
@@ -133,8 +133,8 @@ contains
       end do
    end subroutine find_cell_places
 
-   !> Makes the sums of a point: with the normal stress given, the law leaves b1 and b2 of the strains along the surface
-   !> and out of the plane in the stress of the same direction and of the other.
+   !> Makes the sums of a point. Strains along the surface and out of the plane are compliance times all stresses; what
+   !> these do not owe to the traction is owed to the stresses in their own directions.
    subroutine add_point(surface, p, places, sides, body, parts, fields)
       type(surface_stress_t), intent(inout) :: surface !! gains the point
       integer, intent(in) :: p !! the point
@@ -145,8 +145,8 @@ contains
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
       type(material_t) :: material
       real(dp), allocatable :: field(:, :, :)
-      real(dp) :: thermal(2, size(parts)), share(2), outward(2), row(2*body%zone%n_points)
-      real(dp) :: weight, values(3), slopes(3), along(2), position(2), law(2, 2), other, expansion
+      real(dp) :: thermal(2, size(parts)), share(2, 2), outward(2), tangent(2), row(2*body%zone%n_points)
+      real(dp) :: weight, values(3), slopes(3), along(2), position(2), compliance(4, 4), law(2, 2), form(4), expansion
       integer :: i, j, k
 
       allocate (field(2, body%mesh%n_nodes, 2), source=0.0_dp)
@@ -160,15 +160,16 @@ contains
             call side_shapes(side(3) > 0, places(j)%xi, values, slopes)
             position = on_side(values, side(:3), body%mesh%coordinates)
             along = on_side(slopes, side(:3), body%mesh%coordinates)
-            ! Stresses along the surface and out of the plane for the strains in these directions, the normal stress 0.
-            associate (lambda => material%lambda, mu => material%mu)
-               other = lambda - lambda**2/(lambda + 2.0_dp*mu)
-               law = reshape([other + 2.0_dp*mu, other, other, other + 2.0_dp*mu], [2, 2])
-               if (material%is_plane_stress) law(2, :) = 0.0_dp
-               share = share + weight*[1.0_dp, merge(0.0_dp, 1.0_dp, material%is_plane_stress)] &
-                  *lambda/(lambda + 2.0_dp*mu)
-            end associate
-            outward = outward + weight*[along(2), -along(1)]/norm2(along)
+            tangent = along/norm2(along)
+            compliance = surface_compliance(material, tangent)
+            if (material%is_plane_stress) then
+               law = reshape([1.0_dp/compliance(3, 3), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+            else
+               law = reshape([compliance(4, 4), -compliance(4, 3), -compliance(3, 4), compliance(3, 3)], [2, 2]) &
+                  /(compliance(3, 3)*compliance(4, 4) - compliance(3, 4)**2)
+            end if
+            share = share - weight*matmul(law, compliance(3:, :2))
+            outward = outward + weight*[tangent(2), -tangent(1)]
             do k = 1, count(side(:3) > 0)
                associate (factors => field(:, side(k), :))
                   do i = 1, 2
@@ -180,14 +181,15 @@ contains
             end do
             if (.not. allocated(parts(1)%thermal_strain)) cycle
             associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
+               form = material%expansion_form()
+               form(3) = dot_product(form(:3), [tangent**2, product(tangent)])
                do i = 1, size(parts)
                   expansion = 0.0_dp
                   do k = 1, count(side(:3) > 0)
                      expansion = expansion + values(k)*parts(i)%thermal_strain(first - 1 &
                         + findloc(body%mesh%node(first:last), side(k), dim=1))
                   end do
-                  thermal(:, i) = thermal(:, i) + weight*expansion*(law(:, 1) &
-                     + merge(0.0_dp, law(:, 2), material%is_plane_stress))
+                  thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, form(3:))
                end do
             end associate
          end associate
@@ -196,8 +198,7 @@ contains
       associate (normal => body%zone%normal(:, p))
          surface%outward(:, p) = [dot_product(normal, outward), normal(1)*outward(2) - normal(2)*outward(1)] &
             /norm2(outward)
-         surface%young(p) = material%young
-         surface%poisson(p) = material%poisson
+         surface%compliance(:, :, p) = surface_compliance(material, [-outward(2), outward(1)]/norm2(outward))
       end associate
       do k = 1, 2
          associate (sum_number => 2*(p - 1) + k)
@@ -205,11 +206,22 @@ contains
             surface%column = [surface%column, pack([(j, j=1, size(row))], abs(row) > 0.0_dp)]
             surface%row = [surface%row, pack(row, abs(row) > 0.0_dp)]
             surface%start = [surface%start, size(surface%row) + 1]
-            surface%share(sum_number) = share(k)
+            surface%share(:, sum_number) = share(k, :)
             surface%part(sum_number, :) = [(sum(field(:, :, k)*fields(:, :, j)), j=1, size(parts))] - thermal(k, :)
          end associate
       end do
    end subroutine add_point
+
+   !> Strains of stresses in the frame of the surface, both in the order of `surface_stress_stress` (4, 4) [L^2/F].
+   pure function surface_compliance(material, tangent) result(compliance)
+      type(material_t), intent(in) :: material !! the material
+      real(dp), intent(in) :: tangent(2) !! unit vector along the surface, the outward normal on its right [-]
+      real(dp) :: compliance(4, 4)
+      integer, parameter :: order(4) = [1, 3, 2, 4]
+
+      compliance = turned_compliance(material%compliance, atan2(-tangent(1), tangent(2)))
+      compliance = compliance(order, order)
+   end function surface_compliance
 
    !> A sum over the nodes of a side (2).
    pure function on_side(factors, side, coordinates) result(vector)
@@ -247,7 +259,7 @@ contains
          traction = -force([p, p + m])/self%area(p)
          stress(1, p) = dot_product(traction, self%outward(:, p))
          stress(2, p) = traction(2)*self%outward(1, p) - traction(1)*self%outward(2, p)
-         stress(3:4, p) = sums(2*p - 1:2*p) + self%share(2*p - 1:2*p)*stress(1, p)
+         stress(3:4, p) = sums(2*p - 1:2*p) + matmul(stress(:2, p), self%share(:, 2*p - 1:2*p))
       end do
    end function surface_stress_stress
 

@@ -471,7 +471,7 @@ contains
          if (.not. temperatures%has_initial) call raw%add_note( &
             '*TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is strained at the temperature 0')
          if (.not. model%is_used(use_materials)) return
-         if (.not. any(abs(model%materials%expansion) > 0.0_dp)) call input%refuse( &
+         if (.not. any(abs(model%materials%largest_expansion()) > 0.0_dp)) call input%refuse( &
             '*TEMPERATURE has no effect: no *SOLID SECTION has a material with *EXPANSION')
       end associate
    end subroutine finish_model

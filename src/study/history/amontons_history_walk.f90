@@ -320,7 +320,7 @@ contains
       real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
       real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (m) [L]
       real(dp) :: sample(n_extremes, size(position))
-      real(dp) :: frames(3, n_planes), on_planes(n_planes), strains(n_planes)
+      real(dp) :: frames(3, n_planes), on_planes(n_planes), strains(n_planes), strain(4)
       integer :: k, p
 
       do k = 1, n_planes
@@ -330,8 +330,8 @@ contains
       end do
       do p = 1, size(position)
          on_planes = matmul(stress(:3, p), frames)
-         strains = ((1.0_dp + surface%poisson(p))*on_planes - surface%poisson(p)*sum(stress([1, 3, 4], p))) &
-            /surface%young(p)
+         strain = matmul(surface%compliance(:, :, p), stress(:, p))
+         strains = matmul([strain(1), 0.5_dp*strain(2), strain(3)], frames)
          sample(:, p) = [abs(stress(2, p)), stress(3, p), position(p), -position(p), on_planes, strains, -strains]
       end do
    end function sample
