@@ -251,7 +251,7 @@ contains
    !> next.
    subroutine sum_thermal_strain(strain, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: strain(:)
-         !! largest expansion coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
+         !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
          !! allocated if no load is a temperature [-]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, with their coefficients

@@ -25,13 +25,13 @@ module amontons_material
    !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest radius.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
-   !> A material. Stresses are `law` times strains, both in the order xx, yy, xy (the engineering shear 2 xy), zz. That of
-   !> an isotropic one is stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own for each hypothesis.
+   !> A material. Stresses are `law` times strains, in the order xx, yy, xy (the engineering shear 2 xy), zz. That of an
+   !> isotropic one is stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own for each hypothesis.
    type :: material_t
       real(dp) :: young(3) = 0.0_dp !! Young's modulus; along the three axes of an orthotropic material [F/L^2]
       real(dp) :: poisson(3) = 0.0_dp
          !! Poisson's ratio; of an orthotropic material nu12, nu13, nu23: how axis 2 contracts when 1 is pulled, ... [-]
-      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of the axes 1 and 2; 0 if the material is isotropic [F/L^2]
+      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
       real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise; axis 3 is that of z [degrees]
       real(dp) :: density = 0.0_dp !! mass per volume; 0 if it is not known [M/L^3]
       real(dp) :: expansion(3) = 0.0_dp !! coefficient of thermal expansion, along the three axes [1/K]
@@ -131,7 +131,8 @@ contains
       else
          associate (young => self%young(1), poisson => self%poisson(1))
             self%mu = young/(2.0_dp*(1.0_dp + poisson))
-            self%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - merge(1.0_dp, 2.0_dp, self%is_plane_stress)*poisson))
+            self%lambda = young*poisson/((1.0_dp + poisson) &
+               *(1.0_dp - merge(1.0_dp, 2.0_dp, self%is_plane_stress)*poisson))
          end associate
          self%law = isotropic_law(self%lambda, self%mu)
          if (self%is_plane_stress) self%law(:, 4) = 0.0_dp
@@ -293,7 +294,7 @@ contains
       expansion = self%expansion(maxloc(abs(self%expansion), dim=1))
    end function material_largest_expansion
 
-   !> Strain of free thermal expansion xx, yy, 2 xy, zz as multiples of that along the axis with the largest coefficient;
+   !> Strain of free thermal expansion xx, yy, 2 xy, zz as multiples of that along the axis of the largest coefficient;
    !> no zz in plane stress [-].
    pure function material_expansion_form(self) result(form)
       class(material_t), intent(in) :: self !! the material

@@ -319,11 +319,11 @@ contains
       poisson = material%poisson(:merge(3, 1, is_orthotropic))
       expansion = material%expansion(:merge(3, 1, is_orthotropic))
       call visitor%open_group(material_group)
-      call visitor%list(key_t('young', "Young's modulus; of an orthotropic material `E1, E2, E3` along its axes, the"// &
-         ' third of which is that of z, or of the circumference', 'F/L²', above=0.0_dp, is_required=.true., &
+      call visitor%list(key_t('young', "Young's modulus; of an orthotropic material `E1, E2, E3` along its axes,"// &
+         ' the third of which is that of z, or of the circumference', 'F/L²', above=0.0_dp, is_required=.true., &
          also='e modulus e_modulus youngs_modulus'), young, has_young)
-      call visitor%list(key_t('poisson', "Poisson's ratio; of an orthotropic material `nu12, nu13, nu23`: nu12 is how"// &
-         ' much axis 2 contracts when axis 1 is pulled', above=-1.0_dp, &
+      call visitor%list(key_t('poisson', "Poisson's ratio; of an orthotropic material `nu12, nu13, nu23`: nu12 is"// &
+         ' how much axis 2 contracts when axis 1 is pulled', above=-1.0_dp, &
          below=merge(huge(0.5_dp), 0.5_dp, size(young) > 1), is_required=.true., also='nu poissons_ratio'), poisson, &
          has_poisson)
       call visitor%real(key_t('shear', 'with three numbers in `young`: shear modulus G12 in the plane', 'F/L²', &

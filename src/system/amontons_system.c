@@ -100,25 +100,6 @@ void amontons_error_text(int code, char *text, int size)
     snprintf(text, (size_t)size, "%s", strerror(code));
 }
 
-/* The most memory this process ever held, in kibibytes. What getrusage tells is on Linux at least what the process held
-   that started the program, /proc knows better. */
-long long amontons_peak_memory(void)
-{
-    struct rusage usage;
-    char line[128];
-    long long peak = -1;
-    FILE *status = fopen("/proc/self/status", "r");
-    if (status != NULL) {
-        while (peak < 0 && fgets(line, sizeof line, status) != NULL)
-            if (sscanf(line, "VmHWM: %lld kB", &peak) != 1)
-                peak = -1;
-        fclose(status);
-    }
-    if (peak >= 0)
-        return peak;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
-}
-
 /* Cuts a file to a number of bytes. Returns 0 or the system's error number. */
 int amontons_truncate(const char *path, long n_bytes)
 {
@@ -216,6 +197,14 @@ long long amontons_resident_memory(void)
 {
     long long resident = number_after("/proc/self/status", "VmRSS:");
     return resident > 0 ? resident : 0;
+}
+
+/* The most memory this process ever held, in kibibytes; 0 where the system does not tell. That of getrusage begins with
+   what the process that started this one held. */
+long long amontons_peak_memory(void)
+{
+    long long peak = number_after("/proc/self/status", "VmHWM:");
+    return peak > 0 ? peak : 0;
 }
 
 /* The memory this process can still get, in kibibytes: what the system has to give and what the limit on the address

@@ -72,7 +72,8 @@ class Orthotropic(ProgramTest):
         self.write("case.nml", block(
             SUPPORT, CONTACT, "load name = 'press'  set = 'top'  pressure = 1.0",
             "load name = 'pull'  set = 'right'  traction = 1.0, 0.0",
-            "history times = 0.0, 1.0, 2.0, 3.0  cycles = 1.0, 3.0", "steps load = 'press'  factor = 0.0, 1.0, 1.0, 1.0",
+            "history times = 0.0, 1.0, 2.0, 3.0  cycles = 1.0, 3.0",
+            "steps load = 'press'  factor = 0.0, 1.0, 1.0, 1.0",
             "steps load = 'pull'  factor = 0.0, 0.0, 0.3, 0.0", "output fretting = 'parameters'",
             material=f"{WOOD}  angle = 20.0"))
         self.run_program("--output", "out", "case.nml")

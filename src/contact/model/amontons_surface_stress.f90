@@ -23,7 +23,7 @@ module amontons_surface_stress
       integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
       real(dp), allocatable, private :: row(:) !! its factor (terms) [F/L^3]
       real(dp), allocatable, private :: part(:, :) !! what each part adds to the sums (2m, parts) [F/L^2]
-      real(dp), allocatable, private :: share(:, :) !! how much of normal stress and shear each sum has besides (2, 2m) [-]
+      real(dp), allocatable, private :: share(:, :) !! how much normal stress and shear each sum has besides (2, 2m) [-]
       real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
       real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
       real(dp), allocatable :: compliance(:, :, :)
