@@ -82,10 +82,10 @@ module amontons_newton
          !! solutions of the factorized system for a unit in each of these rows
       real(dp), allocatable, private :: row(:, :) !! these rows of A
       logical, private :: is_symmetric = .false.
-         !! dense: whether no point slides with friction, so that the matrix is symmetric
+         !! of a dense one, whether no point slides with friction, so that the matrix is symmetric
       real(dp), allocatable, private :: entries(:)
-         !! dense: Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to get
-         !! anew
+         !! of a dense one, Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to
+         !! get anew
       integer, allocatable, private :: pivots(:) !! their row exchanges
       type(sparse_lu_t), private :: sparse_factors !! sparse: triangular factors of the transposed matrix
    contains
