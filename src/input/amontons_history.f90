@@ -53,7 +53,9 @@ module amontons_history
       logical :: is_given = .false. !! whether there is a history
       character(:), allocatable :: name !! what the pseudo-time is called in tables
       real(dp), allocatable :: times(:) !! the times, ascending; the body is at rest before the first [-]
-      integer :: n_substeps = 1 !! number of equal steps from one time to the next
+      real(dp), allocatable :: substeps(:)
+         !! number of equal steps from one time to the next, or that of each leg
+      real(dp), allocatable :: planned(:) !! times to which the steps lead, if none is halved [-]
       real(dp) :: step_tolerance = huge(1.0_dp)
          !! a step whose energy error is a larger part of its energies is halved [-]
       real(dp) :: min_step = 0.0_dp !! steps that would become smaller are not halved [-]
@@ -73,10 +75,8 @@ module amontons_history
       procedure :: has_start => history_has_start
       procedure :: n_cycles => history_n_cycles
       procedure :: n_probes => history_n_probes
-      procedure :: n_steps => history_n_steps
       procedure :: numbers => history_numbers
       procedure :: nearest_planned_time => history_nearest_planned_time
-      procedure :: planned_time => history_planned_time
    end type history_t
 
    !> The group of the times.
@@ -189,46 +189,12 @@ contains
       if (allocated(self%probes)) n = size(self%probes)/2
    end function history_n_probes
 
-   !> Number of steps if none is halved.
-   pure integer function history_n_steps(self) result(n)
-      class(history_t), intent(in) :: self !! the history
-
-      n = 1 + (size(self%times) - 1)*self%n_substeps
-   end function history_n_steps
-
-   !> The time that a step leads to if none is halved [-].
-   pure real(dp) function history_planned_time(self, step) result(time)
-      class(history_t), intent(in) :: self !! the history
-      integer, intent(in) :: step !! number of the step
-      integer :: interval, substep
-
-      interval = 1 + (step - 2)/self%n_substeps
-      substep = 1 + modulo(step - 2, self%n_substeps)
-      if (step == 1) then
-         time = self%times(1)
-      else if (substep == self%n_substeps) then
-         time = self%times(interval + 1)
-      else
-         time = self%times(interval) + (self%times(interval + 1) - self%times(interval))*(real(substep, dp) &
-            /self%n_substeps)
-      end if
-   end function history_planned_time
-
    !> The time of a planned step that is nearest to a time within the history [-].
    pure real(dp) function history_nearest_planned_time(self, time) result(nearest)
       class(history_t), intent(in) :: self !! the history
       real(dp), intent(in) :: time !! the time [-]
-      integer :: interval
 
-      interval = max(1, min(count(self%times <= time), size(self%times) - 1))
-      if (size(self%times) == 1) then
-         nearest = self%times(1)
-      else
-         associate (begin => self%times(interval), end => self%times(interval + 1))
-            nearest = self%planned_time(1 + self%n_substeps*(interval - 1) &
-               + nint(self%n_substeps*max(0.0_dp, min(1.0_dp, (time - begin)/(end - begin)))))
-         end associate
-      end if
+      nearest = self%planned(minloc(abs(self%planned - time), dim=1))
    end function history_nearest_planned_time
 
    !> How many cycles of the period end within the history. No more than there are planned steps.
@@ -237,8 +203,8 @@ contains
       ! A cycle that ends this little behind the last time, over its length, is whole.
       real(dp), parameter :: rounding = 1.0e-6_dp
 
-      n = int(max(0.0_dp, min(real(self%n_steps(), dp), (self%times(size(self%times)) - self%cycles(1))/self%period &
-         + rounding)))
+      n = int(max(0.0_dp, min(real(size(self%planned), dp), (self%times(size(self%times)) - self%cycles(1)) &
+         /self%period + rounding)))
    end function history_n_cycles
 
    !> The times at which cycles begin and end, those of planned steps; none without cycles [-].
@@ -322,9 +288,10 @@ contains
    subroutine describe_times(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
-      logical :: has_times, has_tolerance, has_least, has_start, has_start_step, has_cycles, has_period
+      logical :: has_times, has_substeps, has_tolerance, has_least, has_start, has_start_step, has_cycles, has_period
 
       has_times = history%is_given
+      has_substeps = history%is_given
       has_tolerance = history%step_tolerance < huge(1.0_dp)
       has_least = history%min_step > 0.0_dp
       has_start = is_filled(history%start)
@@ -338,8 +305,9 @@ contains
          also='time'), history%times, has_times)
       call visitor%text(key_t('name', 'what the pseudo-time is called in tables: letters, digits and `_`'), &
          history%name)
-      call visitor%whole(key_t('substeps', 'number of equal steps from one of the `times` to the next', &
-         at_least=1.0_dp, also='n steps nsteps increments dt'), history%n_substeps)
+      call visitor%list(key_t('substeps', 'number of equal steps from one of the `times` to the next, or that of'// &
+         ' each leg, from the first time on', default='`1`', at_least=1.0_dp, is_whole=.true., &
+         also='n steps nsteps increments dt'), history%substeps, has_substeps)
       call visitor%real(key_t('step_tolerance', 'a step whose energy error is a larger part of its energies is'// &
          ' halved', default='no step is halved for this', above=0.0_dp, also='tolerance tol'), &
          history%step_tolerance, has_tolerance)
@@ -364,11 +332,43 @@ contains
          'a deck has either &history or &sweep; give each a deck of its own')
       call visitor%only('start_step', is_filled(history%start), 'start')
       call visitor%only('period', has_cycles, 'cycles')
+      if (has_times .and. visitor%deck%is_sound(visitor%place)) call plan_steps(visitor, history)
       if (has_times .and. has_cycles) call judge_cycles(visitor, history)
       call visitor%require( &
          verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. &
          len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
    end subroutine describe_times
+
+   !> Finds the times to which the steps lead.
+   subroutine plan_steps(visitor, history)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(history_t), intent(inout) :: history !! the history, with times; gains those of its steps
+      real(dp), allocatable :: n_steps(:)
+      integer :: leg, i, n
+      ! Their times take 80 MB.
+      integer, parameter :: most_steps = 10000000
+
+      associate (times => history%times)
+         if (.not. allocated(history%substeps)) history%substeps = [1.0_dp]
+         n_steps = history%substeps
+         if (size(n_steps) == 1) n_steps = [(n_steps(1), leg=1, size(times) - 1)]
+         call visitor%require(size(n_steps) == size(times) - 1, 'substeps', 'substeps: expected 1 whole number, or '// &
+            to_text(size(times) - 1)//', one for each leg between the times, found '//to_text(size(n_steps)))
+         call visitor%require(sum(n_steps) <= most_steps, 'substeps', 'there must be at most '// &
+            to_text(most_steps)//' steps, found '//to_text(nint(min(sum(n_steps), real(huge(1), dp)))))
+         if (.not. visitor%deck%is_sound(visitor%place)) return
+         allocate (history%planned(1 + nint(sum(n_steps))))
+         history%planned(1) = times(1)
+         n = 1
+         do leg = 1, size(n_steps)
+            do i = 1, nint(n_steps(leg)) - 1
+               history%planned(n + i) = times(leg) + (times(leg + 1) - times(leg))*(i/n_steps(leg))
+            end do
+            n = n + nint(n_steps(leg))
+            history%planned(n) = times(leg + 1)
+         end do
+      end associate
+   end subroutine plan_steps
 
    !> Judges the times of cycles.
    subroutine judge_cycles(visitor, history)

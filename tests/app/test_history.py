@@ -42,7 +42,10 @@ class History(HistoryTest):
         points = self.table("bar.points.csv")
         self.assertEqual(sorted({int(row["step"]) for row in points}), [1, 6, 11, 16, 21])
         end = [row for row in points if row["step"] == "21"]
-        self.assertEqual([row["slip_accumulated"] for row in end], [row["slip_accumulated"] for row in contact])
+        for column in ("slip_accumulated", "x", "y", "contact_pressure", "contact_shear"):
+            self.assertEqual([row[column] for row in end], [row[column] for row in contact], column)
+        # The body is of thickness 1.
+        self.assertEqual([row["area"] for row in end], [row["weight"] for row in contact])
         grids = [f"{step}.{kind}" for step in (1, 11, 21) for kind in ("vtu", "contact.vtu")]
         self.assertEqual(self.grids(), sorted(grids))
         times = re.findall(r'timestep="([^"]*)" part="0"', self.text("bar.history.pvd"))

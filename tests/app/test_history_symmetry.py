@@ -75,7 +75,8 @@ class Symmetry(HistoryTest):
                  "tangential_force": force, "work_loads": force*length, "strain_energy": force*length,
                  "dissipation": force*length, "max_slip_step": length, "step_indicator": 1.0}
         self.assert_scaled(rows, self.table("bar.history.csv"), units)
-        units = {"normal_force": force, "tangential_force": force, "gap": length, "slip": length, "slip_step": length,
+        units = {"x": length, "area": length**2, "contact_pressure": stress, "contact_shear": stress,
+                 "normal_force": force, "tangential_force": force, "gap": length, "slip": length, "slip_step": length,
                  "dissipation": force*length, "wear_integral": force/length}
         scaled = self.table("bar.points.csv")
         self.assert_scaled(points, scaled, units)

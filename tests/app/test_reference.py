@@ -68,7 +68,7 @@ class Key:
         self.group, self.name, self.is_required = group, name.strip("*`"), name.startswith("*")
         self.words = WORD.findall(self.values)
         n_values, noun = re.match(r"(\d+ )?(\w+)", "text" if self.words else self.values).groups()
-        self.is_list = noun == "numbers" and not n_values or self.values.startswith("texts")
+        self.is_list = self.values.startswith(("numbers", "whole numbers", "texts"))
         self.n_values, self.noun = int(n_values or 1), NOUNS[noun]
 
     def out_of_range(self):

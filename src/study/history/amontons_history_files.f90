@@ -192,7 +192,9 @@ contains
       integer :: i
 
       call table%add('step,'//history%name//',point', number_alone)
+      call table%add('x,y,area', own_scale)
       call table%add('normal_force,tangential_force', a_force)
+      call table%add('contact_pressure,contact_shear', own_scale)
       call table%add('gap,slip,slip_step,slip_accumulated', a_length)
       call table%add('dissipation', an_energy)
       call table%add('wear_integral', own_scale)
@@ -332,13 +334,14 @@ contains
 
       m = body%zone%n_points
       record = walk%point_record(body)
-      allocate (character((9 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
-      associate (state => walk%state)
+      allocate (character((14 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
+      associate (state => walk%state, zone => body%zone)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
          do p = 1, m
             lines(p) = to_text(walk%n_steps)//','//to_text(state%instant%time)//','//to_text(p)//','// &
-               comma_separated([state%solution%force(p), state%solution%force(m + p), gap(p), &
+               comma_separated([zone%position(:, p), zone%area(p), state%solution%force([p, m + p]), &
+               state%solution%force([p, m + p])/zone%area(p), gap(p), &
                state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])//','// &
                status_names(state%solution%status(p))
          end do

@@ -268,7 +268,7 @@ contains
       logical :: is_due
 
       associate (walk => result%walk, history => model%history)
-         call monitor%report(walk%n_planned, history%n_steps(), 'steps')
+         call monitor%report(walk%n_planned, size(history%planned), 'steps')
          do while (.not. (walk%is_ended .or. result%is_interrupted))
             n_kept = walk%n_steps
             call walk%advance(model, cache%body, cache%problem)
@@ -286,7 +286,7 @@ contains
             ! A step may take microseconds, or seconds.
             is_due = files%checkpoint%is_due()
             if (is_due .or. modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, &
-               history%n_steps(), 'steps')
+               size(history%planned), 'steps')
             if (is_due) call note_progress(files, result, error)
             if (allocated(error)) return
          end do
@@ -726,7 +726,7 @@ contains
          call prepare_case(cache, self%config, result, error)
          if (allocated(error)) return
          call add_history_warnings(result%warnings, history, result%load_case, cache%body%zone%set)
-         call report_size(self%config, ', '//to_text(history%n_steps())//' steps', cache, result, outcome, error)
+         call report_size(self%config, ', '//to_text(size(history%planned))//' steps', cache, result, outcome, error)
          if (.not. allocated(error)) call find_probes(probes, history, cache%body, error)
          if (allocated(error)) outcome%text = ''
       end associate

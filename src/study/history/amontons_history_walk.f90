@@ -401,7 +401,7 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(error_t), allocatable, intent(out) :: error !! they do not fit body and history
       type(instant_t) :: instant
-      integer :: i, last
+      integer :: last
       real(dp) :: start
 
       last = -1
@@ -426,11 +426,11 @@ contains
       self%n_given_up = nint(numbers(2))
       self%n_iterations = nint(numbers(3))
       associate (time => self%state%instant%time, history => model%history)
-         self%n_planned = count([(history%planned_time(i) <= time, i=1, history%n_steps())])
-         self%is_ended = self%n_planned == history%n_steps()
+         self%n_planned = count(history%planned <= time)
+         self%is_ended = self%n_planned == size(history%planned)
          if (self%is_ended) return
-         start = history%planned_time(self%n_planned)
-         self%tick = nint(n_ticks*((time - start)/(history%planned_time(self%n_planned + 1) - start)))
+         start = history%planned(self%n_planned)
+         self%tick = nint(n_ticks*((time - start)/(history%planned(self%n_planned + 1) - start)))
       end associate
       ! Times of another history may lie elsewhere: from one of its smallest steps to the next it goes on anyway.
       self%length = nint(numbers(4))
@@ -551,7 +551,7 @@ contains
       self%is_jump = self%n_planned > 0 .and. .not. has_balance(state, model%history)
       self%tick = modulo(self%tick + self%length, n_ticks)
       if (self%tick == 0) self%n_planned = self%n_planned + 1
-      self%is_ended = self%n_planned == model%history%n_steps()
+      self%is_ended = self%n_planned == size(model%history%planned)
       if (modulo(self%tick, 2*self%length) == 0) self%length = min(n_ticks, 2*self%length)
    end subroutine history_walk_keep
 
@@ -577,9 +577,9 @@ contains
          time = history%times(1)
          return
       end if
-      time = history%planned_time(self%n_planned + 1)
+      time = history%planned(self%n_planned + 1)
       if (self%tick + self%length == n_ticks) return
-      start = history%planned_time(self%n_planned)
+      start = history%planned(self%n_planned)
       time = start + (time - start)*(real(self%tick + self%length, dp)/n_ticks)
    end function history_walk_plan
 
@@ -590,7 +590,7 @@ contains
 
       can_halve = .false.
       if (self%n_planned == 0 .or. self%length == 1) return
-      associate (planned => history%planned_time(self%n_planned + 1) - history%planned_time(self%n_planned))
+      associate (planned => history%planned(self%n_planned + 1) - history%planned(self%n_planned))
          can_halve = planned*(real(self%length/2, dp)/n_ticks) >= history%min_step
       end associate
    end function history_walk_can_halve
