@@ -84,8 +84,8 @@ module amontons_newton
       logical, private :: is_symmetric = .false.
          !! of a dense one, whether no point slides with friction, so that the matrix is symmetric
       real(dp), allocatable, private :: entries(:)
-         !! of a dense one, Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to
-         !! get anew
+         !! of a dense one, Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly
+         !! to get anew
       integer, allocatable, private :: pivots(:) !! their row exchanges
       type(sparse_lu_t), private :: sparse_factors !! sparse: triangular factors of the transposed matrix
    contains
