@@ -176,12 +176,13 @@ def scale_matters(column, columns, moved):
     # Where a loose body without load is, rounding chooses on any factorization, and with it the work that closes it.
     if column == "closing_loss" or column == "work_loads" and is_closed_from_afar(columns):
         return False
-    kinds = ("force", "stress", "pressure", "shear", "displacement", "slip", "gap", "energy", "work", "dissipation")
+    kinds = ("force", "stress", "pressure", "shear", "displacement", "slip", "gap", "energy", "work", "dissipation",
+             "reaction", "tie_")
     kind = next((kind for kind in kinds if kind in column), None)
     if kind is None:
         return True
     kind = {"pressure": "stress", "shear": "stress", "slip": "displacement", "gap": "displacement",
-            "energy": "work", "dissipation": "work"}.get(kind, kind)
+            "energy": "work", "dissipation": "work", "reaction": "force", "tie_": "force"}.get(kind, kind)
     largest = max((abs(value) for key, values in columns.items() if kind in key for value in values), default=0.0)
     return own > 1e-6*max(largest, moved if kind == "displacement" else 0.0)
 
