@@ -100,6 +100,7 @@ contains
             part%load = problem%load(rows)
             part%friction = problem%friction(points)
             part%prescribed = problem%prescribed
+            part%rounding = problem%rounding
          else
             call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
          end if

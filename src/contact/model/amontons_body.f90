@@ -280,7 +280,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
       class(condenser_t), allocatable :: condenser
+      real(dp), allocatable :: force(:)
       logical :: is_held
+      integer :: i
 
       call timings%begin(phase_assemble)
       call check_held(body, error)
@@ -306,7 +308,17 @@ contains
       call timings%begin(phase_condense)
       if (size(body%common_motions, 2) > 0) body%condensation%unnoticed = contact_motions(body)
       call body%condensation%condense_stiffness(error)
-      if (.not. allocated(error)) call new_contact_problem(problem, body%condensation%matrix)
+      if (allocated(error)) return
+      call new_contact_problem(problem, body%condensation%matrix)
+      ! Free motions strain nothing: what S makes of them is what the condensation of stiff bodies has lost.
+      allocate (force(2*problem%n_points))
+      do i = 1, size(body%rigid_modes, 2)
+         associate (motion => body%rigid_modes(:, i))
+            call problem%matrix%multiply_stiffness(motion, force)
+            if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, &
+               maxval(abs(force))/maxval(abs(motion)))
+         end associate
+      end do
    end subroutine condense_body
 
    !> The displacements of the contact unknowns under the motions that no contact point notices (n_schur, any) [-].

@@ -34,6 +34,8 @@ module amontons_contact_problem
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
+      real(dp) :: rounding = 0.0_dp
+         !! largest force that S gives a point under a rigid motion of a loose body, over its largest displacement [F/L]
    contains
       procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
@@ -209,6 +211,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
       real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
+      real(dp), parameter :: least_residual = 1.0e-11_dp ! a tenth of the tolerance is rounding of a loose body's S
       real(dp), parameter :: pressed = 1.0e-9_dp ! forces that are no rounding are a larger share of those of moves
       real(dp), dimension(2*self%n_points) :: held, force
       real(dp) :: acting, uncanceled
@@ -236,8 +239,8 @@ contains
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%augmentation())*self%prescribed
          if (maxval(abs(displacement)) <= far*self%prescribed .and. maxval(abs(contact_force)) <= &
-            pressed*uncanceled) scale = max(scale, share_of_moves*maxval(self%augmentation())*max(self%prescribed, &
-            maxval(abs(displacement))))
+            pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled, &
+            self%rounding/least_residual*maxval(abs(displacement)))
       end if
    end function acting_force
 
