@@ -106,7 +106,8 @@ def write_case(folder, kind, number, data):
         deck.write_bytes(data)
     elif kind == "table":
         (folder / f"{stem}.csv").write_bytes(data)
-        deck.write_bytes(spoiled_files.body_with_table(list(spoiled_files.TABLES)[number % 3], f"{stem}.csv"))
+        keys = list(spoiled_files.TABLES)
+        deck.write_bytes(spoiled_files.body_with_table(keys[number % len(keys)], f"{stem}.csv"))
     else:
         mesh = folder / f"{stem}{'.inp' if kind == 'abaqus' else '.msh'}"
         mesh.write_bytes(data)

@@ -26,6 +26,7 @@ BODY = (b"&mesh size = 4.0, 2.0  cells = 6, 3 /\n&material young = 1000.0  poiss
 TABLES = {
     "line": b"# x, y of a polyline\n-1.0, 0.1\n1.0, 0.0\n2.5 0.0\n5.0, 0.3\n",
     "friction_table": b"# length, coefficient\n0.0, 0.1\n1.5, 0.5\n4.0, 0.3\n",
+    "gap_table": b"length; gap\n0.0; 0.0\n1.5; -0.001\n4.0; 0.002\n",
     "slip_bound_table": b"length stress\n0.0 0.1\n1.5 0.5\n4.0 0.3\n",
 }
 

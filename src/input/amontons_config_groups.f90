@@ -100,6 +100,11 @@ module amontons_config_groups
       key_t('slip_bound_slope', 'change of the bound along x and y; `slip_bound` is then its value at the origin', &
       'F/L³'), &
       key_t('slip_bound_table', 'file with the bound over the length of the contact line, instead', is_file=.true.)]
+   !> Keys of what is added to gaps: its value, slope and table.
+   type(key_t), parameter :: gap_keys(3) = [ &
+      key_t('extra_gap', 'added to every gap; negative for an interference', 'L', also='clearance interference'), &
+      key_t('gap_slope', 'change of it along x and y, as of a taper; `extra_gap` is then its value at the origin'), &
+      key_t('gap_table', 'file with what is added over the length of the contact line, instead', is_file=.true.)]
 
 contains
 
@@ -661,8 +666,7 @@ contains
       call visitor%table('line', contact%obstacle%file, contact%obstacle%line)
       call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
          default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction, has_direction)
-      call visitor%real(key_t('extra_gap', 'added to every gap; negative for an interference', 'L', &
-         also='clearance interference'), contact%extra_gap)
+      call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
       multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
       has_cells = contact%partition%n_cells > 0

@@ -260,8 +260,7 @@ contains
             if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair_text(contact%direction)
          end if
       end associate
-      if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '// &
-         with_unit(short_text(contact%extra_gap), units, 'L')
+      text = text//field_text('extra gap', contact%extra_gap, units)
    end function contact_text
 
    !> Mean lengths of the sides of slave and master, by which their roles should be chosen.
@@ -276,9 +275,10 @@ contains
    end function roles_text
 
    !> A quantity along a contact line; nothing where it is zero.
-   pure function field_text(name, field) result(text)
+   pure function field_text(name, field, units) result(text)
       character(*), intent(in) :: name !! name of the quantity
       type(line_field_t), intent(in) :: field !! the quantity
+      character(*), intent(in), optional :: units !! names of the units of the case, of a length
       character(:), allocatable :: text
 
       text = ''
@@ -288,6 +288,7 @@ contains
          text = ', '//name//' '//short_text(field%value)//' + '//pair_text(field%slope)//' . (x, y)'
       else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
          text = ', '//name//' '//short_text(field%value)
+         if (present(units)) text = ', '//name//' '//with_unit(short_text(field%value), units, 'L')
       end if
    end function field_text
 

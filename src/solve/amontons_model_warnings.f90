@@ -77,7 +77,7 @@ contains
          if (.not. body%zone%pairs(i)%is_set()) cycle
          call add_pair_warnings(warnings, body%zone%pairs(i))
          if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
-            pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
+            pack(load_case%gap, body%zone%set == i), pack(load_case%extra_gap, body%zone%set == i))
       end do
       call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
       do i = 1, size(body%ties)
@@ -215,6 +215,7 @@ contains
          end if
          call add_table_warning(warnings, name//'friction_table', load_case%contacts(set)%friction, zone, set)
          call add_table_warning(warnings, name//'slip_bound_table', load_case%contacts(set)%slip_bound, zone, set)
+         call add_table_warning(warnings, name//'gap_table', load_case%contacts(set)%extra_gap, zone, set)
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
             if (n_buried > 0) call warnings%add(name//'left open inside the obstacle: '// &
                counted(n_buried, 'point')//'; their normals do not meet its surface, or at more than '// &
@@ -360,7 +361,7 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: gap(:) !! gaps of its points, with what the deck adds [L]
-      real(dp), intent(in) :: extra_gap !! what the deck adds [L]
+      real(dp), intent(in) :: extra_gap(:) !! what the deck adds [L]
       ! What the digits of mesh files leave of a gap of 0, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       ! Gaps larger than the bulge of sides by this factor are well resolved.

@@ -73,7 +73,8 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, status)
       call add_reached_ends(result, body, reached)
-      call find_corner_penetration(body%mesh, result%load_case%contacts, result%displacement, depth, place, set)
+      call find_corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
+         result%displacement, depth, place, set)
       if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
          result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
@@ -441,7 +442,7 @@ contains
             associate (contact => load_case%contacts(zone%set(p)), normal => zone%normal(:, p), &
                slip => at_points(zone%n_points + p))
                depth = contact%obstacle%depth(zone%position(:, p) + at_points(p)*normal + slip*turned(normal))
-               if (depth - contact%extra_gap > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
+               if (depth - load_case%extra_gap(p) > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
             end associate
          end do
       end associate

@@ -121,7 +121,7 @@ class Tables(ProgramTest):
 
     def test_stations_that_do_not_ascend(self):
         self.write("table.txt", "0.0 0.3\n2.0 0.2\n2.0 0.1\n")
-        for key in ("friction_table", "slip_bound_table"):
+        for key in ("friction_table", "slip_bound_table", "gap_table"):
             deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
             run = self.run_program(self.write("case.nml", deck), status=1)
             self.assertEqual(run.stderr, f"case.nml:5: {key} must have lengths that increase from row to row\n")

@@ -43,7 +43,7 @@ $EndElements
 """
 FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n",
          "loop.csv": "-5.0, 0.0\n9.0, 0.0\n9.0, -3.0\n2.0, 1.0\n-5.0, -3.0\n-5.0, 0.0\n",
-         "far.csv": "10.0, 0.3\n20.0, 0.9\n", "ball.msh": disc_mesh()}
+         "far.csv": "10.0, 0.3\n20.0, 0.9\n", "off.csv": "10.0, 0.0\n20.0, 0.0\n", "ball.msh": disc_mesh()}
 BALL = "mesh kind = 'file'  file = 'ball.msh'", "material young = 1000.0  poisson = 0.3"
 
 # Groups of a deck, what else is different about its block, and how each warning of it begins.
@@ -98,8 +98,9 @@ CASES = {
               "strain of 2.5 % at "]),
     "looped": ((SUPPORT, PRESSURE, CONTACT + "  obstacle = 'polyline'  line = 'loop.csv'"), {},
                ["contact set 'bottom': the polyline of the obstacle crosses itself at (3.75, 0.0) of its file"]),
-    "table": ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction_table = 'far.csv'"), {},
-              ["contact set 'bottom': friction_table has no station on the contact line, whose length is 4.0"]),
+    "table": ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction_table = 'far.csv'  gap_table = 'off.csv'"), {},
+              ["contact set 'bottom': friction_table has no station on the contact line, whose length is 4.0",
+               "contact set 'bottom': gap_table has no station on the contact line, whose length is 4.0"]),
     "axis": ((PRESSURE, CONTACT, "contact set = 'left'  normal = 1.0, 0.0"),
              {"material": "young = 100.0  poisson = 0.25  hypothesis = 'axisymmetric'"},
              ["contact set 'left': no contact points", "5 nodes on the axis of revolution are not held radially",

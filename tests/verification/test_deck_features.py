@@ -107,6 +107,53 @@ class DeckFeatures(ProgramTest):
         self.assert_close([shear for *_, shear in tresca],
                           [-(0.2 - 0.075*x if x < 2 else 0.025*x) for x, *_ in tresca], ROUNDING)
 
+    def test_gaps_of_a_slope_and_a_table_are_those_of_a_tilted_plane(self):
+        # Below the node at x the tilted plane is 0.02 x - 0.05 away along the normal, the flat one what the deck says.
+        self.write("gaps.csv", "length; gap\n0; -0.05\n4; 0.03\n")
+        deck = """\
+&mesh size = 4.0, 2.0  cells = 8, 4  element = 'quad8' /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'left'  ux = 0.0 /
+&support set = 'top'  uy = 0.0 /
+&contact set = 'bottom'  friction = 0.3  multipliers = '{}'  {} /
+{}
+"""
+        ways = {"slope": "extra_gap = -0.05  gap_slope = 0.02, 0.0", "table": "gap_table = 'gaps.csv'"}
+        history = "&history times = 0.0, 1.0 /\n&steps obstacle = 'bottom'  shift_y = 0.0, 0.005 /"
+        for multipliers in "nodal", "constant":
+            for study in "", history:
+                plane = self.solve(deck.format(multipliers, "point = 0.0, 0.05  normal = 0.02, 1.0", study), "plane")
+                self.assertGreater(len(set(plane["status"])), 1)
+                for name, way in ways.items():
+                    with self.subTest(multipliers=multipliers, way=name, study=study):
+                        result = self.solve(deck.format(multipliers, way, study), name)
+                        self.assertEqual(result["status"], plane["status"])
+                        self.assert_close(result["gap"], plane["gap"], ROUNDING)
+                        # The tilted plane's normal is another way into it, along which the friction cannot tell.
+                        self.assert_close(result.forces, plane.forces, ROUNDING*max(plane["normal_force"]))
+        self.run_program("--quiet", "--verify", ".")
+
+    def test_gaps_of_a_pair_follow_their_table(self):
+        # Too far away to touch: what is left is the gap of the meshes, 0.5, and the mean of the table over a cell or,
+        # of a corner between sides one long, over its shape function, whose middle at both ends lies 1/3 inside.
+        self.write("gaps.csv", "0 0.1\n4 0.3\n")
+        deck = """\
+&mesh name = 'a'  size = 4.0, 1.0  cells = 4, 2 /
+&mesh name = 'b'  size = 6.0, 1.0  cells = 7, 2  origin = -1.0, -1.5 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'a.top'  ux = 0.0  uy = 0.0 /
+&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
+&load set = 'a.left'  traction = 0.0, 1.0e-9 /
+&contact set = 'a.bottom'  against = 'b.top'  multipliers = '%s'  gap_table = 'gaps.csv' /
+"""
+        for multipliers in "mortar", "constant":
+            result = self.solve(deck % multipliers, multipliers)
+            self.assertEqual(set(result["status"]), {"open"})
+            # The load moves no node by more than 1e-9.
+            middles = [min(max(x, 1/3), 11/3) for x in result["x"]]
+            self.assert_close(result["gap"], [0.6 + 0.05*x for x in middles], 1e-9, multipliers)
+        self.run_program("--quiet", "--verify", ".")
+
     def test_gaps_close_along_the_direction_given(self):
         # A block between two parallel lines that rise by 0.5 along x, vertical sides free, pressed by a vertical
         # traction p on its top: the stress along y is -p/cos a, and no other. The floor 0.1 below it, in vertical

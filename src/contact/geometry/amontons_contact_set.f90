@@ -74,7 +74,7 @@ module amontons_contact_set
       type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
       type(pairing_t) :: pairing !! the other body, if the set is paired
       real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
-      real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
+      type(line_field_t) :: extra_gap !! added to every gap; negative for an interference [L]
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
       type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
       type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells

@@ -276,7 +276,8 @@ contains
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement, depth, deepest)
       certificate%penetration_outside = relative(depth, largest_displacement)
-      call find_corner_penetration(body%mesh, load_case%contacts, displacement, depth, place, set)
+      call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement, depth, &
+         place, set)
       certificate%penetration_between = relative(depth, largest_displacement)
       associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &

@@ -34,6 +34,7 @@ module amontons_free_boundary
          !! first corner, second corner, middle or 0 of the side of the other body that it faces; 0 with an obstacle
       real(dp) :: share(3) = 0.0_dp !! shape functions of these nodes at the place that it faces [-]
       real(dp) :: distance = 0.0_dp !! distance to this place along the normal; 0 with an obstacle [L]
+      real(dp) :: arc_length = 0.0_dp !! length along the line of the set up to where this is nearest [L]
    end type free_node_t
 
    !> An end of a contact set beyond which the boundary of the body goes on without a corner.
@@ -124,7 +125,23 @@ contains
          call add_facing(boundary, master, master%n_own + 1, set, outline, body%constraints, zone%pairs(i)%search, &
             least)
       end do
+      do i = 1, size(boundary%nodes)
+         associate (node => boundary%nodes(i))
+            p = nearest_point(zone, node%set, body%mesh%coordinates(:, node%node))
+            if (p > 0) node%arc_length = zone%quadrature%arc_length(zone%quadrature%start(p))
+         end associate
+      end do
    end subroutine new_free_boundary
+
+   !> The contact point of a set that is nearest to a place; 0 for a set without points.
+   pure integer function nearest_point(zone, set, position)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: set !! number of the contact set
+      real(dp), intent(in) :: position(2) !! the place [L]
+
+      nearest_point = minloc((zone%position(1, :) - position(1))**2 + (zone%position(2, :) - position(2))**2, dim=1, &
+         mask=zone%set == set)
+   end function nearest_point
 
    !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
    pure subroutine add_beyond(boundary, extended, direction, outline, constraints)
@@ -376,8 +393,7 @@ contains
                mask=boundary%nodes%set == extended%number .and. boundary%nodes%node == first)
          end if
          if (added%beyond == 0) cycle
-         added%point = minloc(hypot(zone%position(1, :) - added%position(1), zone%position(2, :) - added%position(2)), &
-            dim=1, mask=zone%set == extended%number)
+         added%point = nearest_point(zone, extended%number, added%position)
          if (added%point > 0) boundary%ends = [boundary%ends, added]
       end do
    end subroutine add_ends
@@ -422,7 +438,7 @@ contains
       else
          call contact%obstacle%measure(position, node%normal, gap, is_met, cosine)
       end if
-      gap = gap + contact%extra_gap
+      gap = gap + contact%extra_gap%at(position, node%arc_length)
    end subroutine measure_node
 
    !> Which nodes do not lie deeper in their obstacles than the points of their set: what does is meant to, as where a
@@ -522,9 +538,11 @@ contains
    !> As gaps do, the depth counts along the normal of the side, of displacements along it. What a smooth surface or a
    !> single corner between two nodes may reach into the side is the error of the mesh and does not count, see
    !> `resolved_depth`.
-   pure subroutine find_corner_penetration(mesh, contacts, displacement, depth, place, set)
+   pure subroutine find_corner_penetration(mesh, contacts, zone, extra_gap, displacement, depth, place, set)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: extra_gap(:) !! what deck and wear have added to their gaps (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: depth !! the depth; 0 if no corner penetrates by more than a negligible one [L]
       real(dp), intent(out) :: place(2) !! where the side is penetrated [L]
@@ -537,13 +555,13 @@ contains
       real(dp), allocatable :: corners(:, :)
       type(error_t), allocatable :: error
       real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, low, high
-      integer :: i, k, j, l, node
+      integer :: i, k, j, l, node, p
 
       depth = negligible*maxval(abs(displacement))
       place = 0.0_dp
       set = 0
       do i = 1, size(contacts)
-         if (contacts(i)%pairing%is_pair()) cycle
+         if (contacts(i)%pairing%is_pair() .or. all(zone%set /= i)) cycle
          corners = corners_of(contacts(i))
          if (size(corners) == 0) cycle
          call mesh%set_sides(contacts(i)%set, sides, error)
@@ -558,7 +576,8 @@ contains
                   moved(:, 3) = 0.5_dp*(moved(:, 1) + moved(:, 2))
                else
                   side(:, j) = mesh%coordinates(:, node)
-                  moved(:, j) = side(:, j) + (dot_product(displacement(:, node), normal) - contacts(i)%extra_gap)*normal
+                  p = nearest_point(zone, i, side(:, j))
+                  moved(:, j) = side(:, j) + (dot_product(displacement(:, node), normal) - extra_gap(p))*normal
                end if
             end do
             low = min(-cross_product(normal, side(:, 1)), -cross_product(normal, side(:, 2)))

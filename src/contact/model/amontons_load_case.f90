@@ -33,6 +33,7 @@ module amontons_load_case
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
+      real(dp), allocatable :: extra_gap(:) !! what of it deck and wear have added (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
       real(dp), allocatable :: anchor(:)
@@ -149,6 +150,7 @@ contains
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap
+      load_case%extra_gap = load_case%gap
       load_case%cosine = spread(1.0_dp, 1, zone%n_points)
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
@@ -168,6 +170,8 @@ contains
                   load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                   load_case%cosine(p) = min(load_case%cosine(p), cosine)
                   load_case%gap(p) = load_case%gap(p) + share*gap
+                  load_case%extra_gap(p) = load_case%extra_gap(p) &
+                     + share*contact%extra_gap%at(position, quadrature%arc_length(q))
                   load_case%friction(p) = load_case%friction(p) &
                      + share*contact%friction%at(position, quadrature%arc_length(q))
                   load_case%slip_bound(p) = load_case%slip_bound(p) &
@@ -175,7 +179,7 @@ contains
                end associate
             end do
          end associate
-         load_case%gap(p) = load_case%gap(p) + contacts(zone%set(p))%extra_gap
+         load_case%gap(p) = load_case%gap(p) + load_case%extra_gap(p)
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (contacts(zone%set(p))%pairing%is_pair()) load_case%gap(p) = merge(load_case%gap(p), 0.0_dp, &
             abs(load_case%gap(p)) > noise*maxval(abs(corners)))
