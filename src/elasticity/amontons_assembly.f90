@@ -142,10 +142,11 @@ contains
    !> What stiffness times displacement would add up to if no two terms canceled, which rounding errors of the internal
    !> forces are a share of. The forces of an element that is not strained are as small a share of it; the displacements
    !> of an element at rest, beside others that move, are rounding errors themselves.
-   pure subroutine measure_terms(mesh, materials, displacement, uncanceled, strained_share)
+   pure subroutine measure_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: magnitude(:, :) !! magnitudes of these, or of what makes them up (2, n_nodes) [L]
       real(dp), intent(out) :: uncanceled !! norm of the nodal forces |K| |u| [F]
       real(dp), intent(out) :: strained_share
          !! the largest share that the forces of an element are of what they would be if its nodes had the largest of
@@ -157,7 +158,7 @@ contains
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       strained_share = 0.0_dp
-      largest = maxval(abs(displacement))
+      largest = maxval(magnitude)
       do element = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(element)))
             call new_element_geometry(geometry, mesh, element, material)
@@ -165,8 +166,8 @@ contains
          end associate
          n = 2*geometry%n_nodes
          associate (nodes => geometry%node(:n/2), u => reshape(displacement(:, geometry%node(:n/2)), [n]), &
-            sizes => abs(stiffness(:n, :n)))
-            forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, abs(u)), [2, n/2])
+            sizes => abs(stiffness(:n, :n)), size_of_u => reshape(magnitude(:, geometry%node(:n/2)), [n]))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, size_of_u), [2, n/2])
             strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
                /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
          end associate

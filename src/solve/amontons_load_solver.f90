@@ -145,7 +145,7 @@ contains
          outcome = outcome_numbers
       else if (self%may_spin) then
          !$omp critical (texts_of_solver)
-         call check_spin(body, acting%is_in_reach, problem, solution, error)
+         call check_spin(body, acting%is_in_reach, problem, solution, self%size_of_body, error)
          if (allocated(error)) reason = error%message
          !$omp end critical (texts_of_solver)
          if (allocated(error)) outcome = outcome_no_equilibrium
@@ -279,11 +279,12 @@ contains
    end subroutine check_numbers
 
    !> Refuses the solution of a contact problem that friction cannot hold.
-   subroutine check_spin(body, is_in_reach, problem, solution, error)
+   subroutine check_spin(body, is_in_reach, problem, solution, size_of_body, error)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
+      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       ! What rounding leaves of normals that agree.
       real(dp), parameter :: same = 1.0e-9_dp
@@ -291,7 +292,7 @@ contains
       character(:), allocatable :: motion
       logical :: is_round_line
 
-      call find_spin(amounts, body, is_in_reach, problem, solution)
+      call find_spin(amounts, body, is_in_reach, problem, solution, size_of_body)
       if (.not. allocated(amounts)) return
       motion = largest_motion(body%motions, amounts)
       is_round_line = any(abs(round_normals(body%zone) - body%zone%normal) > same)
@@ -306,14 +307,16 @@ contains
    end subroutine check_spin
 
    !> Finds a motion that friction cannot hold.
-   subroutine find_spin(amounts, body, is_in_reach, problem, solution)
+   subroutine find_spin(amounts, body, is_in_reach, problem, solution, size_of_body)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
+      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
       real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
+      real(dp) :: rounding
 
       if (size(body%rigid_modes, 2) == 0) return
       ! Loads drive a spin: without any, all that forces leave is rounding errors.
@@ -321,37 +324,41 @@ contains
       on_round = on_round_line(body%zone, body%motions)
       call new_spins(spins, on_round, body, is_in_reach)
       if (size(spins, 2) == 0) return
+      ! What spins without end goes beyond its own size; what S makes of the way of others is no load.
+      rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body))
       associate (modes => body%rigid_modes)
          if (solution%is_converged) then
-            call find_unbalanced(amounts, problem, solution%force, spins, on_round, modes)
+            call find_unbalanced(amounts, problem, solution%force, rounding, spins, on_round, modes)
             if (allocated(amounts)) return
             if (.not. is_exhausted(problem, solution%force, spins, on_round, modes)) return
          end if
          call find_forces_of_spin(force, problem, matmul(modes, spins))
-         if (allocated(force)) call find_unbalanced(amounts, problem, force, spins, on_round, modes)
+         if (allocated(force)) call find_unbalanced(amounts, problem, force, rounding, spins, on_round, modes)
       end associate
    end subroutine find_spin
 
    !> Finds the spin that loads drive by more than friction can take at given normal forces.
-   pure subroutine find_unbalanced(amounts, problem, force, spins, on_round, modes)
+   pure subroutine find_unbalanced(amounts, problem, force, rounding, spins, on_round, modes)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
       real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (2m, motions) [-]
       ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
-      real(dp) :: motion(2*problem%n_points), drive, capacity, allowed
+      real(dp) :: motion(2*problem%n_points), drive, capacity, share, allowed
 
-      allowed = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
+      share = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
       amounts = matmul(matmul(matmul(problem%load, modes) - matmul(force, on_round), spins), transpose(spins))
       motion = matmul(on_round, amounts)
       associate (m => problem%n_points, load => problem%load)
          drive = dot_product(load, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
          capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
-         if (.not. drive > capacity + allowed*sum(abs(load*matmul(modes, amounts)))) deallocate (amounts)
+         allowed = sum((share*abs(load) + rounding)*abs(matmul(modes, amounts)))
+         if (.not. drive > capacity + allowed) deallocate (amounts)
       end associate
    end subroutine find_unbalanced
 

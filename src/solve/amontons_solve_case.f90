@@ -313,7 +313,8 @@ contains
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
          allocated(result%load_case%thermal_strain))) then
-         call measure_terms(body%mesh, body%materials, result%displacement, uncanceled, strained_share)
+         call measure_terms(body%mesh, body%materials, result%displacement, abs(result%displacement), uncanceled, &
+            strained_share)
          condition = max(condition, uncanceled/forces)
       end if
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))

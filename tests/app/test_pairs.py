@@ -259,6 +259,17 @@ class Pairs(ProgramTest):
         for young in ("1e7", "1e8"):
             self.run_program(self.write("case.nml", STIFF.replace("1e7", young)))
 
+    def test_rounding_of_a_stiffness_is_no_load_that_drives_a_body(self):
+        # Nothing loads them: supports alone move the upper one, by 1e-4; of a stiffness of 1e9 rounding leaves 1e-11.
+        for young in ("1e9", "1e10"):
+            self.run_program(self.write("case.nml", STIFF.replace("1e7", young)))
+
+    def test_a_slave_has_the_rounding_errors_of_what_makes_up_its_displacement(self):
+        # The lower block is the slave: it rests because the way of the loose one and the gap cancel.
+        for young in ("1e7", "1e9"):
+            self.assertTrue(self.summary_of(HOVERING.replace("29210.0", young))["certificate"]["passed"])
+            self.assertTrue(self.summary_of(LOOSE.replace("103.7", young))["certificate"]["passed"])
+
     def test_of_pieces_that_move_alike_the_first_is_named(self):
         run = self.run_program(self.write("case.nml", CARRIED_ALONG), status=2)
         self.assertIn("; the piece around 0.1404, 0.8585 is free to translate along (1.0, 0.0)", run.stderr)

@@ -148,7 +148,8 @@ contains
          ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
          ! not show in resultants and energy: a share of |K| |u| is a scale, too.
          if (certificate%imbalance > suspicious) then
-            call measure_terms(body%mesh, body%materials, displacement, uncanceled, strained_share)
+            call measure_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), uncanceled, &
+               strained_share)
             force_size = max(force_size, rounding_share*uncanceled)
          end if
          certificate%equilibrium = relative(certificate%equilibrium, force_size)
@@ -209,20 +210,48 @@ contains
       real(dp), parameter :: negligible_share = 1.0e-11_dp
       ! Forces that are a larger share of those on other pieces need no scale of their own.
       real(dp), parameter :: least_share = 1.0e-5_dp
-      real(dp), allocatable :: moved(:, :)
+      real(dp), allocatable :: moved(:, :), magnitude(:, :)
       real(dp) :: size_here, strained_share, uncanceled
 
       scale = 0.0_dp
       size_here = max(maxval(abs(reaction(:, nodes))), maxval(abs(contact(:, nodes))))
       if (any(abs(loads(:, nodes)) > 0.0_dp)) return
       if (any(abs(loads) > 0.0_dp) .and. size_here > least_share*force_size) return
-      allocate (moved, mold=displacement)
+      allocate (moved, magnitude, mold=displacement)
       moved = 0.0_dp
+      magnitude = 0.0_dp
       moved(:, nodes) = displacement(:, nodes)
-      call measure_terms(body%mesh, body%materials, moved, uncanceled, strained_share)
+      associate (of_all => magnitudes(body, displacement))
+         magnitude(:, nodes) = of_all(:, nodes)
+      end associate
+      call measure_terms(body%mesh, body%materials, moved, magnitude, uncanceled, strained_share)
       if (size_here > rounding*uncanceled .or. (strained_share > negligible_share .and. .not. is_heated)) return
       scale = rounding_share*uncanceled
    end function resting_scale
+
+   !> The magnitudes of the displacements of the nodes; of slaves those of what makes them up: that of a body at rest is
+   !> the difference of that of another one and the gap that it leaves, and has the rounding errors of both
+   !> (2, n_nodes) [L].
+   pure function magnitudes(body, displacement) result(magnitude)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: magnitude(:, :)
+      real(dp) :: of_others(2)
+      integer :: node, i
+
+      magnitude = abs(displacement)
+      associate (rows => body%dof_map%substitution)
+         if (.not. allocated(rows%start)) return
+         do node = 1, size(magnitude, 2)
+            of_others = 0.0_dp
+            do i = rows%start(node), rows%start(node + 1) - 1
+               if (rows%node(i) /= node) of_others = of_others &
+                  + matmul(abs(rows%block(:, :, i)), abs(displacement(:, rows%node(i))))
+            end do
+            magnitude(:, node) = max(magnitude(:, node), of_others)
+         end do
+      end associate
+   end function magnitudes
 
    !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
    pure subroutine split_imbalance(constraints, reaction, imbalance)
