@@ -214,41 +214,52 @@ contains
       end associate
    end subroutine add_far_slips
 
-   !> Warns of pairs part of whose normal force slides without friction, since supports hold both bodies there.
+   !> Warns of contact sets part of whose normal force slides without friction, since supports prescribe the slip there:
+   !> that of a body on its obstacle, or those of both bodies.
    pure subroutine add_lost_friction(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
       ! Slips, over the largest displacement, and shares of the force that count [-].
       real(dp), parameter :: least_slip = 1.0e-3_dp, least_share = 1.0e-4_dp
-      real(dp) :: lost(body%zone%n_points), share, slip
+      character(*), parameter :: without = ' of the normal force slides without friction: supports hold '
+      real(dp) :: lost(body%zone%n_points), slip(2*body%zone%n_points), share
       integer :: set, p, nearest
 
+      slip = body%zone%rows%displacement(result%displacement)
       associate (zone => body%zone, normal => result%solution%force(:body%zone%n_points), &
          load_case => result%load_case, largest => maxval(abs(result%displacement)))
+         ! Since rest, as tables have it.
+         if (allocated(load_case%obstacle_motion)) slip(zone%n_points + 1:) = slip(zone%n_points + 1:) &
+            - load_case%obstacle_motion
          lost = 0.0_dp
          do p = 1, zone%n_points
             if (.not. zone%is_tangent_fixed(p) .or. zone%is_cell(p) .or. &
                .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
-            if (.not. zone%pairs(zone%set(p))%is_set()) cycle
             ! By how much a corner of a slave slides along the nearest corner of its master [L].
-            associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(p)))
-               associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
-                  nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
-                     - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
+            if (zone%pairs(zone%set(p))%is_set()) then
+               associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(p)))
+                  associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
+                     nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
+                        - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
+                  end associate
+                  slip(zone%n_points + p) = dot_product(turned(zone%normal(:, p)), result%displacement(:, pair%node(p &
+                     - findloc(zone%set, zone%set(p), dim=1) + 1)) - result%displacement(:, nearest))
                end associate
-               slip = dot_product(turned(zone%normal(:, p)), result%displacement(:, pair%node(p &
-                  - findloc(zone%set, zone%set(p), dim=1) + 1)) - result%displacement(:, nearest))
-            end associate
-            if (abs(slip) > least_slip*largest) lost(p) = normal(p)
+            end if
+            if (abs(slip(zone%n_points + p)) > least_slip*largest) lost(p) = normal(p)
          end do
          do set = 1, size(zone%pairs)
             if (.not. any(lost > 0.0_dp .and. zone%set == set)) cycle
             share = sum(lost, mask=zone%set == set)/sum(normal, mask=zone%set == set)
             if (.not. share > least_share) cycle
             p = findloc(lost > 0.0_dp .and. zone%set == set, .true., dim=1)
-            call result%warnings%add(zone%pairs(set)%label//': '//percent(share)//' of the normal force slides '// &
-               'without friction: supports hold both bodies at '//result%warnings%place(zone%position(:, p))// &
-               '; hold one of them at some distance from the contact')
+            if (zone%pairs(set)%is_set()) then
+               call result%warnings%add(zone%pairs(set)%label//': '//percent(share)//without//'both bodies at '// &
+                  result%warnings%place(zone%position(:, p))//'; hold one of them at some distance from the contact')
+            else
+               call result%warnings%add("contact set '"//load_case%contacts(set)%set//"': "//percent(share)//without// &
+                  'the body at '//result%warnings%place(zone%position(:, p))//'; their reactions lack this friction')
+            end if
          end do
       end associate
    end subroutine add_lost_friction

@@ -63,6 +63,12 @@ CASES = {
                  ["contact set 'bottom': friction of 2.5; coefficients above 2.0 are rare"]),
     "guided": ((PRESSURE, CONTACT, "support set = 'bottom'  ux = 0.0"), {},
                ["contact set 'bottom': friction has no effect: supports hold all its points tangentially"]),
+    "dragged": ((PRESSURE, "contact set = 'bottom'  friction = 0.3", "support set = 'left'  ux = 0.01"), {},
+                ["contact set 'bottom': 4.95 % of the normal force slides without friction: supports hold the body at "
+                 "(0.0, 0.0); their reactions lack this friction"]),
+    "drawn": ((PRESSURE, "contact set = 'bottom'  friction = 0.3", SUPPORT,
+               "history times = 0.0, 1.0", "steps obstacle = 'bottom'  shift_x = 0.0, 0.01"), {},
+              ["contact set 'bottom': 7.26 % of the normal force slides without friction: supports hold the body at "]),
     "cells": ((SUPPORT, PRESSURE, CONTACT + "  multipliers = 'constant'  cells = 8"), {},
               ["contact set 'bottom': the inf-sup constant ", "the largest pressure "]),
     "short": ((SUPPORT, "load set = 'top'  pressure = 0.15", "contact set = 'bottom'  obstacle = 'circle'  "
