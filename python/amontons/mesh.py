@@ -1,10 +1,11 @@
-"""Meshes made of arrays, for `solve_deck`."""
+"""Meshes made of arrays, for `solve_deck` and `Stepper`."""
 from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,9 @@ from amontons.grid import Array
 CELLS = {"triangle": (2, 3), "quad": (3, 4), "triangle6": (9, 6), "quad8": (16, 8), "quad9": (10, 9)}
 SIDES = {2: 1, 3: 8}
 POINT = 15
+# Kinds of cells by their dimension, as meshio calls them.
+DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, **dict.fromkeys(CELLS, 2)}
+FLATNESS = 1e-9  # how far nodes may leave their plane, over the size of the body
 REST = "rest"  # the region of the cells that are in none
 
 
@@ -27,6 +31,37 @@ class Mesh:
     sides: Mapping[str, ArrayLike] = field(default_factory=dict)  # boundary sets: nodes of each side (n_sides, 2 or 3)
     points: Mapping[str, ArrayLike] = field(default_factory=dict)  # node sets: nodes (n)
     regions: Mapping[str, ArrayLike] = field(default_factory=dict)  # numbers of cells, all kinds in one row (n)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any) -> Mesh:
+        """A mesh as meshio has it: an object with `points` and `cells`. Names come from `point_sets`, `cell_sets` and
+        the groups of Gmsh, `cell_data["gmsh:physical"]` with `field_data`. Sets of lines are boundary sets, of cells
+        regions; a set of points names the sides of the boundary between them, too."""
+        points = np.asarray(mesh.points, dtype=float)
+        if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLATNESS*np.ptp(points, axis=0).max():
+            raise ValueError("3-D mesh: expected points in a plane z = constant")
+        blocks = [(block.type, np.asarray(block.data)) if hasattr(block, "type") else (block[0], np.asarray(block[1]))
+                  for block in mesh.cells]
+        for kind, _ in blocks:
+            if kind not in DIMENSIONS:
+                raise ValueError(f"cells '{kind}': expected one of " + ", ".join(f"'{kind}'" for kind in DIMENSIONS))
+        sets: tuple[dict[str, list[Array]], ...] = ({}, {}, {})
+        first = 0
+        for i, (kind, nodes) in enumerate(blocks):
+            dimension = DIMENSIONS[kind]
+            for name, members in _members(mesh, i, dimension):
+                sets[dimension].setdefault(name, []).append(first + members if dimension == 2 else nodes[members])
+            first += len(nodes) if dimension == 2 else 0
+        cells = [block for block in blocks if DIMENSIONS[block[0]] == 2]
+        points_of = {name: np.unique(np.concatenate(parts)) for name, parts in sets[0].items()}
+        sides = {name: _one_width(parts) for name, parts in sets[1].items()}
+        for name, members in (getattr(mesh, "point_sets", None) or {}).items():
+            points_of[name] = np.asarray(members)
+            between = _sides_between(cells, points_of[name], len(points))
+            if name not in sides and len(between):
+                sides[name] = between
+        return cls(points[:, :2], cells, sides, points_of,
+                   {name: np.concatenate(parts) for name, parts in sets[2].items()})
 
     def text(self) -> str:
         """The mesh in Gmsh's format 2.2."""
@@ -59,12 +94,20 @@ class Mesh:
             if kind not in CELLS or nodes.shape[1] != CELLS[kind][1]:
                 raise ValueError(f"cells '{kind}' of {nodes.shape[1]} nodes: expected one of "
                                  + ", ".join(f"'{name}' of {n}" for name, (_, n) in CELLS.items()))
-        region = np.full(sum(len(nodes) for _, nodes in kinds), numbers[2, REST])
-        for name, members in self.regions.items():
-            region[_within(_whole(members, name), len(region), f"region '{name}'")] = numbers[2, name]
+        n_cells = sum(len(nodes) for _, nodes in kinds)
+        # Pairs of a cell and a region; the format repeats a cell for each region that it belongs to.
+        members_of = {name: np.unique(_within(_whole(members, name), n_cells, f"region '{name}'"))
+                      for name, members in self.regions.items()}
+        rest = np.setdiff1d(np.arange(n_cells), np.concatenate([[], *members_of.values()])).astype(int)
+        members_of[REST] = np.concatenate([rest, members_of.get(REST, rest[:0])])
+        cell = np.concatenate(list(members_of.values()))
+        region = np.repeat([numbers[2, name] for name in members_of], [len(members) for members in members_of.values()])
+        order = np.argsort(cell, kind="stable")
+        cell, region = cell[order], region[order]
         start = 0
         for kind, nodes in kinds:
-            self._add(elements, CELLS[kind][0], region[start:start + len(nodes)], nodes, n_nodes, kind)
+            here = (cell >= start) & (cell < start + len(nodes))
+            self._add(elements, CELLS[kind][0], region[here], nodes[cell[here] - start], n_nodes, kind)
             start += len(nodes)
 
     @staticmethod
@@ -80,6 +123,42 @@ class Mesh:
         path = Path(directory) / f"mesh_{zlib.crc32(text):08x}.msh"
         path.write_bytes(text)
         return path
+
+
+def _members(mesh: Any, block: int, dimension: int) -> list[tuple[str, Array]]:
+    """The named sets that cells of one block of a meshio mesh belong to, and which of the cells do."""
+    sets = getattr(mesh, "cell_sets", None) or {}
+    found = [(name, np.asarray(parts[block], dtype=int)) for name, parts in sets.items()
+             if not name.startswith("gmsh:") and parts[block] is not None]
+    physical = (getattr(mesh, "cell_data", None) or {}).get("gmsh:physical")
+    if physical is not None:
+        names = {tuple(map(int, number)): name for name, number in (getattr(mesh, "field_data", None) or {}).items()}
+        numbers = np.asarray(physical[block])
+        for number in map(int, np.unique(numbers[numbers > 0])):
+            name = names.get((number, dimension), str(number))
+            if name not in dict(found):
+                found.append((name, np.flatnonzero(numbers == number)))
+    return [(name, members) for name, members in found if len(members)]
+
+
+def _one_width(parts: list[Array]) -> Array:
+    """Sides of several blocks, each of them by its two ends where their numbers of nodes differ."""
+    width = min(part.shape[1] for part in parts)
+    return np.concatenate([part[:, :width] for part in parts])
+
+
+def _sides_between(cells: Sequence[tuple[str, Array]], points: Array, n_points: int) -> Array:
+    """The sides of the boundary whose corners are among some points (n_sides, 2)."""
+    ends = []
+    for kind, nodes in cells:
+        corners = nodes[:, :3 if kind.startswith("triangle") else 4]
+        ends.append(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2))
+    sides = np.concatenate([np.empty((0, 2), dtype=int), *ends])
+    _, place, count = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
+    sides = sides[place[count == 1]]
+    is_among = np.zeros(n_points, dtype=bool)
+    is_among[points] = True
+    return sides[is_among[sides].all(axis=1)]
 
 
 def _name(name: str) -> str:

@@ -258,18 +258,20 @@ class Stepper:
     """Steps of a history whose loads the caller chooses, one call for each: `state = stepper.step(state, 1.0, ...)`.
 
     The deck, given as to `solve_deck`, has `&history` and a `&steps` for whatever changes; their values and the times
-    do not matter. `changes` names what changes, as the columns of NAME.history.csv do: `factor_F`, `shift_x_floor`.
+    do not matter. A mesh of arrays takes the place of its `&mesh`. `changes` names what changes, as the columns of
+    NAME.history.csv do: `factor_F`, `shift_x_floor`.
     """
 
-    def __init__(self, deck: Deck, **settings: Any) -> None:
+    def __init__(self, deck: Deck, *, mesh: Optional[Mesh] = None, **settings: Any) -> None:
         self._address = ctypes.c_void_p()
         text, file = _text_of(deck)
         text = _bytes_of(file) if text is None else text
-        lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
         counts = [ctypes.c_int() for _ in range(3)]
         names, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
-        code = _library.amontons_new_stepper(text, os.fsencode(file), os.fsencode(lines), ctypes.byref(self._address),
-                                             *map(ctypes.byref, counts), names, TEXT_SIZE, message, TEXT_SIZE)
+        with tempfile.TemporaryDirectory(prefix="amontons_") as scratch:
+            lines = _lines_of(_with_mesh(settings, mesh, Path(scratch)))
+            code = _library.amontons_new_stepper(text, os.fsencode(file), lines, ctypes.byref(self._address),
+                                                 *map(ctypes.byref, counts), names, TEXT_SIZE, message, TEXT_SIZE)
         _judge(code, message, n_callers=2)
         n_changes, self.n_points, self._n_state = (count.value for count in counts)
         self._columns = next(csv.reader([names.value.decode()]))
@@ -334,13 +336,7 @@ def solve_deck(deck: Deck, output: Union[str, os.PathLike[str], None] = None, *,
 def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mapping[str, Any],
                 is_kept: bool) -> DeckResult:
     """Solves a deck and reads the files it leaves in a directory."""
-    if mesh is not None:
-        try:
-            output.mkdir(parents=True, exist_ok=True)
-            file = mesh.write(output).absolute()
-        except OSError as error:
-            raise SystemFailure(f"{error.filename}: cannot write the mesh there: {error.strerror}") from None
-        settings = {"mesh.kind": "file", "mesh.file": file, **settings}
+    settings = _with_mesh(settings, mesh, output)
     name, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
     tail = (os.fsencode(output), name, TEXT_SIZE, message, TEXT_SIZE)
     text, deck_file = _text_of(deck)
@@ -349,8 +345,7 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
     else:
         if text is None:
             text = _bytes_of(deck_file)
-        lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
-        code = _library.amontons_solve_deck_text(text, os.fsencode(deck_file), os.fsencode(lines), *tail)
+        code = _library.amontons_solve_deck_text(text, os.fsencode(deck_file), _lines_of(settings), *tail)
     try:
         is_solved = _judge(code, message, n_callers=3)
     except NoEquilibrium as answer:
@@ -362,6 +357,23 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
     for sentence in result.summary.get("warnings", []):
         warnings.warn(_Sentence(sentence), DoubtfulResult, stacklevel=3)
     return result
+
+
+def _with_mesh(settings: Mapping[str, Any], mesh: Optional[Mesh], directory: Path) -> Mapping[str, Any]:
+    """Settings that name the file of a mesh, which is written into a directory, if there is one."""
+    if mesh is None:
+        return settings
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        file = mesh.write(directory).absolute()
+    except OSError as error:
+        raise SystemFailure(f"{error.filename}: cannot write the mesh there: {error.strerror}") from None
+    return {"mesh.kind": "file", "mesh.file": file, **settings}
+
+
+def _lines_of(settings: Mapping[str, Any]) -> bytes:
+    """Settings as the library takes them, a line each."""
+    return os.fsencode("\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items()))
 
 
 def _text_of(deck: Deck) -> tuple[Optional[bytes], Union[str, os.PathLike[str]]]:

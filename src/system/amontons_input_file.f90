@@ -6,7 +6,7 @@
 module amontons_input_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_kinds, only: dp, int64
    use amontons_system, only: error_text, path_action
    use amontons_text, only: ends_word, line_end, newline, read_real, scan_integer, scan_real, to_text
@@ -56,7 +56,11 @@ module amontons_input_file
    !> A file and a position in it.
    type :: input_file_t
       character(:), allocatable :: file !! name of the file
-      character(:), allocatable :: text !! every byte of it
+      character(:), allocatable :: text !! every byte of it, and of the files that it includes
+      type(warning_list_t) :: files !! names of these files, its own first
+      integer, private :: counted(2) = 1 !! the place whose line was asked for last, and the line
+      integer, allocatable, private :: pieces(:, :)
+         !! where each piece of the text begins, the line of its file there, and the number of its file (3, pieces)
       integer :: position = 1 !! where to read next
       logical :: is_binary = .false. !! whether numbers are bytes rather than digits
       logical :: is_swapped = .false. !! whether the bytes of a number stand in the other order than this machine's
@@ -65,7 +69,9 @@ module amontons_input_file
       procedure :: check_count => input_file_check_count
       procedure :: end_line => input_file_end_line
       procedure :: end_record => input_file_end_record
+      procedure :: locate => input_file_locate
       procedure :: refuse => input_file_refuse
+      procedure :: replace => input_file_replace
       procedure :: skip_blanks => input_file_skip_blanks
       procedure :: skip_white => input_file_skip_white
       procedure :: start_record => input_file_start_record
@@ -216,6 +222,8 @@ contains
       integer :: unit, status, at_cause
 
       input%file = file
+      call input%files%add(file)
+      input%pieces = reshape([1, 1, 1], [3, 1])
       reason = ''
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=file, size=n_bytes)
@@ -255,12 +263,59 @@ contains
       end do
    end function printable
 
+   !> Replaces the text from a place to the position by that of another file, and goes to the place.
+   pure subroutine input_file_replace(self, other, place)
+      class(input_file_t), intent(inout) :: self !! the file
+      type(input_file_t), intent(in) :: other !! the other file
+      integer, intent(in) :: place !! the place
+      character(:), allocatable :: file
+      integer :: i, line, n_more, number
+
+      n_more = len(other%text) - other%position + 1 - (self%position - place)
+      if (n_more > most_bytes - len(self%text)) call self%refuse('larger than '//to_text(most_bytes/10**6)// &
+         ' MB with the files that it includes', place)
+      if (allocated(self%error)) return
+      call self%locate(self%position, file, line)
+      do number = 1, self%files%n()
+         if (self%files%item(number) == other%file) exit
+      end do
+      if (number > self%files%n()) call self%files%add(other%file)
+      i = count(self%pieces(1, :) <= place)
+      self%pieces = reshape([self%pieces(:, :i), reshape([place, 1, number], [3, 1]), &
+         reshape([self%position, line, self%pieces(3, i)], [3, 1]), self%pieces(:, i + 1:)], &
+         [3, size(self%pieces, 2) + 2])
+      self%pieces(1, i + 2:) = self%pieces(1, i + 2:) + n_more
+      self%text = self%text(:place - 1)//other%text(other%position:)//self%text(self%position:)
+      self%position = place
+      self%counted = self%pieces(:2, 1)
+   end subroutine input_file_replace
+
+   !> Finds the file and the line of a place in the text. Lines are counted from the place asked for before, if it is
+   !> not behind this one and in the same piece.
+   pure subroutine input_file_locate(self, place, file, line)
+      class(input_file_t), intent(inout) :: self !! the file
+      integer, intent(in) :: place !! the place in the text
+      character(:), allocatable, intent(out) :: file !! name of the file
+      integer, intent(out) :: line !! number of the line
+      integer :: i, piece
+
+      piece = count(self%pieces(1, :) <= place)
+      if (self%counted(1) < self%pieces(1, piece) .or. self%counted(1) > place) self%counted = self%pieces(:2, piece)
+      do i = self%counted(1), min(place, len(self%text) + 1) - 1
+         if (self%text(i:i) == line_feed) self%counted(2) = self%counted(2) + 1
+      end do
+      self%counted(1) = place
+      file = self%files%item(self%pieces(3, piece))
+      line = self%counted(2)
+   end subroutine input_file_locate
+
    !> Notes a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
    pure subroutine input_file_refuse(self, sentence, place)
       class(input_file_t), intent(inout) :: self !! the file
       character(*), intent(in) :: sentence !! what is wrong
       integer, intent(in), optional :: place !! where; default: here
-      integer :: at, line, i
+      character(:), allocatable :: file
+      integer :: at, line
 
       if (allocated(self%error)) return
       at = self%position
@@ -269,11 +324,8 @@ contains
          call new_error(self%error, input_refused, self%file//': '//printable(sentence)//' (byte '//to_text(at)//')')
          return
       end if
-      line = 1
-      do i = 1, min(at, len(self%text) + 1) - 1
-         if (self%text(i:i) == line_feed) line = line + 1
-      end do
-      call new_error(self%error, input_refused, self%file//':'//to_text(line)//': '//printable(sentence))
+      call self%locate(at, file, line)
+      call new_error(self%error, input_refused, file//':'//to_text(line)//': '//printable(sentence))
    end subroutine input_file_refuse
 
    !> The word at the position, as messages quote it.

@@ -2,6 +2,7 @@
 import os
 import re
 import sys
+import types
 import unittest
 import warnings
 from pathlib import Path
@@ -243,6 +244,65 @@ class Meshes(ProgramTest):
             "load": [{"set": "ends", "force": (1.0, 0.0)}, {"point": nodes[6], "force": (0.0, 1e-6)}]}
         result = amontons.solve_deck(deck, mesh=mesh)
         self.assertEqual(result.mesh.cell_data["material"].tolist(), [1, 2, 2, 1])
+
+    def test_regions_may_overlap(self):
+        nodes = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
+        mesh = amontons.Mesh(nodes, [("quad", [[0, 1, 4, 3], [1, 2, 5, 4]])], {"floor": [[0, 1]]},
+                             regions={"all": [0, 1], "right": [1]})
+        deck = {"material": {"young": 1e3, "poisson": 0.0, "region": "all"},
+                "support": {"set": "floor", "ux": 0.0, "uy": 0.0},
+                "load": {"region": "right", "body_force": (0.0, -1.0)}}
+        result = amontons.solve_deck(deck, mesh=mesh)
+        # the weight of one square
+        self.assertAlmostEqual(result.key_results["reaction_y_floor"], 1.0, delta=1e-12)
+
+    def meshio_block(self, quadratic, kind=lambda **parts: types.SimpleNamespace(**parts)):
+        """The block of `rectangle` as meshio has it, read of a file of Gmsh and of one of Abaqus."""
+        expected, mesh = self.rectangle(quadratic)
+        nodes = np.column_stack([mesh.nodes, np.full(len(mesh.nodes), 7.0)])
+        line = "line3" if quadratic else "line"
+        blocks = [*((line, sides) for sides in mesh.sides.values()), *mesh.cells]
+        physical = [np.full(len(members), number) for number, (_, members) in enumerate(blocks, 1)]
+        gmsh = kind(points=nodes, cells=blocks, cell_data={"gmsh:physical": physical},
+                    field_data={name: np.array([number, 1]) for number, name in enumerate(mesh.sides, 1)})
+        abaqus = kind(points=nodes, cells=mesh.cells, point_sets={name: np.unique(sides)
+                                                                 for name, sides in mesh.sides.items()},
+                      cell_sets={"part": [np.arange(len(mesh.cells[0][1]))]})
+        return expected, gmsh, abaqus
+
+    def test_meshes_of_meshio(self):
+        kinds = [lambda **parts: types.SimpleNamespace(**parts)]
+        try:
+            import meshio  # pylint: disable=import-outside-toplevel
+            kinds.append(lambda **parts: meshio.Mesh(**parts))
+        except ImportError:
+            pass
+        for quadratic in (False, True):
+            for kind in kinds:
+                expected, *meshes = self.meshio_block(quadratic, kind)
+                for mesh in map(amontons.Mesh.from_meshio, meshes):
+                    result = amontons.solve_deck(self.CONTACT, mesh=mesh)
+                    # another numbering, another order of sums
+                    np.testing.assert_allclose(result.contact["contact_pressure"],
+                                               expected.contact["contact_pressure"], rtol=1e-9)
+                self.assertEqual(list(mesh.regions), ["part"])
+
+    def test_stepper_of_a_mesh_of_arrays(self):
+        expected, mesh = self.rectangle()
+        deck = self.CONTACT.replace("&load", "&load name = 'top' ") \
+            + "&history times = 0.0, 1.0 /\n&steps load = 'top'  factor = 0.0, 1.0 /\n"
+        stepper = amontons.Stepper(deck, mesh=mesh)
+        state = stepper.step(stepper.rest(), 1.0, factor_top=1.0)
+        # another numbering, another order of sums
+        np.testing.assert_allclose(state.normal_force, expected.contact["normal_force"], rtol=1e-9)
+
+    def test_faults_of_meshes_of_meshio(self):
+        nodes, cells = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]])
+        for arguments, sentence in (((nodes + [0, 0, 1]*cells.T, [("triangle", cells)]), "3-D mesh: expected points"),
+                                    ((nodes, [("tetra", cells)]), "cells 'tetra': expected one of 'vertex', 'line', ")):
+            mesh = types.SimpleNamespace(points=arguments[0], cells=arguments[1])
+            with self.subTest(sentence), self.assertRaisesRegex(ValueError, sentence):
+                amontons.Mesh.from_meshio(mesh)
 
     def test_faults_of_meshes(self):
         nodes, cells = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [("triangle", [[0, 1, 2]])]

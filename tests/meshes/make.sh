@@ -10,6 +10,8 @@ mesh() {
       gmsh "${options[@]}" -format "msh$version" strip.geo -o "$name-$version.msh"
       gmsh "${options[@]}" -format "msh$version" -bin strip.geo -o "$name-$version-binary.msh"
    done
+   # This version is written as text only.
+   gmsh "${options[@]}" -format msh40 strip.geo -o "$name-40.msh"
 }
 
 mesh tri3 3 1 1
@@ -26,6 +28,7 @@ for version in 22 41; do
    gmsh -v 1 -2 -parametric -format "msh$version" strip.geo -o "parametric-$version.msh"
    gmsh -v 1 -2 -parametric -format "msh$version" -bin strip.geo -o "parametric-$version-binary.msh"
 done
+gmsh -v 1 -2 -parametric -format msh40 strip.geo -o parametric-40.msh
 
 patch() {
    local name=$1 shape=$2 degree=$3 has_centers=$4

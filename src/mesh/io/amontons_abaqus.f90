@@ -2,9 +2,10 @@
 !> materials, the sections that put them into sets of elements, the temperatures of nodes (those at which nothing is
 !> strained, and those of the step), supports and loads. Everything else is ignored, with a warning where it matters.
 module amontons_abaqus
-   use amontons_abaqus_lines, only: abaqus_scope_t, add_members, find_parameter, get_set, is_at_line_end, named_group, &
-      next_data_line, next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, &
-      take_fields, take_number
+   use amontons_abaqus_lines, only: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, &
+      insert_included, is_at_line_end, name_instance_sets, named_group, next_data_line, next_keyword, place_of_name, &
+      read_set, read_surface, read_tag, refuse_parameters, resolve_elements, start_instance, start_part, take_comma, &
+      take_fields, take_line_of_numbers, take_number
    use amontons_constraints, only: new_support, support_t
    use amontons_element, only: max_nodes, quad4, quad8, tri3, tri6
    use amontons_error, only: error_t
@@ -23,15 +24,15 @@ module amontons_abaqus
 
    !> Keywords of what may be read beside the mesh.
    character(12), parameter :: model_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
-      'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
+      'orientation', 'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
    !> What each of them is part of: materials, supports or loads.
-   integer, parameter :: model_uses(*) = [spread(use_materials, 1, 5), use_supports, spread(use_loads, 1, 4)]
+   integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4)]
    !> Other keywords that change what a computation gives.
    character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
       'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
       'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'initialconditions', &
-      'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
+      'foundation', 'modelchange', 'pre-tensionsection', &
       'cflux', 'dflux', 'film', 'radiate', 'inertiarelief', 'basemotion', 'field', 'nodalthickness', 'usermaterial', &
       'deformationplasticity', 'cyclichardening', 'druckerprager', 'mohrcoulomb', 'concretedamagedplasticity', &
       'nocompression', 'notension', 'swelling', 'submodel', 'dashpot', 'embeddedelement', 'changefriction', &
@@ -59,65 +60,75 @@ module amontons_abaqus
 
    !> Most fields of a data line that is read here; the temperatures of a shell follow that of its first point.
    integer, parameter :: most_fields = 9
+   !> Number of constants of an orthotropic material: three moduli, ratios of Poisson and shear moduli.
+   integer, parameter :: n_engineering_constants = 9
 
 contains
 
-   !> Reads nodes, elements and sets. Faults go to the input. There may be one part, in one instance, not moved.
-   pure subroutine read_abaqus(raw, input)
+   !> Reads nodes, elements and sets. Faults go to the input. The text of a part is read once for each of its instances,
+   !> and where the file has none, at the end.
+   subroutine read_abaqus(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
-      type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
-      logical :: is_moved, is_read
+      logical :: is_read
 
+      call insert_included(input)
       raw%nodes_name_sides = .true.
       raw%ignores_case = .true.
-      allocate (raw%model%definitions(0), raw%model%sections(0), raw%model%supports(4), raw%model%loads(4))
+      raw%scope = ''
+      allocate (raw%parts(0), raw%instances(0), raw%model%definitions(0), raw%model%sections(0), &
+         raw%model%orientations(0), raw%model%supports(4), raw%model%loads(4))
       do
          call next_keyword(input, keyword, line)
+         if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then
+            if (size(raw%parts) > 1) call input%refuse( &
+               'several of *PART, but no *INSTANCE that says where they are', input%position - 1)
+            call start_instance(raw, input, 'instance, part='//raw%parts(1)%name)
+            cycle
+         end if
          if (keyword == '' .or. allocated(input%error)) exit
          is_read = .true.
          select case (keyword)
          case ('node')
-            is_read = .not. scope%in_assembly
-            if (is_read) call read_nodes(raw, input, scope, line)
+            ! Nodes of the assembly are points of reference.
+            is_read = raw%scope /= assembly_scope
+            if (is_read) call read_nodes(raw, input, line)
          case ('element')
-            call read_elements(raw, input, scope, line)
+            call read_elements(raw, input, line)
          case ('nset', 'elset')
-            call read_set(raw, input, scope, line, keyword)
+            call read_set(raw, input, line, keyword)
          case ('surface')
-            call read_surface(raw, input, scope, line)
+            call read_surface(raw, input, line)
          case ('part')
-            scope%n_parts = scope%n_parts + 1
-         case ('instance')
-            scope%n_instances = scope%n_instances + 1
-            call next_data_line(input, is_moved)
-            if (is_moved) call input%refuse('an instance that is moved from where its part is')
-         case ('assembly')
-            scope%in_assembly = .true.
-            scope%n_part_groups = raw%n_groups
-         case ('endassembly')
-            scope%in_assembly = .false.
-         case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
+            call start_part(raw, input, line)
+         case ('endpart')
+            if (raw%place_behind > 0) input%position = raw%place_behind
+            raw%place_behind = 0
+         case ('assembly', 'instance', 'endinstance', 'endassembly')
+            call end_instance(raw, input)
+            if (keyword == 'instance') call start_instance(raw, input, line)
+            if (keyword == 'endassembly') raw%scope = ''
+         case ('system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
             call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
          case default
             call read_model_keyword(raw, input, keyword, line, is_read)
          end select
          if (.not. is_read) call ignored%add(keyword, line)
-         if (max(scope%n_parts, scope%n_instances) > 1) call input%refuse( &
-            'a second part or instance: only one body is read', input%position - 1)
       end do
       call ignored%tell(raw)
+      call end_instance(raw, input)
+      raw%scope = ''
+      call name_instance_sets(raw)
       if (.not. allocated(input%error)) call resolve_elements(raw, input)
       if (.not. allocated(input%error)) call finish_model(raw, input)
    end subroutine read_abaqus
 
    !> Reads nodes: number and up to three coordinates, absent ones being 0.
-   pure subroutine read_nodes(raw, input, scope, line)
+   pure subroutine read_nodes(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       ! Numbers behind the coordinates, as the normals of shells, are skipped.
       integer, parameter :: most_numbers = 6
@@ -131,7 +142,7 @@ contains
       call find_parameter(line, 'system', value, is_there)
       if (is_there .and. lower_case(value) /= 'r') call input%refuse( &
          'nodes in other than rectangular coordinates', input%position - 1)
-      call get_set(raw, input, scope, line, 'nset', group)
+      call get_set(raw, input, line, 'nset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -154,10 +165,9 @@ contains
 
    !> Reads elements of one type, and notes the hypothesis that they are of; lines are of none. A comma at the end of a
    !> line continues it on the next one.
-   pure subroutine read_elements(raw, input, scope, line)
+   pure subroutine read_elements(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       ! The first letters of the types of each of `hypothesis_names`.
       character(3), parameter :: families(3) = ['cpe', 'cps', 'cax']
@@ -180,7 +190,7 @@ contains
          'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
          trim(raw%hypothesis), input%position - 1)
       n = n_cell_nodes(kind)
-      call get_set(raw, input, scope, line, 'elset', group)
+      call get_set(raw, input, line, 'elset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -290,19 +300,17 @@ contains
       end do
    end function capitals
 
-   !> Reads a keyword of a material, whose constants must not depend on the temperature, or the section that says which
-   !> region it fills, and its thickness.
+   !> Reads a keyword of a material, whose constants must not depend on the temperature.
    pure subroutine read_material_keyword(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
-      type(file_material_t) :: section
-      character(:), allocatable :: name, region
+      character(:), allocatable :: name
       character(longest_name) :: fields(most_fields)
-      real(dp) :: values(2)
-      integer :: group, i, last, n, n_values
-      logical :: is_there
+      real(dp) :: values(n_engineering_constants)
+      integer :: i, last, n, n_values
+      logical :: is_engineering, is_there
 
       select case (keyword)
       case ('material')
@@ -310,32 +318,23 @@ contains
          if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
             input%position - 1)
          raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
-      case ('solidsection')
-         call find_parameter(line, 'elset', region, is_there)
-         call find_parameter(line, 'material', name, is_there)
-         group = named_group(raw, region)
-         if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
-         if (name == '' .or. len(name) > longest_name) call input%refuse( &
-            '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
-         if (allocated(input%error)) return
-         section%name = name
-         section%region = raw%groups(group)%name
-         call raw%model%line_at(input%text, input%position - 1, section%line)
-         call next_data_line(input, is_there)
-         if (is_there) then
-            call take_fields(input, fields, n)
-            if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
-            if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
-         end if
-         raw%model%sections = [raw%model%sections, section]
       case default
          call refuse_parameters(input, line)
          last = size(raw%model%definitions)
          if (last == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
+         call find_parameter(line, 'type', name, is_there)
+         is_engineering = index(lower_case(name), 'engineering') == 1
          n_values = merge(2, 1, keyword == 'elastic')
+         if (is_engineering) n_values = n_engineering_constants
          call next_data_line(input, is_there)
          n = 0
          if (is_there) call take_fields(input, fields, n)
+         if (is_engineering .and. n >= n_values - 1) then
+            ! The last one stands on a line of its own.
+            call next_data_line(input, is_there)
+            if (is_there) call take_fields(input, fields(n_values:), n)
+            if (is_there .and. n == 1) n = n_values
+         end if
          if (n < n_values) call input%refuse('*'//keyword//': expected '//counted(n_values, 'number'), &
             input%position - 1)
          do i = 1, min(n, n_values)
@@ -345,7 +344,11 @@ contains
          if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
          if (allocated(input%error)) return
          associate (material => raw%model%definitions(last))
-            if (keyword == 'elastic') then
+            if (is_engineering) then
+               material%young = values(:3)
+               material%poisson = values(4:6)
+               material%shear = values(7)
+            else if (keyword == 'elastic') then
                material%young = values(1)
                material%poisson = values(2)
             else if (keyword == 'density') then
@@ -356,6 +359,68 @@ contains
          end associate
       end select
    end subroutine read_material_keyword
+
+   !> Reads a section: which region a material fills, its thickness there, and where its axes are.
+   pure subroutine read_section(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      type(file_material_t) :: section
+      character(:), allocatable :: name, region
+      character(longest_name) :: fields(most_fields)
+      integer :: group, i, n
+      logical :: is_there
+
+      call find_parameter(line, 'elset', region, is_there)
+      call find_parameter(line, 'material', name, is_there)
+      group = named_group(raw, region)
+      if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
+      if (name == '' .or. len(name) > longest_name) call input%refuse( &
+         '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
+      if (allocated(input%error)) return
+      section%name = name
+      section%region = raw%groups(group)%name
+      section%place = input%position - 1
+      call find_parameter(line, 'orientation', name, is_there)
+      if (is_there) then
+         i = place_of_name(raw%model%orientations%name, name)
+         if (i == 0) call input%refuse("*SOLID SECTION: there is no *ORIENTATION '"//name//"' above", &
+            input%position - 1)
+         if (i > 0) section%angle = raw%model%orientations(i)%angle
+      end if
+      call next_data_line(input, is_there)
+      if (is_there) then
+         call take_fields(input, fields, n)
+         if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
+         if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
+      end if
+      raw%model%sections = [raw%model%sections, section]
+   end subroutine read_section
+
+   !> Reads the axes of an orthotropic material: a point on the first axis and one in the plane of the first two; then,
+   !> on a line of its own, the axis about which they are turned once more, and the angle. They turn with the instance.
+   pure subroutine read_orientation(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      type(file_material_t) :: orientation
+      character(:), allocatable :: name
+      real(dp) :: axis(2), points(3, 2), turn(2)
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      call find_parameter(line, 'name', name, is_there)
+      call take_line_of_numbers(input, points(:, 1), points(:, 2))
+      call take_line_of_numbers(input, turn)
+      if (any(abs(points(3, :)) > 0.0_dp) .or. .not. points(1, 1)*points(2, 2) > points(2, 1)*points(1, 2) &
+         .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse( &
+         '*ORIENTATION: the third axis must be that of z', input%position - 1)
+      axis = [1.0_dp, 0.0_dp]
+      if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%axis
+      orientation%name = name
+      orientation%angle = (atan2(points(2, 1), points(1, 1)) + atan2(axis(2), axis(1)))/degree + turn(2)
+      raw%model%orientations = [raw%model%orientations, orientation]
+   end subroutine read_orientation
 
    !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. Of
    !> two lines for one node the later one counts.
@@ -379,7 +444,7 @@ contains
       call expect_nodes(raw%model%temperatures, raw%node_tag%items())
       name = '*'//line(:index(line//',', ',') - 1)//': '
       associate (temperatures => raw%model%temperatures)
-         if (keyword == 'temperature') call raw%model%line_at(input%text, input%position - 1, temperatures%line)
+         if (keyword == 'temperature') temperatures%place = input%position - 1
          if (keyword /= 'temperature') temperatures%has_initial = .true.
          do
             call next_data_line(input, is_there)
@@ -428,6 +493,7 @@ contains
    pure subroutine finish_model(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its end
+      character(:), allocatable :: label
       type(error_t), allocatable :: error
       type(load_t) :: load
       integer :: i, k
@@ -441,13 +507,22 @@ contains
                end do
                if (k > size(model%definitions)) then
                   call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
-               else if (.not. model%definitions(k)%young > 0.0_dp) then
+               else if (.not. model%definitions(k)%young(1) > 0.0_dp) then
                   call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
                end if
                if (allocated(input%error)) return
-               call new_material(material, model%definitions(k)%young, model%definitions(k)%poisson, &
-                  trim(raw%hypothesis), section%thickness, error)
-               material%origin = origin_of(input, section%line)
+               associate (definition => model%definitions(k))
+                  call new_material(material, definition%young(1), merge(0.0_dp, definition%poisson(1), &
+                     definition%shear > 0.0_dp), trim(raw%hypothesis), section%thickness, error)
+                  if (definition%shear > 0.0_dp .and. .not. allocated(error)) then
+                     material%young = definition%young
+                     material%poisson = definition%poisson
+                     material%shear = definition%shear
+                     material%angle = section%angle
+                     call material%derive(error)
+                  end if
+               end associate
+               call locate(input, section%place, material%origin, label)
                if (allocated(error)) then
                   error%message = material%origin//error%message
                   call move_alloc(error, input%error)
@@ -458,7 +533,7 @@ contains
                material%region = trim(section%region)
             end associate
          end do
-         if (temperatures%line == 0) return
+         if (temperatures%place == 0) return
          call expect_nodes(temperatures, raw%node_tag%items())
          call new_load(load, '')
          load%target = load_by_temperature
@@ -466,7 +541,7 @@ contains
          load%temperature_table(1, :) = raw%node_tag%items()
          load%temperature_table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
          load%temperature_file = input%file
-         load%origin = origin_of(input, temperatures%line)
+         call locate(input, temperatures%place, load%origin, label)
          call model%add_load(load)
          if (.not. temperatures%has_initial) call raw%add_note( &
             '*TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is strained at the temperature 0')
@@ -495,8 +570,12 @@ contains
       end associate
       if (.not. is_read) return
       select case (keyword)
-      case ('material', 'elastic', 'density', 'expansion', 'solidsection')
+      case ('material', 'elastic', 'density', 'expansion')
          call read_material_keyword(raw, input, keyword, line)
+      case ('orientation')
+         call read_orientation(raw, input, line)
+      case ('solidsection')
+         call read_section(raw, input, line)
       case ('boundary')
          call read_boundary(raw, input, line)
       case ('cload')
@@ -524,8 +603,9 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
+      character(:), allocatable :: label
       type(support_t) :: support, before
-      integer :: ends(2), i, n, number
+      integer :: ends(2), i, n
       logical :: is_there, ok
       real(dp) :: value
 
@@ -535,8 +615,7 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          call new_support(support, '')
-         call raw%model%line_at(input%text, input%position, number)
-         support%origin = origin_of(input, number)
+         call locate(input, input%position, support%origin, label)
          call take_fields(input, fields, n)
          if (allocated(input%error)) return
          select case (lower_case(fields(2)))
@@ -561,7 +640,7 @@ contains
          support%displacement = merge(value, 0.0_dp, support%is_held)
          if (.not. any(support%is_held)) cycle
          ! Numbers of nodes that follow each other are one set, if the same holds for them.
-         call take_nodes(raw, input, '*BOUNDARY', fields(1), number, all(support%is_held .eqv. before%is_held) &
+         call take_nodes(raw, input, '*BOUNDARY', fields(1), label, all(support%is_held .eqv. before%is_held) &
             .and. .not. any(abs(support%displacement - before%displacement) > 0.0_dp), before%set, support%set)
          if (allocated(input%error)) return
          if (support%set /= before%set) call raw%model%add_support(support)
@@ -576,8 +655,9 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
+      character(:), allocatable :: label
       type(load_t) :: load, before
-      integer :: component, n, number
+      integer :: component, n
       real(dp) :: value
       logical :: is_there, ok
 
@@ -588,8 +668,7 @@ contains
          if (.not. is_there) exit
          call new_load(load, '')
          load%target = load_on_nodes
-         call raw%model%line_at(input%text, input%position, number)
-         load%origin = origin_of(input, number)
+         call locate(input, input%position, load%origin, label)
          call take_fields(input, fields, n)
          call read_integer(trim(fields(2)), component, ok)
          if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
@@ -597,8 +676,8 @@ contains
          call take_number(input, fields(3), value)
          if (allocated(input%error)) return
          load%force(component) = value
-         call take_nodes(raw, input, '*CLOAD', fields(1), number, all(abs(load%force - before%force) <= 0.0_dp), &
-            before%set, load%set)
+         call take_nodes(raw, input, '*CLOAD', fields(1), label, &
+            all(abs(load%force - before%force) <= 0.0_dp), before%set, load%set)
          if (allocated(input%error)) return
          if (load%set /= before%set) call raw%model%add_load(load)
          before = load
@@ -608,21 +687,21 @@ contains
 
    !> Takes the nodes of a line: those of a set, or one by its number, which goes into a set of the line or into that of
    !> the line before.
-   pure subroutine take_nodes(raw, input, keyword, field, line, is_same, set_before, set)
+   pure subroutine take_nodes(raw, input, keyword, field, label, is_same, set_before, set)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
       character(*), intent(in) :: field !! the field of the nodes
-      integer, intent(in) :: line !! number of the line
+      character(*), intent(in) :: label !! number of the line, behind the name of an included file
       logical, intent(in) :: is_same !! whether the line says the same as that before
       character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
       character(:), allocatable, intent(inout) :: set !! becomes the name of the set
       integer :: group, node
       logical :: is_number
 
-      call read_integer(trim(field), node, is_number)
+      call read_tag(raw, trim(field), node, is_number)
       if (is_number) then
-         set = keyword//':'//to_text(line)
+         set = keyword//':'//label
          if (is_same .and. set_before /= '') set = set_before
          call raw%get_group(input, set, group)
          if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
@@ -641,10 +720,11 @@ contains
       character(*), intent(in) :: line !! the keyword line
       character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
       character(longest_name) :: fields(most_fields)
+      character(:), allocatable :: label
       type(integer_list_t) :: elements
       type(load_t) :: load
       real(dp) :: values(most_fields - 2)
-      integer :: group, i, n, number, side
+      integer :: group, i, n, side
       logical :: is_there
 
       call refuse_parameters(input, line)
@@ -652,8 +732,7 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          call new_load(load, '')
-         call raw%model%line_at(input%text, input%position, number)
-         load%origin = origin_of(input, number)
+         call locate(input, input%position, load%origin, label)
          call take_fields(input, fields, n)
          values = 0.0_dp
          do i = 3, n
@@ -666,7 +745,7 @@ contains
          if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
             load%set = raw%groups(group)%name
          else if (keyword == 'dload' .and. side > 0) then
-            load%set = '*DLOAD:'//to_text(number)
+            load%set = '*DLOAD:'//label
             elements%n = 0
             call add_members(raw, input, '*DLOAD: there is no set', .false., trim(fields(1)), elements)
             if (elements%n == 0) call input%refuse("*DLOAD: there is no set '"//trim(fields(1))//"' above", &
@@ -735,13 +814,18 @@ contains
       end select
    end subroutine interpret_dload
 
-   !> Where a line of the file stands, as messages begin.
-   pure function origin_of(input, line) result(origin)
-      type(input_file_t), intent(in) :: input !! the file
-      integer, intent(in) :: line !! number of the line
-      character(:), allocatable :: origin
+   !> Finds the line of a place in the file.
+   pure subroutine locate(input, place, origin, label)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: place !! the place
+      character(:), allocatable, intent(out) :: origin !! file and line, as messages begin
+      character(:), allocatable, intent(out) :: label !! number of the line, behind the name of an included file
+      integer :: line
 
-      origin = input%file//':'//to_text(line)//': '
-   end function origin_of
+      call input%locate(place, origin, line)
+      label = to_text(line)
+      if (origin /= input%file) label = origin//':'//label
+      origin = origin//':'//to_text(line)//': '
+   end subroutine locate
 
 end module amontons_abaqus

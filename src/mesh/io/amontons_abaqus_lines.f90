@@ -1,36 +1,92 @@
-!> Lines of the input format of Abaqus and CalculiX, keywords with parameters and data lines with fields; and what they
-!> define first: sets of nodes and elements, and surfaces.
+!> Lines of the input format of Abaqus and CalculiX, keywords with parameters and data lines with fields; files that a
+!> file includes; parts and their instances; and what lines define first: sets of nodes and elements, and surfaces.
 module amontons_abaqus_lines
    use amontons_element, only: n_corners
-   use amontons_file_model, only: longest_name, raw_mesh_t
-   use amontons_input_file, only: input_file_t
+   use amontons_error, only: error_t
+   use amontons_file_model, only: file_part_t, longest_name, raw_mesh_t
+   use amontons_input_file, only: beside, input_file_t, new_input_file
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_text, only: lower_case, read_integer, read_real, to_text
    implicit none (type, external)
    private
 
-   public :: abaqus_scope_t, add_members, find_parameter, get_set, is_at_line_end, named_group, next_data_line, &
-      next_keyword, read_set, read_surface, refuse_parameters, resolve_elements, take_comma, take_fields, take_number
+   public :: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, insert_included, &
+      is_at_line_end, name_instance_sets, named_group, next_data_line, next_keyword, place_of_name, read_set, &
+      read_surface, read_tag, refuse_parameters, resolve_elements, start_instance, start_part, take_comma, &
+      take_fields, take_line_of_numbers, take_number
 
    character, parameter :: line_feed = achar(10)
    !> Longer keyword lines are refused.
    integer, parameter :: longest_line = 2000
 
-   !> Where in the file a keyword stands. Names in the assembly are others than those in the part.
-   type :: abaqus_scope_t
-      integer :: n_parts = 0 !! number of parts so far
-      integer :: n_instances = 0 !! number of instances so far
-      logical :: in_assembly = .false. !! whether the assembly has begun and not ended
-      integer :: n_part_groups = 0 !! number of named sets before the assembly
-   end type abaqus_scope_t
-
-   !> What precedes the name of a set of the assembly when the part has a set of that name.
-   character(*), parameter :: assembly_prefix = 'assembly.'
+   !> What precedes the name of a set of the assembly when an instance has a set of that name.
+   character(*), parameter :: assembly_scope = 'assembly.'
+   !> More included files are refused.
+   integer, parameter :: most_included = 300
+   !> Most numbers of a line on axes and places.
+   integer, parameter :: most_numbers = 9
+   !> An axis counts as normal to the plane if it leaves the normal by no more than this part of its length: the digits
+   !> of a file.
+   real(dp), parameter :: straightness = 1.0e-6_dp
+   !> A degree [rad].
+   real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
    !> Names of the sides of an element.
    character(*), parameter :: side_names(4) = ['s1', 's2', 's3', 's4']
 
 contains
+
+   !> Puts the files that a file includes where it includes them. Faults go to the input.
+   subroutine insert_included(input)
+      type(input_file_t), intent(inout) :: input !! the file; its text gains the others
+      type(error_t), allocatable :: error
+      type(input_file_t) :: included
+      character(:), allocatable :: file, keyword, line, name
+      integer :: n_included, number, place, start
+      logical :: is_there
+
+      start = input%position
+      n_included = 0
+      do
+         place = next_include(input)
+         if (place == 0 .or. allocated(input%error)) exit
+         input%position = place
+         call next_keyword(input, keyword, line)
+         if (keyword /= 'include') cycle
+         n_included = n_included + 1
+         call find_parameter(line, 'input', name, is_there)
+         if (name == '') call input%refuse('*INCLUDE: expected INPUT= and the name of a file', place)
+         if (n_included > most_included) call input%refuse('*INCLUDE: more than '//to_text(most_included)// &
+            ' files; do they include each other?', place)
+         if (allocated(input%error)) exit
+         call input%locate(place, file, number)
+         call new_input_file(included, beside(file, name), error)
+         if (allocated(error)) call input%refuse(error%message, place)
+         if (allocated(input%error)) exit
+         ! The last line may have no end.
+         included%text = included%text//line_feed
+         call input%replace(included, place)
+      end do
+      input%position = start
+   end subroutine insert_included
+
+   !> Place of the next `*INCLUDE`, 0 for none.
+   pure integer function next_include(input) result(place)
+      type(input_file_t), intent(in) :: input !! the file
+      integer :: step
+
+      place = input%position - 1
+      do
+         step = index(input%text(place + 1:), '*')
+         if (step == 0) exit
+         place = place + step
+         if (index(adjustl(lower_case(input%text(place + 1:min(place + longest_name, len(input%text))))), 'include') &
+            /= 1) cycle
+         step = index(input%text(:place), line_feed, back=.true.)
+         if (verify(input%text(step + 1:place - 1), ' '//achar(9)) == 0) return
+      end do
+      place = 0
+   end function next_include
 
    !> Whether nothing but blanks is left on the line.
    pure logical function is_at_line_end(input)
@@ -211,9 +267,9 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       ! Those that say what is meant anyway, whatever their value or with this one alone.
-      character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'zero', 'moduli']
-      character(17), parameter :: harmless(*) = [character(17) :: 'op=mod', 'type=displacement', 'type=iso', &
-         'type=isotropic', 'type=temperature', 'dependencies=0']
+      character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'name', 'zero', 'moduli']
+      character(25), parameter :: harmless(*) = [character(25) :: 'op=mod', 'type=displacement', 'type=iso', &
+         'type=isotropic', 'type=engineeringconstants', 'type=temperature', 'dependencies=0', 'system=rectangular']
       character(:), allocatable :: field
       integer :: first, last, i
 
@@ -233,11 +289,186 @@ contains
       end do
    end subroutine refuse_parameters
 
+   !> Notes where the text of a part begins, and moves behind it.
+   pure subroutine start_part(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: keyword, more, name
+      type(file_part_t) :: part
+      logical :: is_there
+
+      call find_parameter(line, 'name', name, is_there)
+      part%name = name
+      part%place = input%position
+      raw%parts = [raw%parts, part]
+      do
+         call next_keyword(input, keyword, more)
+         if (keyword == 'endpart' .or. keyword == '') exit
+      end do
+   end subroutine start_part
+
+   !> What precedes the names of the sets of an instance.
+   pure function scope_of(instance) result(scope)
+      type(file_part_t), intent(in) :: instance !! the instance
+      character(:), allocatable :: scope
+
+      scope = ''
+      if (instance%name /= '') scope = trim(instance%name)//'.'
+   end function scope_of
+
+   !> Starts an instance at its keyword line: finds how it is moved, and goes to the text of its part.
+   pure subroutine start_instance(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: name, part
+      type(file_part_t) :: instance
+      real(dp) :: center(3), way(3), angle(1)
+      integer :: i
+      logical :: is_there
+
+      call find_parameter(line, 'name', name, is_there)
+      if (len(name) > longest_name) call input%refuse('a name of more than '//to_text(longest_name)//' characters', &
+         input%position - 1)
+      if (place_of_name(raw%instances%name, name) > 0) call input%refuse("a second instance '"//name//"'", &
+         input%position - 1)
+      call find_parameter(line, 'part', part, is_there)
+      i = place_of_name(raw%parts%name, part)
+      if (is_there .and. i == 0) call input%refuse("there is no part '"//part//"' above", input%position - 1)
+      call take_line_of_numbers(input, instance%origin)
+      call take_line_of_numbers(input, center, way, angle)
+      way = way - center
+      if (abs(angle(1)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse( &
+         'an instance can be turned about an axis normal to the plane only', input%position - 1)
+      instance%axis = [cos(angle(1)*degree), sign(1.0_dp, way(3))*sin(angle(1)*degree)]
+      instance%origin(:2) = center(:2) + turned(instance%axis, instance%origin(:2) - center(:2))
+      instance%name = name
+      instance%n_before = [raw%node_tag%n, raw%cell_tag%n, raw%node%n, raw%n_groups]
+      raw%instances = [raw%instances, instance]
+      raw%is_in_instance = .true.
+      raw%scope = scope_of(instance)
+      if (i == 0) return
+      raw%place_behind = input%position
+      input%position = raw%parts(i)%place
+   end subroutine start_instance
+
+   !> Ends an instance, if one has begun: moves its nodes, and numbers nodes and elements behind all others.
+   subroutine end_instance(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(input_file_t), intent(inout) :: input !! the file
+      integer :: group, node, shift
+
+      raw%scope = assembly_scope
+      if (.not. raw%is_in_instance) return
+      raw%is_in_instance = .false.
+      associate (instance => raw%instances(size(raw%instances)))
+         do node = instance%n_before(1) + 1, raw%node_tag%n
+            raw%coordinates(:, node) = instance%origin + [turned(instance%axis, raw%coordinates(:2, node)), &
+               raw%coordinates(3, node)]
+         end do
+         shift = 0
+         if (instance%n_before(1) > 0) shift = maxval(raw%node_tag%item(:instance%n_before(1)))
+         if (instance%n_before(2) > 0) shift = max(shift, maxval(raw%cell_tag%item(:instance%n_before(2))))
+         instance%shift = shift
+         call shift_items(raw%node_tag, instance%n_before(1))
+         call shift_items(raw%cell_tag, instance%n_before(2))
+         call shift_items(raw%node, instance%n_before(3))
+         do group = instance%n_before(4) + 1, raw%n_groups
+            call shift_items(raw%groups(group)%node, 0)
+            call shift_items(raw%groups(group)%cell, 0)
+         end do
+      end associate
+
+   contains
+
+      !> Adds the shift to the numbers that the instance has put into a list.
+      subroutine shift_items(list, n_before)
+         type(integer_list_t), intent(inout) :: list !! the list
+         integer, intent(in) :: n_before !! number of items that were there before
+
+         if (list%n == n_before .or. allocated(input%error)) return
+         associate (tags => list%item(n_before + 1:list%n))
+            if (maxval(tags) > huge(shift) - shift) call input%refuse('the number '//to_text(maxval(tags))// &
+               ' is too large for a node or element of an instance behind others', input%position - 1)
+            tags = tags + merge(0, shift, allocated(input%error))
+         end associate
+      end subroutine shift_items
+
+   end subroutine end_instance
+
+   !> A vector that is turned with the x axis.
+   pure function turned(axis, x)
+      real(dp), intent(in) :: axis(2) !! direction of the turned x axis, of length 1
+      real(dp), intent(in) :: x(2) !! the vector
+      real(dp) :: turned(2)
+
+      turned = [axis(1)*x(1) - axis(2)*x(2), axis(2)*x(1) + axis(1)*x(2)]
+   end function turned
+
+   !> Takes the numbers of a data line, zeros where there is none.
+   pure subroutine take_line_of_numbers(input, first, second, third)
+      type(input_file_t), intent(inout) :: input !! the file
+      real(dp), intent(out) :: first(:) !! the first numbers
+      real(dp), intent(out), optional :: second(:) !! those behind them
+      real(dp), intent(out), optional :: third(:) !! those behind these
+      character(longest_name) :: fields(most_numbers)
+      real(dp) :: values(most_numbers)
+      integer :: i, n
+      logical :: is_there
+
+      values = 0.0_dp
+      call next_data_line(input, is_there)
+      n = 0
+      if (is_there) call take_fields(input, fields, n)
+      do i = 1, n
+         if (fields(i) /= '') call take_number(input, fields(i), values(i))
+      end do
+      n = size(first)
+      first = values(:n)
+      if (present(second)) second = values(n + 1:n + size(second))
+      if (present(third)) third = values(n + size(second) + 1:n + size(second) + size(third))
+   end subroutine take_line_of_numbers
+
+   !> Place of a name in a list, whatever its case; 0 where it is not there.
+   pure integer function place_of_name(names, name) result(place)
+      character(*), intent(in) :: names(:) !! the list
+      character(*), intent(in) :: name !! the name
+
+      do place = size(names), 1, -1
+         if (lower_case(trim(names(place))) == lower_case(name)) exit
+      end do
+   end function place_of_name
+
+   !> By how much numbers of nodes and elements are greater in a scope than in its text.
+   pure integer function shift_of(raw, scope) result(shift)
+      type(raw_mesh_t), intent(in) :: raw !! what the file says
+      character(*), intent(in) :: scope !! what precedes the names of its sets
+      integer :: instance
+
+      instance = place_of_name(raw%instances%name, scope(:len(scope) - 1))
+      shift = 0
+      if (instance > 0) shift = raw%instances(instance)%shift
+   end function shift_of
+
+   !> Reads a field that is the number of a node or element, perhaps with the name of its instance and a point before.
+   pure subroutine read_tag(raw, field, tag, is_number)
+      type(raw_mesh_t), intent(in) :: raw !! what the file says
+      character(*), intent(in) :: field !! the field
+      integer, intent(out) :: tag !! the number, behind those of the instances before
+      logical, intent(out) :: is_number !! whether it is one
+      character(:), allocatable :: scope
+
+      scope = field(:index(field, '.', back=.true.))
+      call read_integer(field(len(scope) + 1:), tag, is_number)
+      if (scope == '') scope = raw%scope
+      if (is_number) tag = tag + shift_of(raw, scope)
+   end subroutine read_tag
+
    !> The set that a keyword line names, a new one if need be.
-   pure subroutine get_set(raw, input, scope, line, parameter, group)
+   pure subroutine get_set(raw, input, line, parameter, group)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: parameter !! name of the parameter, in small letters
       integer, intent(out) :: group !! the set, 0 where the line names none
@@ -247,58 +478,49 @@ contains
       group = 0
       call find_parameter(line, parameter, name, is_there)
       if (name == '') return
-      if (scope%in_assembly) then
-         group = raw%find_group(name)
-         if (group > 0 .and. group <= scope%n_part_groups) then
-            name = assembly_prefix//name
-         end if
-      end if
-      call raw%get_group(input, name, group)
+      call raw%get_group(input, raw%scope//name, group)
+      raw%groups(group)%n_scope = len(raw%scope)
    end subroutine get_set
 
    !> Reads a set of nodes or elements: numbers and names of sets above; or ranges, each a first number, a last one and
    !> an increment that is 1 where it is absent.
-   pure subroutine read_set(raw, input, scope, line, keyword)
+   pure subroutine read_set(raw, input, line, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
-      character(:), allocatable :: field, value
+      character(:), allocatable :: field, instance, scope, value
       type(integer_list_t) :: members
-      integer :: first, group, i, increment, last, n
+      integer :: first, group, i, increment, last, n, shift
       logical :: has_elements, is_in_instance, is_range, is_there
 
       call find_parameter(line, 'elset', value, has_elements)
-      call find_parameter(line, 'instance', value, is_in_instance)
+      call find_parameter(line, 'instance', instance, is_in_instance)
+      if (is_in_instance .and. place_of_name(raw%instances%name, instance) == 0) call input%refuse( &
+         "there is no instance '"//instance//"' above", input%position - 1)
       call find_parameter(line, 'generate', value, is_range)
       if (keyword == 'nset' .and. has_elements) then
          call raw%add_note('a set of the nodes of an element set left out: '//line)
          return
       end if
-      if (scope%in_assembly .and. .not. is_in_instance) then
+      if (raw%scope == assembly_scope .and. .not. is_in_instance) then
          call raw%add_note('a set outside the instance left out: '//line)
          return
       end if
-      call get_set(raw, input, scope, line, keyword, group)
+      call get_set(raw, input, line, keyword, group)
+      scope = raw%scope
+      if (is_in_instance) raw%scope = instance//'.'
+      shift = shift_of(raw, raw%scope)
       if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          if (is_range) then
-            call input%take_integer(first, 'the first number of a range')
-            call take_comma(input, is_there)
-            call input%take_integer(last, 'the last number of a range')
-            call take_comma(input, is_there)
-            increment = 1
-            if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
-            call take_comma(input, is_there)
-            if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
-               'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+            call take_range(input, first, last, increment)
             n = (last - first)/max(1, increment)
             call raw%expect_members(input, n)
             call input%end_line()
-            if (.not. allocated(input%error)) call members%append_all([(first + i*increment, i=0, n)])
+            if (.not. allocated(input%error)) call members%append_all([(shift + first + i*increment, i=0, n)])
          else
             do
                call take_field(input, field)
@@ -308,6 +530,7 @@ contains
             end do
          end if
       end do
+      raw%scope = scope
       if (allocated(input%error)) return
       if (keyword == 'nset') then
          call raw%groups(group)%node%append_all(members%items())
@@ -317,16 +540,82 @@ contains
       end if
    end subroutine read_set
 
-   !> The set that a field names, 0 for none: that of the assembly, if there is one.
+   !> Takes a range: its first number, its last one and an increment.
+   pure subroutine take_range(input, first, last, increment)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(out) :: first !! the first number
+      integer, intent(out) :: last !! the last number, or a bound of it
+      integer, intent(out) :: increment !! the increment, 1 where it is absent
+      logical :: is_there
+
+      call input%take_integer(first, 'the first number of a range')
+      call take_comma(input, is_there)
+      call input%take_integer(last, 'the last number of a range')
+      call take_comma(input, is_there)
+      increment = 1
+      if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
+      call take_comma(input, is_there)
+      if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
+         'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+   end subroutine take_range
+
+   !> The set that a field names, 0 for none: that of this name here or in the instance named; else that of the
+   !> assembly; else that of the only instance.
    pure integer function named_group(raw, field) result(group)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
 
+      group = raw%find_group(raw%scope//field)
+      if (group == 0) group = raw%find_group(field)
+      if (group > 0) return
       associate (name => field(index(field, '.', back=.true.) + 1:))
-         group = raw%find_group(assembly_prefix//name)
+         group = raw%find_group(assembly_scope//name)
          if (group == 0) group = raw%find_group(name)
+         if (group == 0 .and. size(raw%instances) == 1) group = raw%find_group(scope_of(raw%instances(1))//name)
       end associate
    end function named_group
+
+   !> Gives sets that only one instance has, and sets of the assembly that none has, their names alone, in the place of
+   !> `instance.name`; supports, loads and sections follow.
+   pure subroutine name_instance_sets(raw)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      character(:), allocatable :: name
+      integer :: group, i, n
+
+      do group = 1, raw%n_groups
+         associate (own => raw%groups(group))
+            if (own%n_scope == 0) cycle
+            name = own%name(own%n_scope + 1:)
+            n = count([(raw%find_group(scope_of(raw%instances(i))//name) > 0, i=1, size(raw%instances))])
+            if (own%name(:own%n_scope) == assembly_scope) n = n + 1
+            if (n == 1 .and. raw%find_group(name) == 0) own%name = name
+         end associate
+      end do
+      do i = 1, raw%model%n_supports
+         raw%model%supports(i)%set = final_name(raw%model%supports(i)%set)
+      end do
+      do i = 1, raw%model%n_loads
+         raw%model%loads(i)%set = final_name(raw%model%loads(i)%set)
+         raw%model%loads(i)%region = final_name(raw%model%loads(i)%region)
+      end do
+      do i = 1, size(raw%model%sections)
+         raw%model%sections(i)%region = final_name(trim(raw%model%sections(i)%region))
+      end do
+
+   contains
+
+      !> The name that a set has now.
+      pure function final_name(before) result(name)
+         character(*), intent(in) :: before !! its name before
+         character(:), allocatable :: name
+         integer :: group
+
+         name = before
+         group = raw%find_group(before)
+         if (group > 0) name = raw%groups(group)%name
+      end function final_name
+
+   end subroutine name_instance_sets
 
    !> Adds what a field names: one thing by its number, or the things of a set.
    pure subroutine add_members(raw, input, refusal, of_nodes, field, members)
@@ -340,7 +629,7 @@ contains
       logical :: is_number
 
       if (len(field) == 0) return
-      call read_integer(field(index(field, '.', back=.true.) + 1:), number, is_number)
+      call read_tag(raw, field, number, is_number)
       if (is_number) then
          call members%append(number)
          return
@@ -361,10 +650,9 @@ contains
 
    !> Reads a surface: lines of an element, or a set, and a side of it; of a surface of nodes, nodes. One that names
    !> anything else is left out.
-   pure subroutine read_surface(raw, input, scope, line)
+   pure subroutine read_surface(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: field, type, value
       type(integer_list_t) :: members
@@ -378,7 +666,7 @@ contains
          call raw%add_note('a surface of other things than sides and nodes left out: '//line)
          return
       end if
-      call get_set(raw, input, scope, line, 'name', group)
+      call get_set(raw, input, line, 'name', group)
       if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
       do
          call next_data_line(input, is_there)

@@ -12,8 +12,8 @@ module amontons_file_model
    implicit none (type, external)
    private
 
-   public :: file_material_t, file_model_t, file_temperatures_t, line2, line3, longest_name, n_cell_nodes, no_cell, &
-      point1, raw_mesh_t
+   public :: file_material_t, file_model_t, file_part_t, file_temperatures_t, line2, line3, longest_name, &
+      n_cell_nodes, no_cell, point1, raw_mesh_t
 
    !> What may be read of it, as a deck names it.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
@@ -31,12 +31,14 @@ module amontons_file_model
    type :: file_material_t
       character(longest_name) :: name = '' !! its name
       character(longest_name) :: region = '' !! region that it fills; empty before a section says it
-      real(dp) :: young = 0.0_dp !! Young's modulus; 0 if it is not given [F/L^2]
-      real(dp) :: poisson = 0.0_dp !! Poisson's ratio [-]
+      real(dp) :: young(3) = 0.0_dp !! Young's modulus, or those along three axes; 0 if it is not given [F/L^2]
+      real(dp) :: poisson(3) = 0.0_dp !! Poisson's ratio, or nu12, nu13, nu23 [-]
+      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
+      real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise [degrees]
       real(dp) :: density = 0.0_dp !! mass per volume [M/L^3]
       real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of the region [L]
-      integer :: line = 0 !! line of the file that gives the section
+      integer :: place = 0 !! where the file gives the section
    end type file_material_t
 
    !> Temperatures of the nodes. Arrays have a place for each node of the file, in its order, as far as it is read.
@@ -46,7 +48,7 @@ module amontons_file_model
       real(dp), allocatable :: step(:) !! temperatures of the step [K]
       logical, allocatable :: is_given(:) !! whether the step gives a temperature
       logical :: has_initial = .false. !! whether initial temperatures are given
-      integer :: line = 0 !! line of the file that gives those of the step; 0 if none does
+      integer :: place = 0 !! where the file gives those of the step; 0 if it does not
    end type file_temperatures_t
 
    !> All that is read beside the mesh.
@@ -54,6 +56,7 @@ module amontons_file_model
       logical :: is_used(size(use_names)) = .false. !! what is read
       type(file_material_t), allocatable :: definitions(:) !! the materials that the file defines
       type(file_material_t), allocatable :: sections(:) !! the sections
+      type(file_material_t), allocatable :: orientations(:) !! the axes of materials: their names and angles
       type(file_temperatures_t) :: temperatures !! the temperatures of the nodes
       type(material_t), allocatable :: materials(:) !! the material of each section, once the file is read
       type(support_t), allocatable :: supports(:) !! the supports, and room for more
@@ -61,10 +64,7 @@ module amontons_file_model
       integer :: n_supports = 0 !! number of supports
       integer :: n_loads = 0 !! number of loads
       integer :: n_steps = 0 !! number of steps
-      integer, private :: n_counted = 0 !! number of characters of the file whose lines are counted
-      integer, private :: n_lines = 0 !! number of line ends among them
    contains
-      procedure :: line_at => file_model_line_at
       procedure :: add_load => file_model_add_load
       procedure :: add_support => file_model_add_support
    end type file_model_t
@@ -90,12 +90,23 @@ module amontons_file_model
    !> A named set: of elements, of lines and sides, of nodes.
    type :: raw_group_t
       character(:), allocatable :: name !! its name
+      integer :: n_scope = 0 !! number of characters of the name that tell the instance it belongs to
       character(:), allocatable, private :: key !! what tells it from the others: the name, with or without its case
       integer :: place = 0 !! the end of the line that names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
       type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
       type(integer_list_t) :: node !! numbers of its nodes in the file
    end type raw_group_t
+
+   !> A part of an Abaqus file, or an instance of one, whose sets and numbers are its own.
+   type :: file_part_t
+      character(longest_name) :: name = '' !! its name
+      integer :: place = 0 !! where the text of a part begins
+      integer :: n_before(4) = 0 !! numbers of nodes, cells, nodes of cells and named sets before an instance
+      integer :: shift = 0 !! by how much numbers of nodes and elements of an instance are greater than in its text
+      real(dp) :: origin(3) = 0.0_dp !! where the origin of its coordinates is put [L]
+      real(dp) :: axis(2) = [1.0_dp, 0.0_dp] !! direction of its x axis, of length 1
+   end type file_part_t
 
    !> The contents of a mesh file.
    type :: raw_mesh_t
@@ -115,6 +126,11 @@ module amontons_file_model
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
       character(12) :: hypothesis = '' !! the hypothesis that the elements are of; empty if the file says none
       type(file_model_t) :: model !! what is read beside the mesh
+      type(file_part_t), allocatable :: parts(:) !! the parts so far
+      type(file_part_t), allocatable :: instances(:) !! the instances of parts so far
+      logical :: is_in_instance = .false. !! whether the last instance is being read
+      integer :: place_behind = 0 !! where the instance goes on whose part is being read; 0 if none is
+      character(:), allocatable :: scope !! what precedes the names of sets here: that of an instance with a point
       character(:), allocatable :: warning !! what the file says that matters and is not read; not allocated if nothing
       integer :: n_doubled = 0 !! number of elements that the file gives once more in the same set, which are left out
       integer, private :: n_notes = 0 !! number of notes
@@ -129,21 +145,6 @@ module amontons_file_model
    end type raw_mesh_t
 
 contains
-
-   !> Number of the line of a place in the file. Places must not descend.
-   pure subroutine file_model_line_at(self, text, place, line)
-      class(file_model_t), intent(inout) :: self !! the model, which remembers how far lines are counted
-      character(*), intent(in) :: text !! the whole file
-      integer, intent(in) :: place !! the place
-      integer, intent(out) :: line !! number of its line
-      integer :: i
-
-      do i = self%n_counted + 1, place - 1
-         if (text(i:i) == achar(10)) self%n_lines = self%n_lines + 1
-      end do
-      self%n_counted = max(self%n_counted, place - 1)
-      line = self%n_lines + 1
-   end subroutine file_model_line_at
 
    !> Adds a support.
    pure subroutine file_model_add_support(self, support)

@@ -1,5 +1,5 @@
-!> Meshes in Gmsh's MSH format, versions 2.2 and 4.1, text and binary: types of elements, and which of them are read;
-!> physical groups, which cells belong to which and their names; entities, nodes and elements.
+!> Meshes in Gmsh's MSH format, versions 2.2, 4.0 and 4.1, text and binary: types of elements, and which of them are
+!> read; physical groups, which cells belong to which and their names; entities, nodes and elements.
 module amontons_gmsh
    use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
    use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
@@ -12,6 +12,8 @@ module amontons_gmsh
 
    public :: read_gmsh
 
+   !> Versions of the format, ten times the number that a file gives.
+   integer, parameter :: msh_22 = 22, msh_40 = 40, msh_41 = 41
    !> Kind of cell of each of Gmsh's first types, `no_cell` where it is not read.
    integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, no_cell, no_cell, no_cell, no_cell, line3, tri6, &
       quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
@@ -180,9 +182,10 @@ contains
    end function dimension_of
 
    !> Reads the section of the entities, of which only their physical groups matter.
-   pure subroutine read_entities_4(groups, input)
+   pure subroutine read_entities_4(groups, input, version)
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer :: n(0:3), dimension, entity, group, i, k, n_more
       real(dp) :: x
 
@@ -200,7 +203,7 @@ contains
             call input%start_record()
             call input%take_integer(entity, 'the number of an entity')
             if (entity < 0) call input%refuse('the number of an entity is negative')
-            do i = 1, merge(3, 6, dimension == 0)
+            do i = 1, merge(3, 6, dimension == 0 .and. version == msh_41)
                call input%take_real(x, 'a coordinate of an entity')
             end do
             call input%take_size(n_more, 'the number of physical groups of an entity')
@@ -227,20 +230,19 @@ contains
    end subroutine read_entities_4
 
    !> Reads the section of the nodes: blocks of their numbers, then of their coordinates and the parameters on their
-   !> entity.
-   pure subroutine read_nodes_4(raw, input)
+   !> entity. In version 4.0 each number is followed by the coordinates of its node.
+   pure subroutine read_nodes_4(raw, input, version)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer, allocatable :: tags(:), places(:)
       integer :: block, dimension, entity, i, has_parameters, n, n_blocks, n_left, n_numbers, node
       real(dp) :: x(most_numbers)
 
-      call take_section_header(input, n_blocks, n_left, 'nodes')
+      call take_section_header(input, version, n_blocks, n_left, 'nodes')
       if (allocated(input%error)) return
       do block = 1, n_blocks
-         call input%start_record()
-         call input%take_integer(dimension, 'the dimension of an entity')
-         call input%take_integer(entity, 'the number of an entity')
+         call take_entity(input, version, dimension, entity)
          call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
          if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
             'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
@@ -249,13 +251,17 @@ contains
          n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
          tags = spread(0, 1, n)
          places = tags
-         do node = 1, n
+         do node = 1, merge(n, 0, version == msh_41)
             call input%start_record()
             places(node) = input%position
             call input%take_size(tags(node), 'the number of a node')
          end do
          do node = 1, n
             call input%start_record()
+            if (version == msh_40) then
+               places(node) = input%position
+               call take_tag(input, version, tags(node), 'the number of a node')
+            end if
             do i = 1, n_numbers
                call input%take_real(x(i), 'a coordinate or parameter of a node')
             end do
@@ -268,9 +274,24 @@ contains
          input%position - 1)
    end subroutine read_nodes_4
 
-   !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things.
-   pure subroutine take_section_header(input, n_blocks, n, things)
+   !> Takes dimension and number of the entity that a block belongs to; version 4.0 has them the other way round.
+   pure subroutine take_entity(input, version, dimension, entity)
       type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
+      integer, intent(out) :: dimension !! dimension of the entity
+      integer, intent(out) :: entity !! number of the entity
+
+      call input%start_record()
+      if (version == msh_40) call input%take_integer(entity, 'the number of an entity')
+      call input%take_integer(dimension, 'the dimension of an entity')
+      if (version == msh_41) call input%take_integer(entity, 'the number of an entity')
+   end subroutine take_entity
+
+   !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things, which
+   !> version 4.0 has not.
+   pure subroutine take_section_header(input, version, n_blocks, n, things)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer, intent(out) :: n_blocks !! number of blocks
       integer, intent(out) :: n !! number of things
       character(*), intent(in) :: things !! what the things are
@@ -279,8 +300,10 @@ contains
       call input%start_record()
       call input%take_size(n_blocks, 'the number of blocks of '//things)
       call input%take_size(n, 'the number of '//things)
-      call input%take_size(least, 'the least number of all '//things)
-      call input%take_size(greatest, 'the greatest number of all '//things)
+      if (version == msh_41) then
+         call input%take_size(least, 'the least number of all '//things)
+         call input%take_size(greatest, 'the greatest number of all '//things)
+      end if
       call input%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
       call input%check_count(n, 2*least_bytes, things)
       call input%end_record()
@@ -300,19 +323,32 @@ contains
       n_left = n_left - n
    end subroutine take_block_size
 
+   !> Takes the number of a node or element.
+   pure subroutine take_tag(input, version, tag, what)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
+      integer, intent(out) :: tag !! the number
+      character(*), intent(in) :: what !! what it means, for the message
+
+      if (version == msh_40) then
+         call input%take_integer(tag, what)
+      else
+         call input%take_size(tag, what)
+      end if
+   end subroutine take_tag
+
    !> Reads the section of the elements: blocks of elements of one type on one entity.
-   pure subroutine read_elements_4(raw, groups, input)
+   pure subroutine read_elements_4(raw, groups, input, version)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
+      integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer :: block, dimension, element, entity, first, i, kind, n, n_blocks, n_left, nodes(max_nodes), place, tag
 
-      call take_section_header(input, n_blocks, n_left, 'elements')
+      call take_section_header(input, version, n_blocks, n_left, 'elements')
       if (allocated(input%error)) return
       do block = 1, n_blocks
-         call input%start_record()
-         call input%take_integer(dimension, 'the dimension of an entity')
-         call input%take_integer(entity, 'the number of an entity')
+         call take_entity(input, version, dimension, entity)
          call take_cell_kind(input, kind)
          if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
             to_text(dimension)//', which is not their own')
@@ -321,9 +357,9 @@ contains
          do element = 1, n
             call input%start_record()
             place = input%position
-            call input%take_size(tag, 'the number of an element')
+            call take_tag(input, version, tag, 'the number of an element')
             do i = 1, n_cell_nodes(kind)
-               call input%take_size(nodes(i), 'a node of an element')
+               call take_tag(input, version, nodes(i), 'a node of an element')
             end do
             call input%end_record()
             if (allocated(input%error)) return
@@ -479,17 +515,17 @@ contains
             select case (name)
             case ('MeshFormat')
                call read_format(input, version)
-               groups%has_entities = version == 4
+               groups%has_entities = version /= msh_22
             case ('PhysicalNames')
                call read_names(raw, groups, input)
             case ('Entities')
-               call read_entities_4(groups, input)
+               call read_entities_4(groups, input, version)
             case ('Nodes', 'ParametricNodes')
-               if (version == 4) call read_nodes_4(raw, input)
-               if (version == 2) call read_nodes_2(raw, input, name == 'ParametricNodes')
+               if (version /= msh_22) call read_nodes_4(raw, input, version)
+               if (version == msh_22) call read_nodes_2(raw, input, name == 'ParametricNodes')
             case default
-               if (version == 4) call read_elements_4(raw, groups, input)
-               if (version == 2) call read_elements_2(raw, groups, input)
+               if (version /= msh_22) call read_elements_4(raw, groups, input, version)
+               if (version == msh_22) call read_elements_2(raw, groups, input)
             end select
             call end_section(input, name)
          case ('PartitionedEntities')
@@ -529,18 +565,16 @@ contains
    !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
    pure subroutine read_format(input, version)
       type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(out) :: version !! 2 or 4
+      integer, intent(out) :: version !! `msh_22`, `msh_40` or `msh_41`
       integer, parameter :: swapped_one = 2**24
       real(dp) :: full_version
       integer :: binary, n_bytes, one, place
 
       call input%skip_white()
       call input%take_real(full_version, 'the version of the format')
-      version = 0
-      if (nint(10*full_version) == 22) version = 2
-      if (nint(10*full_version) == 41) version = 4
-      if (version == 0) call input%refuse('unsupported MSH version '//to_text(full_version)// &
-         ' (supported: 2.2, 4.1)')
+      version = nint(10*full_version)
+      if (all(version /= [msh_22, msh_40, msh_41])) call input%refuse('unsupported MSH version '// &
+         to_text(full_version)//' (supported: 2.2, 4.0, 4.1)')
       call input%take_numeral(binary, 'the type of the file')
       call input%take_numeral(n_bytes, 'the number of bytes of a number')
       if (binary < 0 .or. binary > 1) call input%refuse('the type of the file must be 0 (text) or 1 (binary)')

@@ -192,7 +192,7 @@ contains
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, raw, input)
       call move_alloc(input%error, error)
       mesh%source = file
-      call mesh%files%add(file)
+      mesh%files = input%files
       notes = ''
       if (allocated(raw%notes)) notes = raw%notes
    end subroutine read_mesh_file
