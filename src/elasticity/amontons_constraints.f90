@@ -18,9 +18,8 @@ module amontons_constraints
    implicit none (type, external)
    private
 
-   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, rigid_names, &
-      spring_side_t, &
-      substitution_t, support_t, supported_components
+   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, &
+      spring_side_t, substitution_t, support_t, supported_components
 
    !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent.
    character(2), parameter :: supported_components(4) = ['ux', 'uy', 'un', 'ut']
@@ -37,7 +36,10 @@ module amontons_constraints
       type(rigid_face_t) :: rigid
          !! whether sets, separated by commas in `set`, move as one rigid body; the first three components are those
          !! of `rigid_components` then
+      logical :: is_jump = .false. !! whether the first component is the jump of the preload of the same name
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
+   contains
+      procedure :: is_driven => support_is_driven
    end type support_t
 
    !> Which components the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement is
@@ -86,7 +88,8 @@ module amontons_constraints
       integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
       integer, allocatable :: node(:) !! node whose own unknowns take part
       real(dp), allocatable :: block(:, :, :) !! how, in x and y: u = sum block y (2, 2, blocks) [-]
-      logical, allocatable :: is_bonded(:) !! whether the own unknowns of a node are held at 0 (n_nodes)
+      logical, allocatable :: is_bonded(:, :)
+         !! whether the own unknowns of a node are held at 0, or at a prescribed jump (2, n_nodes)
    contains
       procedure :: displacement => substitution_displacement
       procedure :: element_nodes => substitution_element_nodes
@@ -137,18 +140,18 @@ contains
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       allocate (constraints%rigid(0))
       do i = 1, size(supports)
-         if (.not. supports(i)%rigid%is_given) cycle
-         if (any(rigid_names(supports(:i - 1)) == supports(i)%name)) then
-            call new_error(error, input_refused, supports(i)%origin//"another rigid set has the name '"// &
-               supports(i)%name//"'; give them as one: set = 'A, B'")
+         if (.not. supports(i)%is_driven()) cycle
+         if (any([(supports(set)%is_driven() .and. supports(set)%name == supports(i)%name, set=1, i - 1)])) then
+            call new_error(error, input_refused, supports(i)%origin//"another rigid set or preload has the name '"// &
+               supports(i)%name//"'; give rigid sets as one: set = 'A, B'")
             return
          end if
-         call add_rigid_set(constraints, prescribed, mesh, supports(i), i, error)
+         if (supports(i)%rigid%is_given) call add_rigid_set(constraints, prescribed, mesh, supports(i), i, error)
          if (allocated(error)) return
       end do
       do i = 1, size(supports)
          associate (support => supports(i))
-            if (support%rigid%is_given) cycle
+            if (support%is_driven()) cycle
             is_done = len(support%set) == 0
             if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
                i, error)
@@ -168,17 +171,12 @@ contains
       end do
    end subroutine new_constraints
 
-   !> The names of the rigid sets, in the order of the constraints.
-   pure function rigid_names(supports) result(names)
-      type(support_t), intent(in) :: supports(:) !! the supports
-      character(longest_name), allocatable :: names(:)
-      integer :: i
+   !> Whether it is no support of nodes, but prescribes the motion of a rigid set or the jump of a preload.
+   elemental logical function support_is_driven(self) result(is_driven)
+      class(support_t), intent(in) :: self !! the support
 
-      allocate (names(0))
-      do i = 1, size(supports)
-         if (supports(i)%rigid%is_given) names = [character(longest_name) :: names, supports(i)%name]
-      end do
-   end function rigid_names
+      is_driven = self%rigid%is_given .or. self%is_jump
+   end function support_is_driven
 
    !> Adds a set that moves as a rigid body.
    subroutine add_rigid_set(constraints, prescribed, mesh, support, number, error)
@@ -464,7 +462,7 @@ contains
       is_free = constraints%is_free
       if (present(substitution)) then
          dof_map%substitution = substitution
-         if (allocated(substitution%is_bonded)) is_free = is_free .and. .not. spread(substitution%is_bonded, 1, 2)
+         if (allocated(substitution%is_bonded)) is_free = is_free .and. .not. substitution%is_bonded
       end if
       is_last = .false.
       is_last(last_nodes) = .true.

@@ -8,7 +8,6 @@ module amontons_loads
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
-   use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -23,13 +22,13 @@ module amontons_loads
    integer, parameter, public :: load_on_region = 3
    !> What a load acts on: the thermal strain of a region, or of the whole body.
    integer, parameter, public :: load_by_temperature = 4
-   !> What a load acts on: sets that move as one rigid body.
-   integer, parameter, public :: load_on_rigid_set = 5
+   !> What a load acts on: the motion of a rigid set, or the jump of a preload.
+   integer, parameter, public :: load_on_motion = 5
 
    !> A load. Which components count depends on what it acts on.
    type :: load_t
       character(:), allocatable :: name !! its name, by which a sweep knows it; empty without one
-      integer :: target = load_on_sides !! sides, nodes, region or temperature
+      integer :: target = load_on_sides !! sides, nodes, region, temperature or motion
       character(:), allocatable :: set !! name of the boundary set or node set; empty where a point or region counts
       character(:), allocatable :: region !! region of a body force or temperature; empty for the whole body
       real(dp) :: traction(2) = 0.0_dp !! force per area at the origin, x and y [F/L^2]
@@ -39,8 +38,8 @@ module amontons_loads
       real(dp) :: total_force(2) = 0.0_dp
          !! resultant of a uniform traction on the set, over the thickness or all around the axis; 0, 0 for none [F]
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
-      real(dp) :: force(2) = 0.0_dp !! force on the node, on each node of the set, or on the rigid set, x and y [F]
-      type(rigid_face_t) :: rigid !! the point of a rigid set that `force` and `moment` act at
+      real(dp) :: force(2) = 0.0_dp
+         !! force on the node, on each node of the set, or on the rigid set, x and y; the first is that of a preload [F]
       real(dp) :: moment = 0.0_dp !! moment on the rigid set about its point [F L]
       real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
       real(dp) :: gravity(2) = 0.0_dp !! acceleration that makes a weight of the density, x and y [L/T^2]
@@ -69,14 +68,13 @@ contains
       load%origin = ''
    end subroutine new_load
 
-   !> Nodal forces of all loads; temperatures have none, see `amontons_thermal_strain`.
+   !> Nodal forces of all loads but those on motions; temperatures have none, see `amontons_thermal_strain`.
    subroutine load_vector(forces, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load names a set, region or point that the mesh has not
-      type(rigid_set_t) :: rigid
       integer :: i
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
@@ -88,12 +86,8 @@ contains
             call add_point_forces(forces, mesh, materials, loads(i), error)
          case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
-         case (load_on_rigid_set)
-            call new_rigid_set(rigid, mesh, loads(i)%set, loads(i)%rigid, error)
-            if (.not. allocated(error)) forces(:, rigid%lead) = forces(:, rigid%lead) &
-               + rigid%lead_forces([loads(i)%force, loads(i)%moment])
          case default
-            ! A temperature strains the body; it is no force.
+            ! A temperature strains the body; it is no force. Where motions are driven the body knows.
             cycle
          end select
          if (.not. allocated(error)) cycle

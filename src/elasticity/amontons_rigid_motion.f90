@@ -11,41 +11,58 @@ module amontons_rigid_motion
 
    public :: new_rigid_motions, rigid_motions_t
 
-   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle.
+   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle and, where
+   !> free jumps divide it in parts, of the translations of these against each other.
    type :: rigid_motions_t
-      integer :: n_free = 0 !! number of independent free motions, 0 to 3
-      real(dp), allocatable :: mode(:, :) !! translation x, translation y, rotation of each free motion (3, n_free)
+      integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each jump
+      real(dp), allocatable :: mode(:, :)
+         !! translation x, translation y, rotation and jumps of each free motion (3 + jumps, n_free)
       real(dp) :: center(2) = 0.0_dp !! the middle of the piece [L]
       real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales the rotation [L]
       integer, allocatable :: node(:) !! the nodes of the piece, ascending
       logical :: is_whole = .true. !! whether the piece is the whole body
+      integer :: n_jumps = 0 !! number of jumps
+      integer, allocatable :: part(:) !! the part that each node belongs to; not allocated without jumps (n_nodes)
+      real(dp), allocatable :: way(:, :, :) !! how far each part moves per jump (2, jumps, parts) [-]
    contains
       procedure :: describe => rigid_motions_describe
       procedure :: displacement => rigid_motions_displacement
+      procedure :: unit_motions => rigid_motions_unit_motions
    end type rigid_motions_t
 
 contains
 
    !> Finds the rigid motions of each piece of a body that violate no support: the kernel of the Gram matrix of its held
    !> directions.
-   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric, bonds)
+   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric, bonds, jumps)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
-      integer, intent(in), optional :: bonds(:, :) !! pairs of nodes that hold together, too (2, bonds)
+      integer, intent(in), optional :: bonds(:, :)
+         !! pairs of nodes that hold together, too, and the free jump of the first one against the second, 0 for none
+         !! (3, bonds)
+      real(dp), intent(in), optional :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       ! A quadratic side has three nodes.
       integer, parameter :: most_components = 6
       integer, allocatable :: piece(:), start(:), node(:)
-      real(dp) :: gram(3, 3), values(3), frame(2, 2), row(3), motion(most_components, 3), largest
-      integer :: axis, i, info, k, n_pieces, p
+      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :)
+      real(dp) :: frame(2, 2), largest
+      integer :: axis, i, info, k, n_jumps, n_pieces, p
 
-      call number_pieces(mesh, piece, n_pieces, bonds)
+      n_jumps = 0
+      if (present(bonds)) then
+         if (any(bonds(3, :) > 0)) n_jumps = size(jumps, 2)
+         call number_pieces(mesh, piece, n_pieces, bonds(:2, :))
+      else
+         call number_pieces(mesh, piece, n_pieces)
+      end if
       call fill_bins(start, node, piece, n_pieces)
-      allocate (motions(n_pieces))
+      allocate (motions(n_pieces), gram(3 + n_jumps, 3 + n_jumps), values(3 + n_jumps))
+      allocate (motion(most_components, 3 + n_jumps))
       do p = 1, n_pieces
          motions(p)%node = node(start(p):start(p + 1) - 1)
          motions(p)%is_whole = n_pieces == 1
@@ -55,13 +72,14 @@ contains
             motions(p)%radius = 0.5_dp*norm2(highest - lowest)
          end associate
          gram = 0.0_dp
+         if (n_jumps > 0) call divide_piece(motions(p), gram, mesh, bonds, jumps)
          do i = start(p), start(p + 1) - 1
             if (constraints%rigid_of(node(i)) > 0) cycle
             frame = constraints%frame(node(i))
             do axis = 1, 2
                if (constraints%is_free(axis, node(i))) cycle
-               row = matmul(frame(:, axis), unit_motions(motions(p), mesh%coordinates(:, node(i))))
-               do k = 1, 3
+               row = matmul(frame(:, axis), motions(p)%unit_motions(mesh%coordinates(:, node(i)), node(i)))
+               do k = 1, size(row)
                   gram(:, k) = gram(:, k) + row*row(k)
                end do
             end do
@@ -69,11 +87,12 @@ contains
          do i = 1, size(constraints%rigid)
             associate (rigid => constraints%rigid(i))
                if (piece(rigid%node(1)) /= p) cycle
-               motion(:2, :) = unit_motions(motions(p), rigid%point)
-               motion(3, :) = [0.0_dp, 0.0_dp, rigid%length/motions(p)%radius]
+               motion(:2, :) = motions(p)%unit_motions(rigid%point, rigid%node(1))
+               motion(3, :) = 0.0_dp
+               motion(3, 3) = rigid%length/motions(p)%radius
                do axis = 1, 3
                   if (constraints%is_free(merge(axis, 1, axis < 3), rigid%lead(merge(1, 2, axis < 3)))) cycle
-                  gram = gram + spread(motion(axis, :), 1, 3)*spread(motion(axis, :), 2, 3)
+                  gram = gram + spread(motion(axis, :), 1, size(gram, 1))*spread(motion(axis, :), 2, size(gram, 1))
                end do
             end associate
          end do
@@ -84,7 +103,7 @@ contains
                largest = maxval(abs(side%stiffness))
                if (.not. largest > 0.0_dp) cycle
                do k = 1, side%n_nodes
-                  motion(2*k - 1:2*k, :) = unit_motions(motions(p), mesh%coordinates(:, side%node(k)))
+                  motion(2*k - 1:2*k, :) = motions(p)%unit_motions(mesh%coordinates(:, side%node(k)), side%node(k))
                end do
                gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
             end associate
@@ -92,31 +111,86 @@ contains
          if (is_axisymmetric) then
             gram(1, 1) = gram(1, 1) + real(size(motions(p)%node), dp)
             gram(3, 3) = gram(3, 3) + real(size(motions(p)%node), dp)
+            do k = 1, n_jumps
+               gram(3 + k, 3 + k) = gram(3 + k, 3 + k) + jumps(1, k)**2*real(size(motions(p)%node), dp)
+            end do
          end if
          call symmetric_eigenvectors(gram, values, info)
-         motions(p)%n_free = count(values <= negligible*max(values(3), tiny(values)))
+         motions(p)%n_free = count(values <= negligible*max(values(size(values)), tiny(values)))
          motions(p)%mode = gram(:, :motions(p)%n_free)
       end do
    end subroutine new_rigid_motions
 
-   !> Displacement of a point under the two translations and the rotation (2, 3) [-].
-   pure function unit_motions(motions, point) result(displacement)
-      type(rigid_motions_t), intent(in) :: motions !! center and radius
+   !> Finds the parts that free jumps divide a piece in, and how far each moves with the jumps. What holds a jump goes
+   !> to the Gram matrix: that another way joins both sides of it, or that it is none of this piece.
+   subroutine divide_piece(motions, gram, mesh, bonds, jumps)
+      type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
+      real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (3 + jumps, 3 + jumps)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: bonds(:, :) !! pairs of nodes, and the jump of the first one against the second (3, bonds)
+      real(dp), intent(in) :: jumps(:, :) !! direction of each jump (2, jumps) [-]
+      logical :: is_here(mesh%n_nodes), is_mine(size(jumps, 2)), is_changed
+      logical, allocatable :: is_known(:)
+      real(dp) :: way(2, size(jumps, 2))
+      integer :: i, k, n_parts, side(2)
+
+      call number_pieces(mesh, motions%part, n_parts, reshape(pack(bonds(:2, :), spread(bonds(3, :) == 0, 1, 2)), &
+         [2, count(bonds(3, :) == 0)]))
+      motions%n_jumps = size(jumps, 2)
+      allocate (motions%way(2, motions%n_jumps, n_parts), source=0.0_dp)
+      is_here = .false.
+      is_here(motions%node) = .true.
+      is_mine = .false.
+      allocate (is_known(n_parts), source=.false.)
+      is_known(motions%part(motions%node(1))) = .true.
+      is_changed = .true.
+      do while (is_changed)
+         is_changed = .false.
+         do i = 1, size(bonds, 2)
+            if (bonds(3, i) == 0 .or. .not. is_here(bonds(1, i))) cycle
+            is_mine(bonds(3, i)) = .true.
+            side = motions%part(bonds(:2, i))
+            if (is_known(side(1)) .eqv. is_known(side(2))) cycle
+            is_changed = .true.
+            k = merge(1, 2, is_known(side(2)))
+            motions%way(:, :, side(k)) = motions%way(:, :, side(3 - k))
+            motions%way(:, bonds(3, i), side(k)) = motions%way(:, bonds(3, i), side(k)) &
+               + merge(jumps(:, bonds(3, i)), -jumps(:, bonds(3, i)), k == 1)
+            is_known(side(k)) = .true.
+         end do
+      end do
+      do i = 1, size(bonds, 2)
+         if (bonds(3, i) == 0 .or. .not. is_here(bonds(1, i))) cycle
+         way = motions%way(:, :, motions%part(bonds(1, i))) - motions%way(:, :, motions%part(bonds(2, i)))
+         way(:, bonds(3, i)) = way(:, bonds(3, i)) - jumps(:, bonds(3, i))
+         gram(4:, 4:) = gram(4:, 4:) + matmul(transpose(way), way)
+      end do
+      do k = 1, size(is_mine)
+         if (.not. is_mine(k)) gram(3 + k, 3 + k) = 1.0_dp
+      end do
+   end subroutine divide_piece
+
+   !> Displacement of a point under the two translations, the rotation and the jumps (2, 3 + jumps) [-].
+   pure function rigid_motions_unit_motions(self, point, node) result(displacement)
+      class(rigid_motions_t), intent(in) :: self !! center, radius and parts
       real(dp), intent(in) :: point(2) !! coordinates [L]
-      real(dp) :: displacement(2, 3)
+      integer, intent(in) :: node !! the node that moves with it
+      real(dp) :: displacement(2, 3 + self%n_jumps)
 
       displacement(:, 1) = [1.0_dp, 0.0_dp]
       displacement(:, 2) = [0.0_dp, 1.0_dp]
-      displacement(:, 3) = [-(point(2) - motions%center(2)), point(1) - motions%center(1)]/motions%radius
-   end function unit_motions
+      displacement(:, 3) = [-(point(2) - self%center(2)), point(1) - self%center(1)]/self%radius
+      if (self%n_jumps > 0) displacement(:, 4:) = self%way(:, :, self%part(node))
+   end function rigid_motions_unit_motions
 
    !> Displacement of a point under each free motion (2, n_free) [-].
-   pure function rigid_motions_displacement(self, point) result(displacement)
+   pure function rigid_motions_displacement(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: point(2) !! coordinates [L]
+      integer, intent(in) :: node !! the node that moves with it
       real(dp) :: displacement(2, self%n_free)
 
-      displacement = matmul(unit_motions(self, point), self%mode)
+      displacement = matmul(self%unit_motions(point, node), self%mode)
    end function rigid_motions_displacement
 
    !> Names a combination of the free motions in words, and the piece where there are others.
@@ -126,7 +200,7 @@ contains
       character(:), allocatable :: text
       ! Less is not shown by four digits.
       real(dp), parameter :: negligible = 1.0e-4_dp
-      real(dp) :: motion(3)
+      real(dp), allocatable :: motion(:)
 
       motion = matmul(self%mode, amounts)
       motion = motion/maxval(abs(motion))
@@ -138,6 +212,10 @@ contains
       if (abs(motion(3)) > negligible) then
          if (norm2(motion(1:2)) > negligible) text = text//' and'
          text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
+      end if
+      if (any(abs(motion(4:)) > negligible)) then
+         if (maxval(abs(motion(:3))) > negligible) text = text//' and'
+         text = text//' move along the preload on one side of it'
       end if
    end function rigid_motions_describe
 

@@ -6,9 +6,9 @@ module amontons_config
    use amontons_condensation, only: condensation_names, condensation_options_t
    use amontons_config_groups, only: accuracy_group, accuracy_options_t, case_group, contact_group, &
       describe_accuracy, describe_case, describe_contact, describe_load, describe_material, describe_mesh, &
-      describe_output, describe_problem, describe_rigid, describe_support, describe_tie, load_group, material_group, &
-      mesh_group, output_group, problem_group, reduced_source_t, require_expansion, rigid_group, support_group, &
-      take_rigid, tie_group
+      describe_output, describe_preload, describe_problem, describe_rigid, describe_support, describe_tie, &
+      driven_set_t, load_group, material_group, mesh_group, output_group, preload_group, problem_group, &
+      reduced_source_t, require_expansion, rigid_group, support_group, take_driven, tie_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
@@ -18,7 +18,7 @@ module amontons_config
    use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_rigid_set, load_t
+   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_t
    use amontons_material, only: material_t
    use amontons_mesh, only: find_named, mesh_t
    use amontons_mesh_file, only: mesh_part_t, read_file_model
@@ -41,14 +41,14 @@ module amontons_config
    type(group_t), parameter :: solver_group = group_t('solver')
    !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, rigid_group, &
-      contact_group, tie_group, sweep_group, history_group, steps_group, accuracy_group]
+      preload_group, contact_group, tie_group, sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
    !> Names of each of them in other programs, blanks between the words.
    character(32), parameter :: other_names(size(groups)) = [character(32) :: 'job heading', '', &
       'node nodes element elements part', 'elastic section', 'boundary bc constraint fix', 'cload dload', &
-      'mpc coupling rigid_body', 'interaction obstacle', '', 'parameter study', '', 'amplitude', '', &
-      'static analysis', '']
+      'mpc coupling rigid_body', 'pretension pre_tension', 'interaction obstacle', '', 'parameter study', '', &
+      'amplitude', '', 'static analysis', '']
 
    !> Everything that defines a case.
    type, extends(case_label_t) :: config_t
@@ -58,9 +58,8 @@ module amontons_config
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
-      type(support_t), allocatable :: rigid_motions(:)
-         !! its rigid sets as the deck describes them; they are among its supports and loads, too
-      type(load_t), allocatable :: rigid_drives(:) !! what drives them
+      type(driven_set_t), allocatable :: rigid_sets(:) !! its rigid sets; they are among its supports and loads, too
+      type(driven_set_t), allocatable :: preloads(:) !! its preloads; they are among its ties, too
       type(contact_t), allocatable :: contacts(:) !! its contact sets
       type(tie_t), allocatable :: ties(:) !! its bonded sets
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
@@ -197,7 +196,7 @@ contains
       documenter%written = ''
       config%file = ''
       allocate (config%meshes(1), config%materials(1), config%supports(1), config%loads(1), config%contacts(1), &
-         config%rigid_motions(1), config%rigid_drives(1), config%ties(1), config%sweep%axes(1), config%history%steps(1))
+         config%rigid_sets(1), config%preloads(1), config%ties(1), config%sweep%axes(1), config%history%steps(1))
       config%history%is_given = .true.
       call describe_config(documenter, config)
       text = documenter%written
@@ -230,23 +229,32 @@ contains
             call describe_material(visitor, config%materials(i))
          end do
          do i = config%n_used(use_supports) + 1, size(config%supports)
-            if (.not. config%supports(i)%rigid%is_given) call describe_support(visitor, config%supports(i))
+            if (.not. config%supports(i)%is_driven()) call describe_support(visitor, config%supports(i))
          end do
          do i = config%n_used(use_loads) + 1, size(config%loads)
-            if (config%loads(i)%target /= load_on_rigid_set) call describe_load(visitor, config%loads(i))
+            if (config%loads(i)%target /= load_on_motion) call describe_load(visitor, config%loads(i))
          end do
-         do i = 1, size(config%rigid_motions)
-            associate (motion => config%rigid_motions(i), drive => config%rigid_drives(i), &
-               is_axisymmetric => any(config%materials%is_axisymmetric))
-               call describe_rigid(visitor, motion, drive, is_axisymmetric)
-               if (visitor%is_judging()) call take_rigid(config%supports, config%loads, motion, drive, is_axisymmetric)
-            end associate
-         end do
+         associate (is_axisymmetric => any(config%materials%is_axisymmetric))
+            do i = 1, size(config%rigid_sets)
+               associate (set => config%rigid_sets(i))
+                  call describe_rigid(visitor, set%motion, set%drive, is_axisymmetric)
+                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, .true., &
+                     is_axisymmetric)
+               end associate
+            end do
+            do i = 1, size(config%preloads)
+               associate (set => config%preloads(i))
+                  call describe_preload(visitor, set%motion, set%drive, set%tie)
+                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, .false., &
+                     is_axisymmetric)
+               end associate
+            end do
+         end associate
          do i = 1, size(config%contacts)
             call describe_contact(visitor, config%contacts(i))
          end do
          do i = 1, size(config%ties)
-            call describe_tie(visitor, config%ties(i))
+            if (.not. config%ties(i)%has_jump) call describe_tie(visitor, config%ties(i))
          end do
          call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
          call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
@@ -295,8 +303,8 @@ contains
             config%materials(:n_used(1)) = materials
             config%supports(:n_used(2)) = supports
             config%loads(:n_used(3)) = loads
-            allocate (config%rigid_motions(visitor%deck%count_groups('rigid')), &
-               config%rigid_drives(visitor%deck%count_groups('rigid')))
+            allocate (config%rigid_sets(visitor%deck%count_groups('rigid')), &
+               config%preloads(visitor%deck%count_groups('preload')))
             allocate (config%contacts(visitor%deck%count_groups('contact')), &
                config%ties(visitor%deck%count_groups('tie')))
             allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
@@ -364,12 +372,12 @@ contains
          call check_name(.true., config%materials(i)%origin, config%materials(i)%region)
       end do
       do i = 1, size(config%supports)
-         if (config%supports(i)%rigid%is_given) cycle
+         if (config%supports(i)%is_driven()) cycle
          call check_name(.false., config%supports(i)%origin, config%supports(i)%set)
       end do
       do i = 1, size(config%loads)
-         ! The names of a rigid set are checked where it is made.
-         if (config%loads(i)%target == load_on_rigid_set) cycle
+         ! The names of a rigid set are checked where it is made, those of a preload as a tie.
+         if (config%loads(i)%target == load_on_motion) cycle
          call check_name(.false., config%loads(i)%origin, config%loads(i)%set)
          call check_name(.true., config%loads(i)%origin, config%loads(i)%region)
          associate (load => config%loads(i))

@@ -11,7 +11,7 @@ module amontons_config_groups
    use amontons_generated_mesh, only: diagonal_names
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_rigid_set, load_on_sides, &
+   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_on_region, load_on_sides, &
       load_t, new_load
    use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
@@ -23,8 +23,8 @@ module amontons_config_groups
    private
 
    public :: accuracy_options_t, describe_accuracy, describe_case, describe_contact, describe_load, &
-      describe_material, describe_mesh, describe_output, describe_problem, describe_rigid, describe_support, &
-      describe_tie, reduced_source_t, take_rigid, require_expansion
+      describe_material, describe_mesh, describe_output, describe_preload, describe_problem, describe_rigid, &
+      describe_support, describe_tie, driven_set_t, reduced_source_t, require_expansion, take_driven
 
    !> The group of the case.
    type(group_t), parameter, public :: case_group = group_t('case')
@@ -70,6 +70,14 @@ module amontons_config_groups
    type(group_t), parameter, public :: support_group = group_t('support', is_repeatable=.true., is_shared=.true.)
    !> The group of a rigid set.
    type(group_t), parameter, public :: rigid_group = group_t('rigid', is_repeatable=.true., is_shared=.true.)
+   !> The group of a preload.
+   type(group_t), parameter, public :: preload_group = group_t('preload', is_repeatable=.true., is_shared=.true.)
+   !> A rigid set or a preload as a deck describes it.
+   type :: driven_set_t
+      type(support_t) :: motion !! the set, and what is prescribed of its motion
+      type(load_t) :: drive !! the force and the moment that act on it
+      type(tie_t) :: tie !! of a preload: the two sides of the cut
+   end type driven_set_t
    !> The group of a load.
    type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
 
@@ -452,8 +460,7 @@ contains
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
       if (.not. visitor%is_judging()) return
-      call visitor%require(len(motion%name) <= longest_name, 'name', 'name must have at most '// &
-         to_text(longest_name)//' characters')
+      call check_driven_name(visitor, motion%name)
       is_driven = abs([drive%force, drive%moment]) > 0.0_dp
       do k = 1, size(rigid_components)
          call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
@@ -464,29 +471,81 @@ contains
          'a rigid set of a body of revolution moves along the axis only: give uy or the second component of force')
    end subroutine describe_rigid
 
-   !> Makes the support and the load that a rigid set is.
-   subroutine take_rigid(supports, loads, motion, drive, is_axisymmetric)
+   !> Describes one `&preload`: a cut whose sides are moved together.
+   subroutine describe_preload(visitor, motion, drive, tie)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(support_t), intent(inout) :: motion !! what is prescribed of the jump
+      type(load_t), intent(inout) :: drive !! the force
+      type(tie_t), intent(inout) :: tie !! the two sides
+      logical :: has_name, has_force, has_search
+
+      has_name = is_filled(tie%name)
+      has_search = tie%search > 0.0_dp
+      has_force = .not. motion%is_held(1)
+      call visitor%open_group(preload_group)
+      call visitor%text(key_t('name', 'of the preload: `&sweep` and `&steps` know its force as a load and its'// &
+         ' shortening as a support; results have it', is_filled=.true., is_required=.true., is_free=.true., &
+         also='label'), tie%name, has_name)
+      call visitor%text(key_t('set', 'the boundary set on one side of the cut, the slave, as of `&tie`', &
+         is_filled=.true., is_required=.true., also='slave surface'), tie%set)
+      call visitor%text(key_t('to', 'the boundary set on the other side', is_filled=.true., is_required=.true., &
+         also='against master target'), tie%to)
+      call visitor%real(key_t('search', 'how far the other side may be along the normal, either way', 'L', &
+         default='twice the longest side', above=0.0_dp), tie%search, has_search)
+      call visitor%real(key_t('force', 'the preload: what the sides pull each other with along the normal; this or'// &
+         ' `shortening` is required', 'F', default='none', is_free=.true., also='f pretension tension'), &
+         drive%force(1), has_force)
+      call visitor%real(key_t('shortening', 'how far the sides are moved into each other along the normal', 'L', &
+         default='free', is_free=.true., also='adjustment jump'), motion%displacement(1), motion%is_held(1))
+      call visitor%close_group()
+      call visitor%locate('set', tie%origin)
+      motion%name = tie%name
+      motion%set = tie%set
+      motion%origin = tie%origin
+      if (.not. visitor%is_judging()) return
+      call check_driven_name(visitor, motion%name)
+      call visitor%require(has_force .neqv. motion%is_held(1), 'force', '&preload needs either force or shortening')
+      call visitor%require(tie%to /= tie%set, 'to', 'to must name another set than set')
+   end subroutine describe_preload
+
+   !> Requires that the name of a rigid set or preload fits in tables.
+   subroutine check_driven_name(visitor, name)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      character(*), intent(in) :: name !! the name
+
+      call visitor%require(len(name) <= longest_name, 'name', 'name must have at most '//to_text(longest_name)// &
+         ' characters')
+   end subroutine check_driven_name
+
+   !> Makes the support and the load that a rigid set or preload is, and the tie of the latter.
+   subroutine take_driven(supports, loads, ties, set, is_rigid, is_axisymmetric)
       type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
-      type(support_t), intent(in) :: motion !! the sets, and what is prescribed of their motion
-      type(load_t), intent(in) :: drive !! the force and the moment that act on them
-      logical, intent(in) :: is_axisymmetric !! whether they belong to a body of revolution
+      type(tie_t), allocatable, intent(inout) :: ties(:) !! gains the two sides of a preload
+      type(driven_set_t), intent(in) :: set !! the rigid set or preload
+      logical, intent(in) :: is_rigid !! whether it is a rigid set
+      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
       type(support_t) :: support
       type(load_t) :: load
+      type(tie_t) :: tie
 
-      support = motion
-      support%rigid%is_given = .true.
-      if (is_axisymmetric) support%is_held([1, 3]) = .true.
-      call new_load(load, motion%set)
-      load%name = motion%name
-      load%origin = motion%origin
-      load%target = load_on_rigid_set
-      load%rigid = support%rigid
-      load%force = drive%force
-      load%moment = drive%moment
+      support = set%motion
+      support%rigid%is_given = is_rigid
+      support%is_jump = .not. is_rigid
+      if (is_axisymmetric .and. is_rigid) support%is_held([1, 3]) = .true.
+      call new_load(load, support%set)
+      load%name = support%name
+      load%origin = support%origin
+      load%target = load_on_motion
+      load%force = set%drive%force
+      load%moment = set%drive%moment
       supports = [supports, support]
       loads = [loads, load]
-   end subroutine take_rigid
+      if (is_rigid) return
+      tie = set%tie
+      tie%has_jump = .true.
+      ties = [ties, tie]
+   end subroutine take_driven
 
    !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
    subroutine describe_load(visitor, load)

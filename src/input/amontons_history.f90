@@ -493,11 +493,13 @@ contains
          ! Names in which a fault was found are not known.
          select case (last%target)
          case (stepped_load)
-            are_known = visitor%deck%knows('load', 'name') .and. visitor%deck%knows('rigid', 'name')
+            are_known = all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
+               visitor%deck%knows('preload', 'name')])
             missing = 'no &load has the name'
             has_target = any([(loads(i)%name == last%name, i=1, size(loads))])
          case (stepped_support)
-            are_known = visitor%deck%knows('support', 'name') .and. visitor%deck%knows('rigid', 'name')
+            are_known = all([visitor%deck%knows('support', 'name'), visitor%deck%knows('rigid', 'name'), &
+               visitor%deck%knows('preload', 'name')])
             missing = 'no &support with ux, uy, un or ut has the name'
             has_target = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
          case default

@@ -295,7 +295,8 @@ contains
                call visitor%require(is_found, 'contact', "no &contact has the set '"//axis%name//"'"//list('sets', &
                   names))
             end if
-         else if (visitor%deck%knows('load', 'name') .and. visitor%deck%knows('rigid', 'name')) then
+         else if (all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
+               visitor%deck%knows('preload', 'name')])) then
             names = ''
             do i = 1, size(loads)
                if (len(loads(i)%name) > 0) names = names//', '//loads(i)%name

@@ -18,7 +18,7 @@ module amontons_listing
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_rigid_set, load_on_sides, load_t
+   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
    use amontons_methods, only: method_options_t
@@ -224,6 +224,12 @@ contains
          end do
          return
       end if
+      if (support%is_jump) then
+         text = support%name//": preload at '"//support%set//"', shortening free"
+         if (support%is_held(1)) text = support%name//": preload at '"//support%set//"', shortening "// &
+            with_unit(short_text(support%displacement(1)), units, 'L')
+         return
+      end if
       if (len(support%set) > 0) then
          text = "set '"//support%set//"'"
       else
@@ -418,7 +424,7 @@ contains
          call mesh%set_nodes(load%set, nodes, error)
          text = text//' on each of '//counted(size(nodes), 'node')//', '// &
             with_unit(pair_text(size(nodes)*load%force), units, 'F')//' in all'
-      case (load_on_rigid_set)
+      case (load_on_motion)
          text = text//'force '//with_unit(pair_text(load%force), units, 'F')//', moment '// &
             with_unit(short_text(load%moment), units, 'F L')
       case (load_by_temperature)

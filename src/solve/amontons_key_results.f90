@@ -19,13 +19,12 @@ module amontons_key_results
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
-   use amontons_rigid_set, only: rigid_components
    use amontons_stress_field, only: von_mises
    implicit none (type, external)
    private
 
    public :: body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, lengths_t, &
-      new_lengths, resultants, rigid_results, set_results, trace_t
+      new_lengths, resultants, set_results, trace_t
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t
@@ -465,38 +464,6 @@ contains
       if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
          length*scale, dimension='F L')]
    end function results_of_set
-
-   !> How far rigid sets move, and what drives them. In a body of revolution they move along the axis only.
-   pure function rigid_results(body, names, displacement, force, force_scale) result(list)
-      type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: names(:) !! names of the sets
-      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:, :) !! force along x and y and moment that drive each set (3, sets) [F, F L]
-      real(dp), intent(in) :: force_scale !! what forces are measured by [F]
-      type(quantity_t), allocatable :: list(:)
-      character(7), parameter :: drives(3) = [character(7) :: 'force_x', 'force_y', 'moment']
-      character(3), parameter :: of_motion(3) = [character(3) :: 'L', 'L', ''], of_force(3) = ['F  ', 'F  ', 'F L']
-      character(:), allocatable :: name
-      real(dp) :: motion(3), scale
-      integer :: i, k
-
-      allocate (list(0))
-      scale = maxval(abs(displacement))
-      do i = 1, size(names)
-         name = trim(names(i))
-         associate (rigid => body%constraints%rigid(i))
-            motion = rigid%motion(displacement)
-            do k = 1, 3
-               if (body%is_axisymmetric .and. k /= 2) cycle
-               list = [list, quantity_t('rigid_'//name//'_'//trim(rigid_components(k)), &
-                  name//' '//trim(rigid_components(k)), motion(k), scale/merge(rigid%length, 1.0_dp, k == 3), &
-                  dimension=of_motion(k)), &
-                  quantity_t('rigid_'//name//'_'//trim(drives(k)), name//' '//trim(drives(k)), force(k, i), &
-                  force_scale*merge(rigid%length, 1.0_dp, k == 3), dimension=of_force(k))]
-            end do
-         end associate
-      end do
-   end function rigid_results
 
    !> The largest displacement and von Mises stress of a node.
    pure function body_peaks(mesh, displacement, stress) result(list)

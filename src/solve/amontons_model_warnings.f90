@@ -158,8 +158,9 @@ contains
       integer :: n_pieces
 
       if (.not. body%mesh%has_pieces) return
-      associate (bonds => [bonds_of(body%ties, body%constraints), bonds_of(body%zone%pairs)])
-         call number_pieces(body%mesh, piece, n_pieces, reshape(bonds, [2, size(bonds)/2]))
+      associate (of_ties => bonds_of(body%ties, body%constraints), of_pairs => bonds_of(body%zone%pairs))
+         call number_pieces(body%mesh, piece, n_pieces, reshape([of_ties(:2, :), of_pairs(:2, :)], &
+            [2, size(of_ties, 2) + size(of_pairs, 2)]))
       end associate
       if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no nodes '// &
          'and that no pair of contact sets or tie joins')

@@ -12,14 +12,14 @@ module amontons_solve_case
    use amontons_certificate, only: new_certificate
    use amontons_condensation, only: condensation_options_t
    use amontons_config, only: body_text, check_names, config_t
-   use amontons_constraints, only: rigid_names, support_t
+   use amontons_constraints, only: support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, rigid_results, set_results
+   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t, new_load_case, recover_displacement
    use amontons_load_family, only: acting_t, one_part
@@ -347,9 +347,7 @@ contains
          if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
-            set_results(body, solution%force, result%closed, result%stuck), &
-            rigid_results(body, rigid_names(result%load_case%supports), result%displacement, &
-            result%certificate%rigid_force, result%certificate%force_scale), result%certificate%named]
+            set_results(body, solution%force, result%closed, result%stuck), result%certificate%named]
       end associate
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)

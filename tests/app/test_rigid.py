@@ -130,7 +130,7 @@ class Rigid(ProgramTest):
                 ([rigid + " ux = 0.0 turn = 0.0", CONTACT, "support set = 'left'  ux = 0.1"], 1,
                  "contradicts the motion"),
                 ([rigid, "rigid name = 'q'  set = 'left'"], 1, "belongs to two rigid sets"),
-                ([rigid, "rigid name = 'p'  set = 'bottom'"], 1, "another rigid set has the name 'p'"),
+                ([rigid, "rigid name = 'p'  set = 'bottom'"], 1, "another rigid set or preload has the name 'p'"),
                 ([rigid.replace("top", "left"), CONTACT], 1, "shares the node at 0.0, 0.0 with a rigid set"),
                 ([rigid + "  uy = 0.0  force = 0.0, -1.0", CONTACT], 1, "nothing is left for force to move"),
                 (["rigid name = 'p'  set = 'tops'", CONTACT], 1, "did you mean 'top'"),

@@ -36,6 +36,7 @@ module amontons_contact_set
       character(:), allocatable :: to !! name of the master's boundary set
       real(dp) :: search = 0.0_dp
          !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
+      logical :: has_jump = .false. !! whether it is a preload: the slave is shifted along its normal by a jump
       character(:), allocatable :: origin !! where the tie was specified, for messages: 'deck.nml:12: '
    end type tie_t
 

@@ -103,6 +103,9 @@ module amontons_mortar_pair
       real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
       character(:), allocatable :: shear_fault
          !! what a contact set with friction is refused with; not allocated where shear can act on every side
+      real(dp) :: jump(2) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0, 0 without one [-]
+      integer :: lead = 0 !! the node whose own unknown along this direction is the jump; 0 without one
+      logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains

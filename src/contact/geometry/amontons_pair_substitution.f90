@@ -59,10 +59,12 @@ contains
       end do
       allocate (sums(n))
       allocate (sum_of(size(coordinates, 2)), source=0)
-      allocate (substitution%is_bonded(size(sum_of)), source=.false.)
+      allocate (substitution%is_bonded(2, size(sum_of)), source=.false.)
       fault = 0
       do i = 1, size(ties)
-         substitution%is_bonded(ties(i)%node) = .true.
+         substitution%is_bonded(:, ties(i)%node) = .true.
+         if (ties(i)%is_jump_free) substitution%is_bonded(:, ties(i)%lead) = &
+            abs(matmul(ties(i)%jump, constraints%frame(ties(i)%lead))) < 0.5_dp
          call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
       end do
       do i = 1, size(pairs)
@@ -205,6 +207,10 @@ contains
             -[row%block(1, 1, i), row%block(2, 2, i)]/own), row%is_own(i))
       end do
       call corner%add(pair%node(p), identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
+      ! The jump is the own unknown of one corner, and all others go along.
+      if (pair%lead > 0 .and. pair%lead /= pair%node(p)) call corner%add(pair%lead, &
+         matmul(times_axes(free, pair%normal(:, p), 1.0_dp/own), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2)), &
+         .true.)
    end subroutine solve_row
 
    !> The product of a matrix with the one that has a normal and its tangent for axes and given factors along them [-].
@@ -296,8 +302,36 @@ contains
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
          call take_facing_sides(follower, pairs(i))
+         if (ties(i)%has_jump) call find_jump(pairs(i), body%constraints, error)
+         if (allocated(error)) error%message = ties(i)%origin//error%message
+         if (allocated(error)) return
       end do
    end subroutine new_tied_pairs
+
+   !> Finds the direction of the jump of a preload, and the corner whose own unknown it is: one that can move along it.
+   pure subroutine find_jump(pair, constraints, error)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points; gains direction and corner
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! supports hold all corners along it, or guide them aslant
+      ! Mesh files carry about eight digits.
+      real(dp), parameter :: negligible = 1.0e-6_dp
+      integer :: i
+
+      do i = 1, pair%slave%n_sides
+         associate (corner => pair%slave%corner(:, :, i))
+            pair%jump = pair%jump + norm2(corner(:, 2) - corner(:, 1))*pair%slave%normal(:, 3, i)
+         end associate
+      end do
+      pair%jump = pair%jump/norm2(pair%jump)
+      do i = 1, size(pair%node)
+         if (norm2(matmul(constraints%free_projector(pair%node(i)), pair%jump) - pair%jump) > negligible) cycle
+         pair%lead = pair%node(i)
+         ! A free corner is better: the jump then has an axis of its own.
+         if (all(constraints%is_free(:, pair%lead))) return
+      end do
+      if (pair%lead == 0) call new_error(error, input_refused, "preload: supports hold all nodes of '"//pair%set// &
+         "' along its normal, or guide them aslant")
+   end subroutine find_jump
 
    !> Counts displacements of bonded points that supports guide, and those of their neighbors, along the guide and
    !> across it, in the place of normal and tangent.

@@ -7,10 +7,10 @@ module amontons_body
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
-      spring_side_t, substitution_t, support_t
+   use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
+      new_foundation, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
-   use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, &
       recompute_pairs, segments_again
@@ -20,6 +20,7 @@ module amontons_body
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
+   use amontons_loads, only: load_on_motion, load_t
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points
@@ -27,6 +28,7 @@ module amontons_body
    use amontons_pair_substitution, only: new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_rigid_set, only: rigid_components
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -36,8 +38,8 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_rigid_modes, largest_motion, &
-      named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
+   public :: body_t, bonds_of, condense_body, driven_motion_t, estimate_body, estimate_t, find_motions, &
+      find_rigid_modes, largest_motion, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
@@ -55,6 +57,22 @@ module amontons_body
       character(64) :: name = '' !! their name
       integer, allocatable :: member(:) !! their numbers
    end type named_forces_t
+
+   !> A motion that no contact law acts on: a component of that of a rigid set, or the jump of a preload. It is an own
+   !> unknown of a node; nodal forces that do work on it alone are its force, and tell how large it is.
+   type :: driven_motion_t
+      character(longest_name) :: name = '' !! name of the rigid set or preload
+      character(16) :: words(2) = '' !! what it and its force are called, as 'ux' and 'force_x'
+      character(7) :: kind = '' !! rigid or preload
+      character(3) :: dimensions(2) = '' !! what they are measured in
+      integer :: support = 0 !! number of the support that may prescribe it
+      integer :: component = 0 !! which of the support's components it is, and of the load's force and moment
+      integer :: lead = 0 !! the node
+      real(dp) :: own(2) = 0.0_dp !! own unknowns of the node in a motion of 1
+      real(dp) :: length = 1.0_dp !! displacement of nodes in a motion of 1 [L]
+      integer, allocatable :: node(:) !! the nodes that its force acts on
+      real(dp), allocatable :: force(:, :) !! the nodal forces of a force of 1 (2, nodes) [-]
+   end type driven_motion_t
 
    !> What many load cases share; constant once it is condensed.
    type, extends(meshed_body_t) :: body_t
@@ -76,10 +94,12 @@ module amontons_body
       type(contact_rows_t) :: tie_rows !! the rows of the points of all ties, one tie after the other
       type(contact_rows_t) :: checked_tie_rows !! these rows, integrated on another way
       type(named_forces_t), allocatable :: named(:) !! what exerts forces on it, by name
+      type(driven_motion_t), allocatable :: driven(:) !! the motions of rigid sets, and jumps of preloads
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
       type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
    contains
+      procedure :: driven_forces => body_driven_forces
       procedure :: internal_forces => body_internal_forces
    end type body_t
 
@@ -127,22 +147,15 @@ contains
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
-      allocate (body%ties(0), body%named(0))
-      do i = 1, size(supports)
-         call add_name(body%named, of_support, i, supports(i)%set, 'point_'//to_text(i), supports(i)%name)
-      end do
-      do i = 1, size(contacts)
-         call add_name(body%named, of_contact, i, contacts(i)%set, '', contacts(i)%name)
-      end do
+      allocate (body%ties(0))
+      call name_forces(body%named, supports, contacts, ties)
       if (present(ties)) then
-         do i = 1, size(ties)
-            call add_name(body%named, of_tie, i, ties(i)%set, '', ties(i)%name)
-         end do
+         call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
+         if (allocated(error)) return
+         call set_jumps(body, supports, ties)
       end if
-      if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
-      if (allocated(error)) return
-      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
-         bonds_of(body%ties, body%constraints))
+      call add_rigid_drives(body, supports)
+      call find_motions(body%motions, body, body%springs, bonds_of(body%ties, body%constraints))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
@@ -152,6 +165,7 @@ contains
       do i = 1, size(body%ties)
          call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
          call body%tie_rows%add(points%rows)
+         if (ties(i)%has_jump) call add_jump_drive(body, supports, ties(i)%name, body%ties(i), points)
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
          call body%checked_tie_rows%add(points%rows)
       end do
@@ -161,6 +175,11 @@ contains
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
       body%common_motions = common_motions(body%rigid_modes)
       call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
+      if (body%dof_map%n_dofs == 0) then
+         call new_error(error, input_refused, 'the supports prescribe the displacements of all nodes: nothing is '// &
+            'left to compute')
+         return
+      end if
       ! Cells that the mesh cannot tell apart are refused.
       allocate (body%inf_sup(size(contacts)), source=1.0_dp)
       do i = 1, size(contacts)
@@ -172,6 +191,28 @@ contains
          return
       end do
    end subroutine new_body
+
+   !> Lists what exerts forces on a body, by name. The forces of preloads are those of driven motions.
+   pure subroutine name_forces(list, supports, contacts, ties)
+      type(named_forces_t), allocatable, intent(out) :: list(:) !! what has a name
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(tie_t), intent(in), optional :: ties(:) !! the bonded sets; none without them
+      integer :: i
+
+      allocate (list(0))
+      do i = 1, size(supports)
+         if (.not. supports(i)%is_jump) call add_name(list, of_support, i, supports(i)%set, 'point_'//to_text(i), &
+            supports(i)%name)
+      end do
+      do i = 1, size(contacts)
+         call add_name(list, of_contact, i, contacts(i)%set, '', contacts(i)%name)
+      end do
+      if (.not. present(ties)) return
+      do i = 1, size(ties)
+         if (.not. ties(i)%has_jump) call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name)
+      end do
+   end subroutine name_forces
 
    !> Adds a contact set, support or tie to those of its kind and name.
    pure subroutine add_name(list, kind, number, set, other, name)
@@ -244,28 +285,146 @@ contains
 
    end subroutine check_rigid_sets
 
-   !> Nodes of surfaces that face each other, one of either body for each segment, and of rigid sets (2, any).
+   !> Makes the jumps of preloads free or prescribed, as their supports have them, and each an axis of its node.
+   pure subroutine set_jumps(body, supports, ties)
+      type(body_t), intent(inout) :: body !! the body, its ties found
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(tie_t), intent(in) :: ties(:) !! the bonded sets
+      integer :: i, k
+
+      do i = 1, size(ties)
+         if (.not. ties(i)%has_jump) cycle
+         associate (pair => body%ties(i))
+            do k = 1, size(supports)
+               if (supports(k)%is_jump .and. supports(k)%name == ties(i)%name) pair%is_jump_free = &
+                  .not. supports(k)%is_held(1)
+            end do
+            if (all(body%constraints%is_free(:, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
+         end associate
+      end do
+   end subroutine set_jumps
+
+   !> Lists the motions of rigid sets. In a body of revolution they move along the axis only.
+   pure subroutine add_rigid_drives(body, supports)
+      type(body_t), intent(inout) :: body !! the body; gains the motions
+      type(support_t), intent(in) :: supports(:) !! the supports
+      character(7), parameter :: drives(3) = [character(7) :: 'force_x', 'force_y', 'moment']
+      real(dp), parameter :: unit(3, 3) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, &
+         1.0_dp], [3, 3])
+      type(driven_motion_t) :: driven
+      integer :: i, k, number
+
+      allocate (body%driven(0))
+      number = 0
+      do i = 1, size(supports)
+         if (.not. supports(i)%rigid%is_given) cycle
+         number = number + 1
+         associate (rigid => body%constraints%rigid(number))
+            do k = 1, 3
+               if (body%is_axisymmetric .and. k /= 2) cycle
+               driven%name = supports(i)%name
+               driven%kind = 'rigid'
+               driven%words = [character(16) :: rigid_components(k), drives(k)]
+               driven%dimensions = merge(['   ', 'F L'], ['L  ', 'F  '], k == 3)
+               driven%support = i
+               driven%component = k
+               driven%length = merge(rigid%length, 1.0_dp, k == 3)
+               driven%lead = rigid%lead(merge(2, 1, k == 3))
+               driven%own = merge([rigid%length, 0.0_dp], unit(:2, k), k == 3)
+               driven%node = rigid%lead
+               driven%force = rigid%lead_forces(unit(:, k))
+               body%driven = [body%driven, driven]
+            end do
+         end associate
+      end do
+   end subroutine add_rigid_drives
+
+   !> Lists the jump of a preload. Its force is a uniform pressure on both sides.
+   pure subroutine add_jump_drive(body, supports, name, pair, points)
+      type(body_t), intent(inout) :: body !! the body; gains the motion
+      type(support_t), intent(in) :: supports(:) !! the supports
+      character(*), intent(in) :: name !! name of the preload
+      type(mortar_pair_t), intent(in) :: pair !! its two sides
+      type(mortar_points_t), intent(in) :: points !! their points
+      type(driven_motion_t) :: driven
+      real(dp), allocatable :: force(:, :)
+      real(dp) :: share(2*size(points%area))
+      integer :: i, p
+
+      do i = 1, size(supports)
+         if (supports(i)%is_jump .and. supports(i)%name == name) driven%support = i
+      end do
+      do p = 1, size(points%area)
+         share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
+            *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]
+      end do
+      force = points%rows%forces(share, body%mesh%n_nodes)
+      driven%name = name
+      driven%kind = 'preload'
+      driven%words = [character(16) :: 'shortening', 'force']
+      driven%dimensions = ['L', 'F']
+      driven%component = 1
+      driven%lead = pair%lead
+      driven%own = pair%jump
+      driven%node = pack([(i, i=1, size(force, 2))], any(abs(force) > 0.0_dp, dim=1))
+      driven%force = force(:, driven%node)
+      body%driven = [body%driven, driven]
+   end subroutine add_jump_drive
+
+   !> The forces that loads give the driven motions (motions) [F, F L].
+   pure function body_driven_forces(self, loads) result(force)
+      class(body_t), intent(in) :: self !! the body
+      type(load_t), intent(in) :: loads(:) !! the loads
+      real(dp), allocatable :: force(:)
+      real(dp) :: given(3)
+      integer :: i, k
+
+      allocate (force(size(self%driven)), source=0.0_dp)
+      do i = 1, size(loads)
+         if (loads(i)%target /= load_on_motion) cycle
+         given = [loads(i)%force, loads(i)%moment]
+         do k = 1, size(force)
+            if (self%driven(k)%name == loads(i)%name) force(k) = force(k) + given(self%driven(k)%component)
+         end do
+      end do
+   end function body_driven_forces
+
+   !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
+   subroutine find_motions(motions, body, springs, bonds)
+      type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the motions of each piece
+      class(body_t), intent(in) :: body !! the body
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      integer, intent(in) :: bonds(:, :) !! pairs of nodes that hold together, from `bonds_of` (3, bonds)
+      integer :: i
+
+      call new_rigid_motions(motions, body%mesh, body%constraints, springs, body%is_axisymmetric, bonds, &
+         reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
+   end subroutine find_motions
+
+   !> Nodes of surfaces that face each other, one of either body for each segment, and of rigid sets; and the number of
+   !> the pair where there is a free jump between the two, 0 elsewhere (3, any).
    pure function bonds_of(pairs, constraints) result(bonds)
       type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
       type(constraints_t), intent(in), optional :: constraints !! the supports with the rigid sets; none without them
       integer, allocatable :: bonds(:, :)
       integer :: i, k
 
-      allocate (bonds(2, 0))
+      allocate (bonds(3, 0))
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set()) cycle
          do k = 1, size(pairs(i)%segments)
             associate (segment => pairs(i)%segments(k))
                bonds = reshape([bonds, pairs(i)%slave%side(1, segment%slave), &
-                  pairs(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
+                  pairs(i)%master%side(1, segment%master), merge(i, 0, pairs(i)%is_jump_free)], &
+                  [3, size(bonds, 2) + 1])
             end associate
          end do
       end do
       if (.not. present(constraints)) return
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
-            bonds = reshape([bonds, ([rigid%lead(1), rigid%node(k)], k=1, size(rigid%node))], &
-               [2, size(bonds, 2) + size(rigid%node)])
+            bonds = reshape([bonds, ([rigid%lead(1), rigid%node(k), 0], k=1, size(rigid%node))], &
+               [3, size(bonds, 2) + size(rigid%node)])
          end associate
       end do
    end function bonds_of
@@ -337,7 +496,8 @@ contains
                do axis = 1, 2
                   row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
                   if (row > 0) motions(row, :) = matmul(matmul(frame(:, axis), &
-                     piece%displacement(body%mesh%coordinates(:, piece%node(i)))), body%common_motions(first:last, :))
+                     piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i))), &
+                     body%common_motions(first:last, :))
                end do
             end do
          end associate
@@ -493,7 +653,7 @@ contains
                if (.not. is_inside(zone%rows%node(i))) cycle
                position = zone%position(:, p)
                if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
-               motion = motions(j)%displacement(position)
+               motion = motions(j)%displacement(position, zone%rows%node(i))
                associate (of_piece => modes(:, k + 1:k + motions(j)%n_free), m => zone%n_points)
                   of_piece(p, :) = of_piece(p, :) + matmul(zone%rows%part(:, i), motion)
                   ! The contact problem does not know the slip that a support prevents.

@@ -4,18 +4,17 @@
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: measure_terms, spring_forces, thermal_work
-   use amontons_body, only: body_t, bonds_of
+   use amontons_body, only: body_t, bonds_of, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_free_boundary, only: find_corner_penetration
    use amontons_friction_law, only: point_violations, point_violations_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_loads, only: load_on_rigid_set
    use amontons_named_forces, only: force_values, named_quantities
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
-   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
@@ -77,8 +76,6 @@ module amontons_certificate
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
-      real(dp), allocatable :: rigid_force(:, :)
-         !! forces along x and y and moment that drive each rigid set (3, sets) [F, F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
@@ -119,13 +116,12 @@ contains
       end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
       reaction = internal - load_case%force - contact
-      named = force_values(body, reaction, displacement, force)
+      named = force_values(body, reaction, displacement, force, load_case%driven)
       ! Of bonded nodes the reactions are the forces that the surfaces exert on each other.
       reaction = body%dof_map%substitution%forces(reaction)
       call take_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
       certificate%couple_scale = certificate%couple
-      call take_rigid_forces(certificate%rigid_force, reaction, body, load_case)
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call body%constraints%spread_resultants(reaction)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
@@ -141,9 +137,15 @@ contains
          call check_points(certificate, body, load_case, displacement, force)
          call check_pairs(certificate, body, contact, force)
          call check_ties(certificate, body, tied, contact)
+         if (any(body%ties%lead > 0)) then
+            work = -dot_product(tied, body%tie_rows%displacement(displacement))
+            sums%support_work = sums%support_work + work
+            sums%external_size = sums%external_size + abs(work)
+         end if
          call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
             springs)
-         certificate%named = named_quantities(body, named, max(least_scale, sums%forces))
+         certificate%named = named_quantities(body, named, max(least_scale, sums%forces), &
+            maxval(abs(displacement)))
          certificate%imbalance = relative(certificate%equilibrium, force_size)
          ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
          ! not show in resultants and energy: a share of |K| |u| is a scale, too.
@@ -183,8 +185,7 @@ contains
 
       violation = relative(abs(missing), work)
       if (.not. violation > suspicious) return
-      call new_rigid_motions(free, body%mesh, body%constraints, body%springs(:0), body%is_axisymmetric, &
-         bonds_of(body%ties))
+      call find_motions(free, body, body%springs(:0), bonds_of(body%ties))
       travel = travel_of_nodes(free, body%mesh%coordinates, displacement)
       of_travel = sum(travel*(internal - external))
       size_of_travel = max(work, sum(abs(external))*maxval(abs(travel)))
@@ -327,53 +328,38 @@ contains
       end associate
    end subroutine check_points
 
-   !> Notes what drives rigid sets: the given forces and moments, and what else it takes to prescribe their motion.
-   pure subroutine take_rigid_forces(force, reaction, body, load_case)
-      real(dp), allocatable, intent(out) :: force(:, :) !! forces along x and y, moment of each set (3, sets) [F, F L]
-      real(dp), intent(in) :: reaction(:, :) !! what is missing on the nodes' own unknowns (2, n_nodes) [F]
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its loads
-      real(dp) :: share
-      integer :: i, j, k
-
-      allocate (force(3, size(body%constraints%rigid)))
-      do i = 1, size(force, 2)
-         associate (rigid => body%constraints%rigid(i))
-            force(:, i) = [reaction(:, rigid%lead(1)), reaction(1, rigid%lead(2))*rigid%length]
-         end associate
-      end do
-      share = 1.0_dp
-      i = 0
-      do j = 1, size(load_case%supports)
-         if (.not. load_case%supports(j)%rigid%is_given) cycle
-         i = i + 1
-         do k = 1, size(load_case%loads)
-            associate (load => load_case%loads(k))
-               if (load%target /= load_on_rigid_set .or. load%set /= load_case%supports(j)%set) cycle
-               if (allocated(load_case%factor)) share = load_case%factor(k)
-               force(:, i) = force(:, i) + share*[load%force, load%moment]
-            end associate
-         end do
-      end do
-   end subroutine take_rigid_forces
-
    !> Takes the forces that bonded surfaces exert on each other out of the reactions of the nodes' own unknowns.
    pure subroutine take_tie_forces(force, reaction, body)
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (2, n_nodes) [F]
       type(body_t), intent(in) :: body !! the body
-      real(dp) :: exerted(2)
+      real(dp) :: exerted(2), pushed(2)
       integer :: i, p, n, k
 
       n = size(body%tie_rows%start) - 1
       allocate (force(2*n))
       k = 0
       do i = 1, size(body%ties)
+         ! The own unknown of a preload's leading corner is that of all others, too.
+         pushed = 0.0_dp
+         associate (tie => body%ties(i))
+            do p = 1, size(tie%node)
+               if (tie%node(p) /= tie%lead) pushed = pushed + matmul(body%constraints%free_projector(tie%node(p)), &
+                  reaction(:, tie%node(p)))
+            end do
+            pushed = dot_product(pushed, tie%jump)*tie%jump
+         end associate
          do p = 1, size(body%ties(i)%node)
             k = k + 1
             associate (node => body%ties(i)%node(p), normal => body%ties(i)%normal(:, p))
                exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
                reaction(:, node) = reaction(:, node) - exerted
+               if (node == body%ties(i)%lead) then
+                  ! What a free jump lacks for equilibrium is an imbalance.
+                  if (body%ties(i)%is_jump_free) reaction(:, node) = reaction(:, node) &
+                     + dot_product(exerted, body%ties(i)%jump)*body%ties(i)%jump
+                  exerted = exerted - pushed
+               end if
                force([k, k + n]) = -[dot_product(normal, exerted), dot_product(turned(normal), exerted)]
             end associate
          end do

@@ -152,7 +152,7 @@ contains
             transform = substitution%transform(zone%rows%node(i:i), parts)
             do j = 1, size(parts)
                ! The own unknowns of points are their relative displacements, those of bonded nodes none.
-               if (any(zone%node == parts(j)) .or. substitution%is_bonded(parts(j))) cycle
+               if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(:, parts(j)))) cycle
                place = findloc(own, parts(j), dim=1)
                row(:, place) = row(:, place) + matmul(matmul(zone%rows%tangent(:, i), transform(:, 2*j - 1:2*j)), &
                   constraints%free_projector(parts(j)))

@@ -184,7 +184,7 @@ contains
       do i = 1, size(motions%node)
          associate (force => load_case%force(:, motions%node(i)))
             if (.not. any(abs(force) > 0.0_dp)) cycle
-            motion = motions%displacement(body%mesh%coordinates(:, motions%node(i)))
+            motion = motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i))
             work = work + matmul(force, motion)
             scale = scale + maxval(abs(matmul(force, motion)))
          end associate
@@ -195,7 +195,7 @@ contains
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
-               motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
+               motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)), zone%rows%node(i))
                associate (normal => part(:, i), given => 3*zone%n_points + p)
                   shear = turned(normal)
                   if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%tangent(:, i)

@@ -16,8 +16,8 @@ module amontons_load_case
    implicit none (type, external)
    private
 
-   public :: check_shear, condensed_force, load_case_t, new_load_case, prescribed_slip, recover_displacement, &
-      recover_displacements, set_obstacles
+   public :: apply_loads, check_shear, condensed_force, load_case_t, new_load_case, prescribe, prescribed_slip, &
+      recover_displacement, recover_displacements, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -27,6 +27,7 @@ module amontons_load_case
          !! what each load is multiplied by, in a sweep or a load history; not allocated where it is 1 (loads) [-]
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
       real(dp), allocatable :: prescribed(:, :)
          !! displacements that the supports prescribe, with what follows of them for slaves (2, n_nodes) [L]
       real(dp), allocatable :: thermal_strain(:)
@@ -71,7 +72,7 @@ contains
       if (allocated(error)) return
       load_case%supports = supports
       load_case%loads = loads
-      call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
+      call prescribe(load_case, constraints, body, supports, error)
       if (allocated(error)) return
       if (any(constraints%is_free .neqv. body%constraints%is_free)) then
          call new_error(error, input_refused, &
@@ -87,7 +88,6 @@ contains
       if (allocated(error)) return
       load_case%lies_outside = body%free_boundary%lies_outside(contacts, body%mesh%coordinates, body%zone, &
          load_case%gap)
-      load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
       do i = 1, size(loads)
@@ -96,10 +96,48 @@ contains
          error%message = loads(i)%origin//error%message
          return
       end do
-      call load_vector(load_case%force, body%mesh, body%materials, load_case%loads, error)
+      call apply_loads(load_case, body, load_case%loads, error)
+   end subroutine new_load_case
+
+   !> Sets the displacements that supports prescribe, with what follows of them by substitution.
+   subroutine prescribe(load_case, constraints, body, supports, error)
+      type(load_case_t), intent(inout) :: load_case !! gains the displacements
+      type(constraints_t), intent(out) :: constraints !! what the supports hold
+      type(body_t), intent(in) :: body !! the body
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(error_t), allocatable, intent(out) :: error !! the supports do not fit the mesh
+      integer :: k
+
+      call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
+      if (allocated(error)) return
+      do k = 1, size(body%driven)
+         associate (driven => body%driven(k), support => supports(body%driven(k)%support))
+            if (support%is_jump) load_case%prescribed(:, driven%lead) = load_case%prescribed(:, driven%lead) &
+               + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own
+         end associate
+      end do
+      load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
+   end subroutine prescribe
+
+   !> Sets the nodal forces and the thermal strain of loads, and the forces that they give driven motions.
+   subroutine apply_loads(load_case, body, loads, error)
+      type(load_case_t), intent(inout) :: load_case !! gains all these
+      type(body_t), intent(in) :: body !! the body
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      integer :: k
+
+      call load_vector(load_case%force, body%mesh, body%materials, loads, error)
       if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
          error)
-   end subroutine new_load_case
+      if (allocated(error)) return
+      load_case%driven = body%driven_forces(loads)
+      do k = 1, size(body%driven)
+         associate (driven => body%driven(k))
+            load_case%force(:, driven%node) = load_case%force(:, driven%node) + load_case%driven(k)*driven%force
+         end associate
+      end do
+   end subroutine apply_loads
 
    !> Refuses friction on a slave that supports guide so that no shear could act on some side of it.
    pure subroutine check_shear(zone, contacts, error)

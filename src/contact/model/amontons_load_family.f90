@@ -10,15 +10,15 @@ module amontons_load_family
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
-   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_constraints, only: constraints_t, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t, prescribed_slip, set_obstacles
-   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
+   use amontons_load_case, only: apply_loads, load_case_t, prescribe, prescribed_slip, set_obstacles
+   use amontons_loads, only: load_t
    use amontons_obstacle, only: obstacle_t
    use amontons_system, only: checksum_t
    use amontons_text, only: to_text
@@ -154,6 +154,7 @@ contains
 
       if (parting%n_parts == 1) then
          part%force = load_case%force
+         part%driven = load_case%driven
          part%prescribed = load_case%prescribed
          if (allocated(load_case%thermal_strain)) part%thermal_strain = load_case%thermal_strain
          return
@@ -164,8 +165,7 @@ contains
             loads(i) = load_case%loads(places(i))
          end do
       end associate
-      call load_vector(part%force, body%mesh, body%materials, loads, error)
-      if (.not. allocated(error)) call sum_thermal_strain(part%thermal_strain, body%mesh, body%materials, loads, error)
+      call apply_loads(part, body, loads, error)
       if (allocated(error)) return
       if (allocated(load_case%thermal_strain) .and. .not. allocated(part%thermal_strain)) then
          part%thermal_strain = 0.0_dp*load_case%thermal_strain
@@ -174,9 +174,7 @@ contains
       do i = 1, size(supports)
          if (parting%support(i) /= number) supports(i)%displacement = 0.0_dp
       end do
-      call new_constraints(constraints, part%prescribed, body%mesh, supports, error)
-      if (allocated(error)) return
-      part%prescribed = body%dof_map%substitution%displacement(part%prescribed)
+      call prescribe(part, constraints, body, supports, error)
    end subroutine fill_part
 
    !> Condenses the parts, prescribed displacements and thermal strains included. Where a body is spread over ranks, all
@@ -309,8 +307,10 @@ contains
          error)
       if (size(self%parts) > 1) load_case%factor = acting%factor(self%parting%load)
       load_case%force = acting%factor(1)*self%parts(1)%force
+      load_case%driven = acting%factor(1)*self%parts(1)%driven
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
       do k = 2, size(self%parts)
+         load_case%driven = load_case%driven + acting%factor(k)*self%parts(k)%driven
          if (self%has_force(k)) load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
          if (self%has_displacement(k)) load_case%prescribed = load_case%prescribed &
             + acting%factor(k)*self%parts(k)%prescribed

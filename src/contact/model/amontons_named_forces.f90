@@ -30,6 +30,7 @@ module amontons_named_forces
       real(dp), allocatable :: held(:, :) !! displacements that the reactions of the nodes do work on (2, n_nodes) [L]
       real(dp), allocatable :: pulled(:, :) !! forces that do work on the displacements of the nodes (2, n_nodes) [F]
       real(dp), allocatable :: contact(:) !! factors of (lambda_N; lambda_T) (2m)
+      integer :: driven = 0 !! the driven motion whose given force counts, too; 0 for none
    end type force_test_t
 
    !> Numbers as sums over the factors of the parts of a family, contact displacements and contact forces.
@@ -59,25 +60,25 @@ contains
       end do
    end function components_of
 
-   !> Forces by name as quantities, in the order of `named_tests`.
-   pure function named_quantities(body, values, scale) result(list)
+   !> Forces by name as quantities, in the order of `named_tests`; then the driven motions and their forces.
+   pure function named_quantities(body, values, scale, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in), optional :: values(:) !! the values; 0 without them
       real(dp), intent(in), optional :: scale !! what rounding errors of the forces are measured by [F]
+      real(dp), intent(in), optional :: displacement !! what those of displacements are measured by [L]
       type(quantity_t), allocatable :: list(:)
       integer, allocatable :: components(:, :)
-      integer :: k
+      integer :: i, j, k
 
       components = components_of(body)
-      allocate (list(size(components, 2)))
-      do k = 1, size(list)
+      allocate (list(size(components, 2) + 2*size(body%driven)))
+      do k = 1, size(components, 2)
          associate (named => body%named(components(1, k)), component => components(2, k))
             list(k)%key = trim(kind_names(named%kind))//'_'//trim(component_names(component))//'_'//named%name
             list(k)%label = list(k)%key
             list(k)%label(:1) = achar(iachar(list(k)%key(:1)) - iachar('a') + iachar('A'))
             list(k)%label(len_trim(kind_names(named%kind)) + 1:) = ' '//trim(component_names(component))//' '// &
                named%name
-            if (present(values)) list(k)%value = values(k)
             if (present(scale)) list(k)%scale = scale
             list(k)%dimension = 'F'
             if (component == moment) then
@@ -86,6 +87,18 @@ contains
             end if
          end associate
       end do
+      do i = 1, size(body%driven)
+         do j = 1, 2
+            associate (quantity => list(size(components, 2) + 2*(i - 1) + j), driven => body%driven(i))
+               quantity%key = trim(driven%kind)//'_'//trim(driven%name)//'_'//driven%words(j)
+               quantity%label = trim(driven%name)//' '//driven%words(j)
+               quantity%dimension = driven%dimensions(j)
+               if (j == 1 .and. present(displacement)) quantity%scale = displacement/driven%length
+               if (j == 2 .and. present(scale)) quantity%scale = scale*driven%length
+            end associate
+         end do
+      end do
+      if (present(values)) list%value = values
    end function named_quantities
 
    !> How all forces by name follow from reactions, displacements and contact forces.
@@ -96,11 +109,38 @@ contains
       integer :: k
 
       components = components_of(body)
-      allocate (tests(size(components, 2)))
+      allocate (tests(size(components, 2) + 2*size(body%driven)))
       do k = 1, size(tests)
-         call new_named_test(tests(k), body, body%named(components(1, k)), components(2, k))
+         call new_test(tests(k), body, components, k)
       end do
    end function named_tests
+
+   !> Finds how one of the numbers follows that have a name.
+   pure subroutine new_test(test, body, components, number)
+      type(force_test_t), intent(out) :: test !! how it follows
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: components(:, :) !! components of the forces by name, from `components_of`
+      integer, intent(in) :: number !! which of the numbers, in the order of `named_quantities`
+      integer :: of_motion
+      real(dp) :: own(2, body%mesh%n_nodes)
+
+      of_motion = number - size(components, 2)
+      if (of_motion <= 0) then
+         call new_named_test(test, body, body%named(components(1, number)), components(2, number))
+         return
+      end if
+      own = 0.0_dp
+      associate (driven => body%driven((of_motion + 1)/2))
+         if (modulo(of_motion, 2) == 1) then
+            own(:, driven%node) = driven%force
+            test%pulled = own
+         else
+            own(:, driven%lead) = driven%own
+            test%held = body%dof_map%substitution%displacement(own)
+            test%driven = (of_motion + 1)/2
+         end if
+      end associate
+   end subroutine new_test
 
    !> Finds how a component of a force by name follows.
    pure subroutine new_named_test(test, body, named, component)
@@ -180,21 +220,23 @@ contains
    end function contact_factors
 
    !> The values of all forces by name.
-   pure function force_values(body, reaction, displacement, force) result(values)
+   pure function force_values(body, reaction, displacement, force, driven) result(values)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: reaction(:, :) !! forces on the nodes besides loads and contact (2, n_nodes) [F]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: driven(:) !! forces that loads give the driven motions (motions) [F, F L]
       real(dp), allocatable :: values(:)
       type(force_test_t) :: test
       integer, allocatable :: components(:, :)
       integer :: k
 
       components = components_of(body)
-      allocate (values(size(components, 2)), source=0.0_dp)
+      allocate (values(size(components, 2) + 2*size(body%driven)), source=0.0_dp)
       do k = 1, size(values)
-         call new_named_test(test, body, body%named(components(1, k)), components(2, k))
-         if (allocated(test%held)) values(k) = sum(test%held*reaction)
+         call new_test(test, body, components, k)
+         if (test%driven > 0) values(k) = driven(test%driven)
+         if (allocated(test%held)) values(k) = values(k) + sum(test%held*reaction)
          if (allocated(test%pulled)) values(k) = values(k) + sum(test%pulled*displacement)
          if (allocated(test%contact)) values(k) = values(k) + dot_product(test%contact, force)
       end do
@@ -222,10 +264,11 @@ contains
 
    !> Computes the form of some numbers. The work of reactions r = K u - f - contact on displacements is a product of
    !> K u_j - f_j with them, and those of E v with K times them, condensed.
-   subroutine new_force_form(form, body, tests, fields, loads)
+   subroutine new_force_form(form, body, tests, parts, fields, loads)
       type(force_form_t), intent(out) :: form !! the form
       type(body_t), intent(in) :: body !! the body, condensed
       type(force_test_t), intent(in) :: tests(:) !! how the numbers follow
+      type(load_case_t), intent(in) :: parts(:) !! the parts
       real(dp), intent(in) :: fields(:, :, :) !! displacements under each part, from `find_responses` [L]
       real(dp), intent(in) :: loads(:, :, :) !! nodal forces of each part [F]
       real(dp), allocatable :: forces(:, :)
@@ -237,14 +280,21 @@ contains
       do i = 1, size(tests)
          associate (test => tests(i))
             if (allocated(test%contact)) form%of_contact(:, i) = test%contact
-            if (.not. allocated(test%held)) cycle
-            call body%internal_forces(forces, test%held)
+            if (.not. (allocated(test%held) .or. allocated(test%pulled))) cycle
+            forces = 0.0_dp*fields(:, :, 1)
+            if (allocated(test%held)) then
+               call body%internal_forces(forces, test%held)
+               do j = 1, size(fields, 3)
+                  form%of_part(i, j) = -sum(test%held*loads(:, :, j))
+                  if (test%driven > 0) form%of_part(i, j) = form%of_part(i, j) + parts(j)%driven(test%driven)
+               end do
+               form%of_contact(:, i) = form%of_contact(:, i) + body%zone%rows%displacement(test%held)
+            end if
             if (allocated(test%pulled)) forces = forces + test%pulled
             do j = 1, size(fields, 3)
-               form%of_part(i, j) = sum(forces*fields(:, :, j)) - sum(test%held*loads(:, :, j))
+               form%of_part(i, j) = form%of_part(i, j) + sum(forces*fields(:, :, j))
             end do
             form%of_displacement(:, i) = condensed_force(body, forces)
-            form%of_contact(:, i) = form%of_contact(:, i) + body%zone%rows%displacement(test%held)
          end associate
       end do
    end subroutine new_force_form

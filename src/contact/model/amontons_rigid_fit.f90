@@ -46,7 +46,7 @@ contains
       real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
       real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp
       real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:)
-      real(dp) :: aim(2*body%zone%n_points), drive(3*size(body%motions)), amounts(size(body%rigid_modes, 2)), unit
+      real(dp) :: aim(2*body%zone%n_points), drive(size(body%rigid_modes, 2)), amounts(size(body%rigid_modes, 2)), unit
       logical :: counts(2*body%zone%n_points)
       integer :: k, m, n
 
@@ -136,7 +136,8 @@ contains
             if (motions%n_free == 0) cycle
             allocate (modes(2*size(motions%node), motions%n_free))
             do i = 1, size(motions%node)
-               modes(2*i - 1:2*i, :) = motions%displacement(coordinates(:, motions%node(i)))
+               modes(2*i - 1:2*i, :) = motions%displacement(coordinates(:, motions%node(i)), &
+                  motions%node(i))
             end do
             travel(:, motions%node) = reshape(matmul(modes, amounts_of(modes, &
                reshape(displacement(:, motions%node), [size(modes, 1)]))), [2, size(motions%node)])

@@ -147,6 +147,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(quantity_t), allocatable :: named(:)
       character(:), allocatable :: set
+      character(3), parameter :: dimensions(*) = [character(3) :: '', 'L', 'F', 'F L']
+      integer, parameter :: kinds(*) = [number_alone, a_length, a_force, a_moment]
       integer :: i, k
 
       call table%add('step,'//history%name, number_alone)
@@ -173,7 +175,7 @@ contains
       end do
       named = named_quantities(body)
       do i = 1, size(named)
-         call table%add(field(trim(named(i)%key)), merge(a_force, a_moment, named(i)%dimension == 'F'))
+         call table%add(field(trim(named(i)%key)), kinds(findloc(dimensions == named(i)%dimension, .true., dim=1)))
       end do
       call table%add('iterations,statuses', number_alone)
    end subroutine describe_steps

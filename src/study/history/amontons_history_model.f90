@@ -139,7 +139,7 @@ contains
          tests(j)%held = parts(j)%prescribed
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
-      call new_force_form(form%forces, body, tests, form%field, loads)
+      call new_force_form(form%forces, body, tests, parts, form%field, loads)
    end subroutine new_energy_form
 
    !> Strain energy u . K u / 2 [F L].

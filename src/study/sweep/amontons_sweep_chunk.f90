@@ -426,7 +426,7 @@ contains
       call task%solver%loads%condense(body, problem)
       if (.not. task%sweep%has_forces) return
       call find_responses(fields, loads, body, task%solver%loads%parts)
-      call new_force_form(task%forces, body, named_tests(body), fields, loads)
+      call new_force_form(task%forces, body, named_tests(body), task%solver%loads%parts, fields, loads)
    end subroutine condense_task
 
    !> Which quantity multiplies what: that of number k belongs to part 1 + k.
@@ -445,7 +445,7 @@ contains
                if (axis%target == swept_load .and. axis%name == load_case%loads(i)%name) parting%load(i) = 1 + k
             end do
             do i = 1, size(parting%support)
-               if (axis%target == swept_load .and. load_case%supports(i)%rigid%is_given .and. &
+               if (axis%target == swept_load .and. load_case%supports(i)%is_driven() .and. &
                   axis%name == load_case%supports(i)%name) parting%support(i) = 1 + k
             end do
             do i = 1, size(parting%friction)

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Preloads: bars and the bolt diagram, bolts that contact alone holds on one side, balances, and what is refused."""
+import csv
+import unittest
+
+from harness import ProgramTest
+
+# A bar of 1 x 4 in two pieces, E = 100, whose meshes do not match, along y.
+BAR = """&mesh name = 'a'  size = 1.0, 1.5  cells = 2, 3  element = '{element}' /
+&mesh name = 'b'  size = 1.0, 2.5  cells = {across}, 4  origin = 0.0, 1.5  element = '{element}' /
+&material young = 100.0  poisson = {poisson} /
+&support name = 'foot'  set = 'a.bottom'  uy = 0.0 {guide} /
+"""
+PRELOAD = "&preload name = 'bolt'  set = 'b.bottom'  to = 'a.top'  {} /\n"
+# Bolt and sleeve under a head: springs in parallel, of stiffness k = E A/L.
+SLEEVE = BAR.format(element="quad4", across=3, poisson=0.0, guide="ux = 0.0") + """
+&mesh name = 's'  size = 2.0, 4.0  cells = 2, 2  origin = 3.0, 0.0 /
+&material young = 30.0  poisson = 0.0  region = 's' /
+&support name = 'base'  set = 's.bottom'  ux = 0.0  uy = 0.0 /
+"""
+HEAD = "&rigid name = 'head'  set = 'b.top, s.top'  ux = 0.0  turn = 0.0  force = 0.0, {} /\n"
+K_BOLT, K_SLEEVE = 100.0/4.0, 30.0*2.0/4.0
+# A lid on two bolts: screwed into a block, the heads one with the lid.
+LID = """&mesh name = 'block'  size = 10.0, 2.0  cells = 10, 2 /
+&mesh name = 'lid'  size = 10.0, 2.0  cells = 11, 2  origin = 0.0, 2.0 /
+&mesh name = 'p'  size = 1.0, 1.0  cells = 2, 2  origin = -1.5, 0.0 /
+&mesh name = 'q'  size = 1.0, 1.0  cells = 2, 2  origin = 10.5, 0.0 /
+&mesh name = 'pu'  size = 1.0, 3.0  cells = 2, 6  origin = -1.5, 1.0 /
+&mesh name = 'qu'  size = 1.0, 3.0  cells = 2, 6  origin = 10.5, 1.0 /
+&material young = 1000.0  poisson = 0.3 /
+&rigid name = 'lower'  set = 'block.bottom, p.bottom, q.bottom'  ux = 0.0  uy = 0.0  turn = 0.0 /
+&rigid name = 'upper'  set = 'lid.top, pu.top, qu.top'  force = 0.0, {load} /
+&contact name = 'seal'  set = 'lid.bottom'  against = 'block.top'  friction = 0.2 /
+&preload name = 'left'  set = 'pu.bottom'  to = 'p.top'  {left} /
+&preload name = 'right'  set = 'qu.bottom'  to = 'q.top'  {right} /
+"""
+# A screw whose head presses on a flange, around the axis; the screw is held at its foot.
+SCREW = """&mesh name = 'foot'  size = 1.0, 4.0  cells = 2, 8 /
+&mesh name = 'top'  size = 1.0, 4.0  cells = 2, 8  origin = 0.0, 4.0 /
+&mesh name = 'head'  size = 3.0, 2.0  cells = 6, 4  origin = 0.0, 8.0 /
+&mesh name = 'flange'  size = 4.0, 8.0  cells = 8, 16  origin = 1.5, 0.0 /
+&material young = 1e4  poisson = 0.3  hypothesis = 'axisymmetric' /
+&support set = 'foot.bottom'  uy = 0.0 /
+&support name = 'ground'  set = 'flange.bottom'  uy = 0.0 /
+&support set = 'foot.left'  ux = 0.0 /
+&support set = 'top.left'  ux = 0.0 /
+&support set = 'head.left'  ux = 0.0 /
+&tie set = 'top.top'  to = 'head.bottom' /
+&contact name = 'seat'  set = 'head.bottom'  against = 'flange.top'  friction = 0.1 /
+&preload name = 'screw'  set = 'top.bottom'  to = 'foot.top'  {} /
+"""
+
+
+class Preload(ProgramTest):
+    """The key results of preloads."""
+
+    def key(self, text, name="case"):
+        """The key results of a deck, once the certificate has passed and the files are verified."""
+        summary = self.solve(text, name).summary
+        self.assertTrue(summary["certificate"]["passed"])
+        self.run_program("--verify", ".")
+        return summary["key_results"]
+
+    def rows(self, ending):
+        """The rows of a table."""
+        with open(self.directory / ending, newline="", encoding="utf-8") as table:
+            return list(csv.DictReader(table))
+
+    def test_bar_shortens_by_force_times_length_over_stiffness(self):
+        for element in "tri3", "quad4", "tri6", "quad8", "quad9":
+            for across in 2, 3:
+                bar = BAR.format(element=element, across=across, poisson=0.0, guide="ux = 0.0") \
+                    + "&support set = 'b.top'  ux = 0.0  uy = 0.0 /\n"
+                with self.subTest(element=element, across=across):
+                    key = self.key(bar + PRELOAD.format("force = 5.0"))
+                    self.assert_close([key["preload_bolt_shortening"], key["preload_bolt_force"],
+                                       key["reaction_y_foot"]], [5.0*4.0/100.0, 5.0, -5.0], 1e-12)
+                    key = self.key(bar + PRELOAD.format("shortening = 0.2"))
+                    self.assert_close([key["preload_bolt_shortening"], key["preload_bolt_force"],
+                                       key["reaction_y_foot"]], [0.2, 5.0, -5.0], 1e-12)
+
+    def test_guided_bar_and_one_along_x(self):
+        guided = BAR.format(element="quad4", across=2, poisson=0.3, guide="") + "".join(
+            f"&support set = '{body}.{side}'  ux = 0.0 /\n" for body in "ab" for side in ("left", "right")) \
+            + "&support set = 'b.top'  uy = 0.0 /\n"
+        key = self.key(guided + PRELOAD.format("force = 5.0"))
+        self.assertAlmostEqual(key["preload_bolt_shortening"], 5.0*4.0/100.0*1.3*0.4/0.7, delta=1e-13)
+        lying = """&mesh name = 'a'  size = 1.5, 1.0  cells = 3, 2 /
+&mesh name = 'b'  size = 2.5, 1.0  cells = 4, 3  origin = 1.5, 0.0 /
+&material young = 100.0  poisson = 0.0  thickness = 0.5 /
+&support set = 'a.left'  ux = 0.0  uy = 0.0 /
+&support set = 'b.right'  ux = 0.0  uy = 0.0 /
+&preload name = 'bolt'  set = 'a.right'  to = 'b.left'  force = 5.0 /
+"""
+        self.assertAlmostEqual(self.key(lying)["preload_bolt_shortening"], 0.4, delta=1e-13)
+
+    def test_bolt_diagram(self):
+        load, preload = 3.0, 5.0
+        key = self.key(SLEEVE + HEAD.format(load) + PRELOAD.format(f"force = {preload}"))
+        # A given force stays in the bolt, whatever pulls the head.
+        self.assert_close([key["preload_bolt_force"], key["rigid_head_uy"], key["reaction_y_base"],
+                           key["preload_bolt_shortening"]],
+                          [preload, (load - preload)/K_SLEEVE, preload - load,
+                           preload/K_BOLT + (preload - load)/K_SLEEVE], 1e-12)
+        # With a given shortening bolt and sleeve share the load like springs.
+        shortening = preload/K_BOLT + preload/K_SLEEVE
+        key = self.key(SLEEVE + HEAD.format(load) + PRELOAD.format(f"shortening = {shortening!r}"))
+        share = K_BOLT/(K_BOLT + K_SLEEVE)
+        self.assert_close([key["preload_bolt_force"], key["reaction_y_base"]],
+                          [preload + share*load, preload - (1 - share)*load], 1e-12)
+
+    def test_screw_on_a_flange_that_contact_holds(self):
+        key = self.key(SCREW.format("force = 50.0"))
+        self.assert_close([key["force_normal_seat"], key["reaction_y_ground"], key["preload_screw_force"]],
+                          [50.0, 50.0, 50.0], 1e-9)
+        shortening = key["preload_screw_shortening"]
+        key = self.key(SCREW.format(f"shortening = {shortening!r}"))
+        self.assertAlmostEqual(key["force_normal_seat"], 50.0, delta=1e-8)
+        # The head is pulled off: the bolt bears all.
+        text = SCREW.format("shortening = 1e-4") + "&load set = 'head.top'  total_force = 0.0, 60.0 /\n"
+        key = self.key(text)
+        self.assert_close([key["force_normal_seat"], key["preload_screw_force"]], [0.0, 60.0], 1e-9)
+
+    def test_lid_on_two_bolts(self):
+        key = self.key(LID.format(load=-1.0, left="force = 3.0", right="force = 5.0"))
+        self.assertAlmostEqual(key["force_normal_seal"], 9.0, delta=1e-9)
+        # But for the bending of the bolts, the moment of both about the middle is that of the pressure.
+        self.assertAlmostEqual(key["contact_centroid_x"], 5.0 + (5.0 - 3.0)*6.0/9.0, delta=0.01)
+        shortenings = [f"shortening = {key[f'preload_{bolt}_shortening']!r}" for bolt in ("left", "right")]
+        again = self.key(LID.format(load=-1.0, left=shortenings[0], right="force = 5.0"))
+        self.assertAlmostEqual(again["preload_left_force"], 3.0, delta=1e-8)
+        again = self.key(LID.format(load=-1.0, left=shortenings[0], right=shortenings[1]))
+        self.assert_close([again["preload_left_force"], again["preload_right_force"]], [3.0, 5.0], 1e-8)
+
+    def test_columns_of_sweeps_and_steps(self):
+        self.run_program("--quiet", self.write("sweep.nml", SCREW.format(
+            "force = 50.0") + "&sweep load = 'screw'  factor = 0.5, 1.0 /\n"
+            "&output key_results = 'forces'  fields_every = 1 /\n"))
+        self.run_program("--verify", ".")
+        rows = self.rows("sweep.sweep.csv")
+        for row, factor in zip(rows, (0.5, 1.0)):
+            self.assertAlmostEqual(float(row["preload_screw_force"]), 50.0*factor, delta=1e-10)
+            self.assertAlmostEqual(float(row["force_normal_seat"]), 50.0*factor, delta=1e-9)
+        self.assertAlmostEqual(float(rows[0]["preload_screw_shortening"]),
+                               0.5*float(rows[1]["preload_screw_shortening"]), delta=1e-12)
+        head = "&rigid name = 'head'  set = 'head.top'  uy = 0.001 /\n"
+        history = "&history times = 0.0, 1.0, 2.0  substeps = 2 /\n"
+        self.key(SCREW.format("shortening = 0.02") + head + history +
+                 "&steps support = 'screw'  factor = 0.0, 1.0, 1.0 /\n"
+                 "&steps support = 'head'  factor = 0.0, 0.0, 1.0 /\n", "history")
+        rows = self.rows("history.history.csv")
+        for row in rows:
+            factor = min(1.0, float(row["time"]))
+            self.assertAlmostEqual(float(row["preload_screw_shortening"]), 0.02*factor, delta=1e-14)
+            self.assertAlmostEqual(float(row["rigid_head_uy"]), 0.001*max(0.0, float(row["time"]) - 1.0), delta=1e-14)
+            # What the screw pulls the seat and the head's holder bear.
+            self.assertAlmostEqual(float(row["preload_screw_force"]), float(row["force_normal_seat"])
+                                   + float(row["rigid_head_force_y"]), delta=1e-9)
+        self.assertGreater(float(rows[-1]["rigid_head_force_y"]), 1.0)
+
+    def test_refused(self):
+        bar = BAR.format(element="quad4", across=2, poisson=0.0, guide="ux = 0.0")
+        top = "&support set = 'b.top'  ux = 0.0  uy = 0.0 /\n"
+        for text, status, words in (
+                (bar + top + PRELOAD.format(""), 1, "&preload needs either force or shortening"),
+                (bar + top + PRELOAD.format("force = 1.0  shortening = 0.1"), 1, "either force or shortening"),
+                (bar + top + PRELOAD.format("force = 1.0").replace("a.top", "a.topp"), 1, "did you mean 'a.top'"),
+                (bar + top + PRELOAD.format("force = 1.0").replace("a.top", "b.bottom"), 1, "must name another set"),
+                (bar + top + PRELOAD.format("force = 1.0").replace("a.top", "b.top"), 1, "face"),
+                (bar + top + 2*PRELOAD.format("force = 1.0"), 1, "another rigid set or preload has the name 'bolt'"),
+                (bar + top + PRELOAD.format("force = 1.0").replace("bolt", "bolt_of_the_flange"), 1, "at most 16"),
+                (bar + top + "&support set = 'b.bottom'  uy = 0.0 /\n" + PRELOAD.format("force = 1.0"), 1,
+                 "supports hold the slave 'b.bottom'"),
+                (bar + top + "&support set = 'b.bottom'  uy = 0.0 /\n&support set = 'a.top'  ux = 0.0  uy = 0.0 /\n"
+                 + PRELOAD.format("force = 1.0"), 1,
+                 "supports hold all nodes of 'b.bottom' along its normal, or guide them aslant"),
+                (bar + PRELOAD.format("force = 1.0"), 2, "free to move along the preload on one side of it"),
+                (SCREW.format("force = -1.0"), 2, "free to move along the preload on one side of it")):
+            with self.subTest(words=words):
+                run = self.run_program("--quiet", self.write("case.nml", text), status=status)
+                self.assertIn(words, run.stderr)
+
+    def test_nothing_is_left_to_compute(self):
+        text = """&mesh size = 1.0, 1.0  cells = 1, 1 /
+&material young = 1.0  poisson = 0.3 /
+&support set = 'top'  ux = 0.0  uy = 0.0 /
+&support set = 'bottom'  ux = 0.0  uy = 0.1 /
+"""
+        run = self.run_program("--quiet", self.write("case.nml", text), status=1)
+        self.assertIn("prescribe the displacements of all nodes", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
