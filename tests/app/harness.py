@@ -4,7 +4,10 @@ The environment variable AMONTONS names the program, AMONTONS_SLOWNESS how many 
 may take. Standard library only.
 """
 import base64
+import contextlib
 import csv
+import importlib
+import io
 import json
 import math
 import os
@@ -12,6 +15,7 @@ import re
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
@@ -86,6 +90,24 @@ class ProgramTest(unittest.TestCase):
         if status is not None:
             self.assertEqual(run.returncode, status, f"{command}\n{run.stdout}{run.stderr}")
         return run
+
+    def run_package(self, *arguments, status=0):
+        """Runs a command of the Python package as `python -m amontons` does, in the Python of the test: to start one
+        and to import Matplotlib takes longer than most commands. Checks its exit status and returns what it printed."""
+        package = str(Path(__file__).resolve().parents[2] / "python")
+        if package not in sys.path:
+            sys.path.insert(0, package)
+        command = importlib.import_module("amontons.commands").main
+        output, errors = io.StringIO(), io.StringIO()
+        with contextlib.chdir(self.directory), contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+            with self.assertRaises(SystemExit) as end:
+                command([str(argument) for argument in arguments])
+            code = end.exception.code
+            if isinstance(code, str):
+                print(code, file=sys.stderr)
+        found = 1 if isinstance(code, str) else code or 0
+        self.assertEqual(found, status, f"{arguments}\n{output.getvalue()}{errors.getvalue()}")
+        return subprocess.CompletedProcess(arguments, found, output.getvalue(), errors.getvalue())
 
     def write(self, name, text):
         """Writes a file, byte by byte as given, and returns its name."""

@@ -57,8 +57,7 @@ class FclibTest(ProgramTest):
 
     def convert(self, *arguments, status=0):
         """Runs the converter, which prints nothing where all is well, and returns what it complained of."""
-        command = ["env", f"PYTHONPATH={ROOT}/python", sys.executable, "-B", "-m", "amontons", "fclib"]
-        run = self.run_command([*command, *map(str, arguments)], status)
+        run = self.run_package("fclib", *arguments, status=status)
         self.assertEqual(run.stdout, "")
         return run.stderr
 

@@ -142,8 +142,7 @@ class Figures(ProgramTest):
 
     def plot(self, *arguments, status=0):
         """Runs the command."""
-        return self.run_command(["env", f"PYTHONPATH={ROOT / 'python'}", sys.executable, "-B", "-m", "amontons", "plot",
-                                 *arguments], status)
+        return self.run_package("plot", *arguments, status=status)
 
     def test_closed_points_lie_on_the_obstacle_at_any_magnification(self):
         case = self.solve(*PUNCH, mesh="size = 4.0, 2.0  cells = 40, 8")

@@ -41,8 +41,7 @@ class Pictures(ProgramTest):
 
     def script(self, name, *arguments, status=0):
         """Runs one of the two commands."""
-        return self.run_command(["env", f"PYTHONPATH={ROOT / 'python'}", sys.executable, "-B", "-m", "amontons", name,
-                                 *arguments], status)
+        return self.run_package(name, *arguments, status=status)
 
     def test_a_case_is_drawn_as_png_and_svg(self):
         run = self.script("plot", "some results/two.lst")
@@ -367,25 +366,25 @@ class Pictures(ProgramTest):
                return [[...document.querySelectorAll('.cases tbody tr')].filter(row => row.offsetHeight > 0).length,
                   [...document.querySelectorAll('section')].filter(one => !one.hidden).length, dots()].join('/'); };
             const found = [seen('only'), seen('no such case'), seen('')].join(' ');
-            parent.document.title = [first, second, found, pictures.length, [...pictures].every(picture =>
+            parent.document.title += [innerWidth, first, second, found, pictures.length, [...pictures].every(picture =>
                picture.getBBox().width > 100), document.documentElement.scrollWidth > innerWidth,
-               getComputedStyle(document.body).backgroundColor].join(' | ') })</script>"""
+               getComputedStyle(document.body).backgroundColor, ''].join(' | ') })</script>"""
         page.with_name("probe.html").write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
+        widths, frame = (360, 1280), page.with_name("frame.html")
+        frame.write_text("".join(f"<iframe src='probe.html' style='width:{width}px;height:800px;border:0'></iframe>"
+                                 for width in widths), encoding="utf-8")
         expected = ("two,it's &lt;one&gt; &amp; only | it's &lt;one&gt; &amp; only,two | 1/1/1 0/0/0 2/2/2 | 5 | true "
                     "| false | rgb")
-        for width in (360, 1280):
-            for scheme, paper in ((0, "(20, 24, 27)"), (1, "(255, 255, 255)")):
-                frame = page.with_name("frame.html")
-                frame.write_text(f"<iframe src='probe.html' style='width:{width}px;height:800px'></iframe>",
-                                 encoding="utf-8")
-                run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu",
-                                      "--virtual-time-budget=10000", "--window-size=1400,900",
-                                      f"--blink-settings=preferredColorScheme={scheme}", "--enable-logging=stderr",
-                                      "--allow-file-access-from-files", f"--user-data-dir={self.directory / 'profile'}",
-                                      "--dump-dom", frame.as_uri()],
-                                     capture_output=True, encoding="utf-8", timeout=300, check=True)
-                self.assertIn(f"<title>{expected}{paper}</title>", run.stdout, (width, scheme))
-                self.assertNotIn("CONSOLE", run.stderr)
+        for scheme, paper in ((0, "(20, 24, 27)"), (1, "(255, 255, 255)")):
+            run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu",
+                                  "--virtual-time-budget=10000", "--window-size=1400,900",
+                                  f"--blink-settings=preferredColorScheme={scheme}", "--enable-logging=stderr",
+                                  "--allow-file-access-from-files", f"--user-data-dir={self.directory / 'profile'}",
+                                  "--dump-dom", frame.as_uri()],
+                                 capture_output=True, encoding="utf-8", timeout=300, check=True)
+            for width in widths:
+                self.assertIn(f"{width} | {expected}{paper} |", run.stdout, (width, scheme))
+            self.assertNotIn("CONSOLE", run.stderr)
 
 
 if __name__ == "__main__":

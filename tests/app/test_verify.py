@@ -69,6 +69,8 @@ class Sound(Verification):
         for file in summary["files"]:
             self.assertEqual((file["bytes"], file["checksum"]),
                              (len(contents[file["name"]]), checksum(contents[file["name"]])))
+            printed = self.run_command(["cksum", self.results/file["name"]]).stdout
+            self.assertEqual(printed.split()[:2], [str(file["checksum"]), str(file["bytes"])])
         before = contents["case_0.summary.json"].decode().rpartition(CHECKSUM)[0]
         self.assertEqual(summary["checksum"], checksum(before.encode()))
 
