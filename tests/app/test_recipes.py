@@ -69,6 +69,18 @@ class Recipes(ProgramTest):
         normal = sum(float(point["normal_force"]) for point in points)
         self.assertAlmostEqual(normal/(2*2527.0), 1.0, delta=1e-3)
 
+    def test_hertz_contact_dissipates_what_mindlin_has_in_a_cycle(self):
+        rows, printed = self.table("hertz_cycle", "cycles")
+        self.assertNotIn("warning", printed)
+        self.assertEqual([row["outcome"] for row in rows], ["first", "steady"])
+        with open(self.directory / "out" / "hertz_cycle.history.csv", newline="", encoding="utf-8") as table:
+            last = list(csv.DictReader(table))[-1]
+        friction, stiffness, force = 0.5, 1000.0/(1 - 0.499**2), float(last["normal_force"])
+        k = float(last["tangential_force"])/(friction*force)
+        exact = 2*(friction*force)**2/(math.pi*stiffness)*(2*(1 - k)*math.log(1 - k) + k*(2 - k))
+        # Cells of a twelfth of the half width; verification allows as much with a sixteenth.
+        self.assertAlmostEqual(float(rows[-1]["dissipation"])/exact, 1.0, delta=0.02)
+
 
 if __name__ == "__main__":
     unittest.main()

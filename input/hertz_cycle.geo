@@ -1,0 +1,19 @@
+// A block, 80 by 40, finest where it meets a parabola: around (0, 0). Made with: gmsh -2 -format msh41 hertz_cycle.geo
+Point(1) = {-40, 0, 0, 8};
+Point(2) = {-1.2, 0, 0, 0.08};
+Point(3) = {1.2, 0, 0, 0.08};
+Point(4) = {40, 0, 0, 8};
+Point(5) = {40, 40, 0, 8};
+Point(6) = {-40, 40, 0, 8};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 5};
+Line(5) = {5, 6};
+Line(6) = {6, 1};
+Curve Loop(1) = {1:6};
+Plane Surface(1) = {1};
+Mesh.ElementOrder = 2;
+Physical Curve("bottom") = {1, 2, 3};
+Physical Curve("grip") = {4, 5, 6};
+Physical Surface("block") = {1};
