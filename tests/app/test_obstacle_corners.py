@@ -48,6 +48,15 @@ class ObstacleCorners(Verification, ProgramTest):
             self.assertTrue(any(warning.startswith(BETWEEN) for warning in warnings), warnings)
             self.assertGreater(between, 10.0)
 
+    def test_what_meets_steep_flanks_resolves_no_apex(self):
+        # The node that stands on a flank of about 45 degrees does not hold the body off the apex beside it.
+        for cells in (7, 9):
+            for obstacle in ("obstacle = 'parabola'  point = 2.117, 0.5  radius = 0.1",
+                             [(-10.0, 0.0), (1.617, 0.0), (2.117, 0.5), (2.617, 0.0), (10.0, 0.0)]):
+                with self.subTest(cells=cells, obstacle=obstacle):
+                    warnings, _ = self.run_on(obstacle, 4, cells)
+                    self.assertTrue(any(warning.startswith(BETWEEN) for warning in warnings), warnings)
+
     def test_what_the_mesh_resolves(self):
         profile = [(0.01*k, -0.005*(0.01*k - 2.0)**2) for k in range(-100, 501)]
         for cells in (7, 8, 17):

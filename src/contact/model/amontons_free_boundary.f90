@@ -638,7 +638,8 @@ contains
 
    !> How deep a surface may reach into a side between the two nodes beside a place: half their distance times the
    !> tangent of half the angle between the surface's directions opposite to them, the height of the triangle of its
-   !> tangents; the overlap of the nodes; and how much farther one of them moves than the other [L].
+   !> tangents, where neither is steeper than warnings allow; the overlap of the nodes; and how much farther one of them
+   !> moves than the other [L].
    pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), intent(in) :: side(2, 3) !! first corner, second corner, middle of the side [L]
@@ -646,20 +647,25 @@ contains
       real(dp), intent(in) :: normal(2) !! normal of the side [-]
       real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
       logical, intent(in) :: has_middle !! whether the side has a node in its middle
+      ! 30 degrees off the obstacle's normal, as warnings have it.
+      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
       real(dp) :: gap, cosine, angle
-      logical :: is_met
+      logical :: is_met, is_steep
       integer :: beside(2), i
 
       beside = [1, 2]
       if (has_middle) beside(merge(2, 1, xi < 0.0_dp)) = 3
       depth = 0.0_dp
       angle = 0.0_dp
+      is_steep = .false.
       do i = 1, 2
          call contact%obstacle%measure(side(:, beside(i)), normal, gap, is_met, cosine)
          if (.not. is_met) cycle
+         is_steep = is_steep .or. cosine < smallest_cosine
          angle = angle + acos(min(1.0_dp, cosine))
          depth = max(depth, dot_product(moved(:, beside(i)) - side(:, beside(i)), normal) - gap)
       end do
+      if (is_steep) angle = 0.0_dp
       ! Across an edge of the obstacle one node stands, and the other one sinks.
       associate (way => moved(:, beside) - side(:, beside))
          depth = depth + 0.5_dp*norm2(side(:, beside(2)) - side(:, beside(1)))*tan(0.5_dp*angle) &
