@@ -31,7 +31,6 @@ module amontons_rigid_set
    contains
       procedure :: displacement => rigid_set_displacement
       procedure :: lead_forces => rigid_set_lead_forces
-      procedure :: motion => rigid_set_motion
    end type rigid_set_t
 
 contains
@@ -103,19 +102,5 @@ contains
       forces(:, 2) = moment/self%length**2*[-arm(2), arm(1)]
       forces(:, 1) = resultant(:2) - forces(:, 2)
    end function rigid_set_lead_forces
-
-   !> The motion of a set: displacements of its point, and turn (3) [L, L, -].
-   pure function rigid_set_motion(self, displacement) result(motion)
-      class(rigid_set_t), intent(in) :: self !! the set
-      real(dp), intent(in) :: displacement(:, :) !! displacements of all nodes (2, n_nodes) [L]
-      real(dp) :: motion(3)
-      real(dp) :: way(2), arm(2)
-
-      way = displacement(:, self%lead(2)) - displacement(:, self%lead(1))
-      arm = self%place(:, 2) - self%place(:, 1)
-      motion(3) = (arm(1)*way(2) - arm(2)*way(1))/self%length**2
-      arm = self%point - self%place(:, 1)
-      motion(:2) = displacement(:, self%lead(1)) + motion(3)*[-arm(2), arm(1)]
-   end function rigid_set_motion
 
 end module amontons_rigid_set

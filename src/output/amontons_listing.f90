@@ -26,7 +26,6 @@ module amontons_listing
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
-   use amontons_rigid_set, only: rigid_components
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
    use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
@@ -146,7 +145,11 @@ contains
             units))
       end do
       do i = 1, size(load_case%supports)
-         text = text//labeled('Support', support_text(load_case%supports(i), units))
+         if (load_case%supports(i)%is_driven()) then
+            text = text//labeled('Support', motion_text(body, load_case, i, units))
+         else
+            text = text//labeled('Support', support_text(load_case%supports(i), units))
+         end if
       end do
       do i = 1, size(load_case%contacts)
          text = text//labeled('Contact', contact_text(load_case%contacts(i), units))
@@ -171,6 +174,8 @@ contains
       end do
       text = text//notes_text(body, load_case, units)
       do i = 1, size(load_case%loads)
+         ! What drives a motion stands with it.
+         if (load_case%loads(i)%target == load_on_motion) cycle
          text = text//labeled('Load', load_text(load_case%loads(i), body%mesh, units))
       end do
    end function model_text
@@ -204,6 +209,39 @@ contains
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
+   !> A rigid set or preload: where it is, and how much of its motion is prescribed or what drives it.
+   pure function motion_text(body, load_case, number, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its supports and what drives them
+      integer, intent(in) :: number !! number of the support that it is
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      real(dp), allocatable :: force(:)
+      integer :: k
+
+      ! Factors of sweeps and histories are told elsewhere.
+      force = body%driven_forces(load_case%loads)
+      associate (support => load_case%supports(number))
+         text = support%name//trim(merge(': preload at', ': rigid set ', support%is_jump))//" '"//support%set//"'"
+         if (support%rigid%has_point) text = text//', about '//with_unit(pair_text(support%rigid%point), units, 'L')
+         do k = 1, size(body%driven)
+            associate (driven => body%driven(k))
+               if (driven%support /= number) cycle
+               text = text//', '//trim(driven%words(1))
+               if (support%is_held(driven%component)) then
+                  text = text//' = '//with_unit(short_text(support%displacement(driven%component)), units, &
+                     trim(driven%dimensions(1)))
+               else if (abs(force(k)) > 0.0_dp) then
+                  text = text//' under '//trim(driven%words(2))//' = '//with_unit(short_text(force(k)), units, &
+                     trim(driven%dimensions(2)))
+               else
+                  text = text//' free'
+               end if
+            end associate
+         end do
+      end associate
+   end function motion_text
+
    !> A support: its set or point, prescribed displacements, springs.
    pure function support_text(support, units) result(text)
       type(support_t), intent(in) :: support !! the support
@@ -211,25 +249,6 @@ contains
       character(:), allocatable :: text
       integer :: k
 
-      if (support%rigid%is_given) then
-         text = support%name//": rigid set '"//support%set//"'"
-         if (support%rigid%has_point) text = text//', about '//with_unit(pair_text(support%rigid%point), units, 'L')
-         do k = 1, size(rigid_components)
-            text = text//', '//trim(rigid_components(k))
-            if (support%is_held(k)) then
-               text = text//' = '//short_text(support%displacement(k))
-            else
-               text = text//' free'
-            end if
-         end do
-         return
-      end if
-      if (support%is_jump) then
-         text = support%name//": preload at '"//support%set//"', shortening free"
-         if (support%is_held(1)) text = support%name//": preload at '"//support%set//"', shortening "// &
-            with_unit(short_text(support%displacement(1)), units, 'L')
-         return
-      end if
       if (len(support%set) > 0) then
          text = "set '"//support%set//"'"
       else
@@ -424,9 +443,6 @@ contains
          call mesh%set_nodes(load%set, nodes, error)
          text = text//' on each of '//counted(size(nodes), 'node')//', '// &
             with_unit(pair_text(size(nodes)*load%force), units, 'F')//' in all'
-      case (load_on_motion)
-         text = text//'force '//with_unit(pair_text(load%force), units, 'F')//', moment '// &
-            with_unit(short_text(load%moment), units, 'F L')
       case (load_by_temperature)
          if (allocated(load%temperature_table)) then
             text = text//'temperature from '//load%temperature_file

@@ -2,6 +2,7 @@
 """Obstacles between contact points: teeth and narrow circles that no node touches fail the certificate, points behind
 steep flanks are warned about; what the mesh resolves is sound."""
 import json
+import math
 import unittest
 
 from harness import ProgramTest, block
@@ -70,6 +71,17 @@ class ObstacleCorners(Verification, ProgramTest):
                         warnings, between = self.run_on(obstacle, 0, cells, element)
                         self.assertFalse(any(warning.startswith(BETWEEN) for warning in warnings), warnings)
                         self.assertEqual(between, 0.0)
+
+    def test_fronts_pass_the_edges_of_a_long_profile(self):
+        # Longer than the methods that need S as a dense matrix: Newton's method is all there is.
+        for length, height, wave in ((302.0, 0.004, 9.0), (302.0, 0.02, 30.0), (604.0, 0.001, 9.0)):
+            with self.subTest(length=length, height=height, wave=wave):
+                places = [-10.0 + i*(length + 20.0)/600 for i in range(601)]
+                self.write("line.csv", "".join(f"{s}, {height*math.sin(2*math.pi*s/wave)}\n" for s in places))
+                deck = block(HELD, "load set = 'top'  pressure = 0.1",
+                             "contact set = 'bottom'  friction = 0.3  obstacle = 'polyline'  line = 'line.csv'",
+                             material="young = 1000.0  poisson = 0.3", mesh=f"size = {length}, 1.0  cells = 1510, 1")
+                self.run_program("--quiet", "--output", "results", self.write("case.nml", deck))
 
 
 if __name__ == "__main__":

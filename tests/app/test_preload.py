@@ -61,6 +61,10 @@ class Preload(ProgramTest):
         self.run_program("--verify", ".")
         return summary["key_results"]
 
+    def listing(self):
+        """The listing of the last deck."""
+        return (self.directory/"case.lst").read_text(encoding="utf-8")
+
     def rows(self, ending):
         """The rows of a table."""
         with open(self.directory / ending, newline="", encoding="utf-8") as table:
@@ -75,9 +79,11 @@ class Preload(ProgramTest):
                     key = self.key(bar + PRELOAD.format("force = 5.0"))
                     self.assert_close([key["preload_bolt_shortening"], key["preload_bolt_force"],
                                        key["reaction_y_foot"]], [5.0*4.0/100.0, 5.0, -5.0], 1e-12)
+                    self.assertIn("bolt: preload at 'b.bottom', shortening under force = 5.0\n", self.listing())
                     key = self.key(bar + PRELOAD.format("shortening = 0.2"))
                     self.assert_close([key["preload_bolt_shortening"], key["preload_bolt_force"],
                                        key["reaction_y_foot"]], [0.2, 5.0, -5.0], 1e-12)
+                    self.assertIn("bolt: preload at 'b.bottom', shortening = 0.2\n", self.listing())
 
     def test_guided_bar_and_one_along_x(self):
         guided = BAR.format(element="quad4", across=2, poisson=0.3, guide="") + "".join(

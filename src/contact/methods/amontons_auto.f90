@@ -109,7 +109,8 @@ contains
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
    !> many as before. Lemke's pivoting, where it is quick, has its turn once, else the splitting at length. Where a line
-   !> is too long for the sweeps, one round with each regularization.
+   !> is too long for the sweeps, one round with each regularization, and Newton from rest as long as it takes: fronts
+   !> that pass the edges of a profile one by one are slower than any patience.
    subroutine take_rounds(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -119,6 +120,7 @@ contains
       ! Where no number is finite, every round ends at once, but their size grows on.
       integer, parameter :: n_first_sweeps = 10, growth = 4, most_sweeps = 100000000
       real(dp), parameter :: max_regularizations(2) = [1.0_dp, 30.0_dp]
+      type(contact_solution_t) :: rest
       integer :: n_sweeps, round
 
       n_sweeps = n_first_sweeps
@@ -136,6 +138,9 @@ contains
             n_sweeps = growth*min(n_sweeps, most_sweeps)
          end if
       end do
+      call new_contact_solution(rest, problem%n_points)
+      call stages%run(newton_t(max_iterations=stages%max_iterations, max_regularization=maxval(max_regularizations)), &
+         problem, rest)
    end subroutine take_rounds
 
    !> Newton at length from the best pair. Where its steps lead nowhere, the proximal path from there; where that leads

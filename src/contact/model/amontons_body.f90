@@ -290,19 +290,26 @@ contains
       type(body_t), intent(inout) :: body !! the body, its ties found
       type(support_t), intent(in) :: supports(:) !! the supports
       type(tie_t), intent(in) :: ties(:) !! the bonded sets
-      integer :: i, k
+      integer :: i
 
       do i = 1, size(ties)
          if (.not. ties(i)%has_jump) cycle
          associate (pair => body%ties(i))
-            do k = 1, size(supports)
-               if (supports(k)%is_jump .and. supports(k)%name == ties(i)%name) pair%is_jump_free = &
-                  .not. supports(k)%is_held(1)
-            end do
+            pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
             if (all(body%constraints%is_free(:, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
          end associate
       end do
    end subroutine set_jumps
+
+   !> Number of the support that a preload is.
+   pure integer function support_of_jump(supports, name) result(number)
+      type(support_t), intent(in) :: supports(:) !! the supports
+      character(*), intent(in) :: name !! name of the preload
+
+      do number = 1, size(supports)
+         if (supports(number)%is_jump .and. supports(number)%name == name) exit
+      end do
+   end function support_of_jump
 
    !> Lists the motions of rigid sets. In a body of revolution they move along the axis only.
    pure subroutine add_rigid_drives(body, supports)
@@ -351,9 +358,7 @@ contains
       real(dp) :: share(2*size(points%area))
       integer :: i, p
 
-      do i = 1, size(supports)
-         if (supports(i)%is_jump .and. supports(i)%name == name) driven%support = i
-      end do
+      driven%support = support_of_jump(supports, name)
       do p = 1, size(points%area)
          share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
             *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]

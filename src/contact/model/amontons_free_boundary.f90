@@ -125,8 +125,10 @@ contains
          call add_facing(boundary, master, master%n_own + 1, set, outline, body%constraints, zone%pairs(i)%search, &
             least)
       end do
+      ! Tables of gaps alone ask for lengths.
       do i = 1, size(boundary%nodes)
          associate (node => boundary%nodes(i))
+            if (.not. allocated(contacts(node%set)%extra_gap%table)) cycle
             p = nearest_point(zone, node%set, body%mesh%coordinates(:, node%node))
             if (p > 0) node%arc_length = zone%quadrature%arc_length(zone%quadrature%start(p))
          end associate
@@ -542,7 +544,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: extra_gap(:) !! what deck and wear have added to their gaps (m) [L]
+      real(dp), intent(in) :: extra_gap(:) !! what the deck adds to their gaps (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: depth !! the depth; 0 if no corner penetrates by more than a negligible one [L]
       real(dp), intent(out) :: place(2) !! where the side is penetrated [L]
@@ -553,22 +555,27 @@ contains
       real(dp), parameter :: nearly = 0.99_dp
       integer, allocatable :: sides(:, :)
       real(dp), allocatable :: corners(:, :)
+      logical, allocatable :: is_beside(:)
       type(error_t), allocatable :: error
-      real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, low, high
+      real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, ends(2)
       integer :: i, k, j, l, node, p
 
       depth = negligible*maxval(abs(displacement))
       place = 0.0_dp
       set = 0
       do i = 1, size(contacts)
-         if (contacts(i)%pairing%is_pair() .or. all(zone%set /= i)) cycle
          corners = corners_of(contacts(i))
-         if (size(corners) == 0) cycle
+         if (size(corners) == 0 .or. all(zone%set /= i)) cycle
          call mesh%set_sides(contacts(i)%set, sides, error)
          if (allocated(error)) cycle
          do k = 1, size(sides, 2)
             normal = mesh%coordinates(:, sides(2, k)) - mesh%coordinates(:, sides(1, k))
             normal = unit_vector([normal(2), -normal(1)])
+            ends = [(-cross_product(normal, mesh%coordinates(:, sides(j, k))), j=1, 2)]
+            associate (along => normal(2)*corners(1, :) - normal(1)*corners(2, :))
+               is_beside = along >= minval(ends) .and. along <= maxval(ends)
+            end associate
+            if (.not. any(is_beside)) cycle
             do j = 1, 3
                node = sides(j, k)
                if (node == 0) then
@@ -580,10 +587,8 @@ contains
                   moved(:, j) = side(:, j) + (dot_product(displacement(:, node), normal) - extra_gap(p))*normal
                end if
             end do
-            low = min(-cross_product(normal, side(:, 1)), -cross_product(normal, side(:, 2)))
-            high = max(-cross_product(normal, side(:, 1)), -cross_product(normal, side(:, 2)))
             do l = 1, size(corners, 2)
-               if (-cross_product(normal, corners(:, l)) < low .or. -cross_product(normal, corners(:, l)) > high) cycle
+               if (.not. is_beside(l)) cycle
                xi = meet_side(moved, corners(:, l), normal)
                do j = 1, 2
                   if (abs(xi(j)) > 1.0_dp) cycle
@@ -608,7 +613,7 @@ contains
    end subroutine find_corner_penetration
 
    !> The corners of a rigid obstacle that bulge towards the body: ends of a polyline and points where its way turns to
-   !> the right, away from the free side; the apex of a circle or parabola (2, corners) [L].
+   !> the right, away from the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].
    pure function corners_of(contact) result(corners)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), allocatable :: corners(:, :)
