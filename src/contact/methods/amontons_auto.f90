@@ -138,6 +138,8 @@ contains
             n_sweeps = growth*min(n_sweeps, most_sweeps)
          end if
       end do
+      ! Residuals close to the tolerance are rounding that no start is without.
+      if (stages%best%residual <= coarse) return
       call new_contact_solution(rest, problem%n_points)
       call stages%run(newton_t(max_iterations=stages%max_iterations, max_regularization=maxval(max_regularizations)), &
          problem, rest)
