@@ -46,10 +46,11 @@ def stretches(line: Grid, abscissa: str = "s") -> list[Stretch]:
     return result
 
 
-def closed_part(line: Grid, sets: list[Stretch]) -> list[Stretch]:
-    """The sets where the contact line is closed and somewhat more, if that is a small part of the line; else all."""
+def closed_part(is_closed: Array, sets: list[Stretch]) -> list[Stretch]:
+    """The sets where the contact line is closed (n_points) and somewhat more, if that is a small part of the line; else
+    all."""
     lengths = np.concatenate([one.length for one in sets])
-    closed = lengths[np.concatenate([line.point_data["status"][one.points] > 1 for one in sets])]
+    closed = lengths[np.concatenate([is_closed[one.points] for one in sets])]
     if not len(closed):
         return sets
     near = np.sort(np.abs(lengths - closed.mean()))
@@ -65,7 +66,8 @@ def closed_part(line: Grid, sets: list[Stretch]) -> list[Stretch]:
 def closed_zone(line: Grid, sets: list[Stretch]) -> list[Stretch]:
     """Of the set with the largest pressure, where it is closed and somewhat more, if that is a small part of it."""
     number = line.point_data["set"][np.argmax(line.point_data["contact_pressure"])]
-    return closed_part(line, [one for one in sets if line.point_data["set"][one.points[0]] == number])
+    return closed_part(line.point_data["status"] > 1,
+                       [one for one in sets if line.point_data["set"][one.points[0]] == number])
 
 
 def points_of(sets: list[Stretch]) -> Array:
@@ -169,7 +171,15 @@ def residual_text(residual: float) -> str:
     return scientific(residual, 2) if residual else "0"
 
 
-def draw_history(axes: Axes, case: Case) -> None:
+def count_abscissas(axes: Canvas) -> None:
+    """Has ticks of the abscissa at whole numbers only."""
+    if isinstance(axes, SvgAxes):
+        axes.has_whole_abscissas = True
+    else:
+        axes.xaxis.get_major_locator().set_params(integer=True)
+
+
+def draw_history(axes: Canvas, case: Case) -> None:
     """The residual after each iteration."""
     summary = case.summary
     history = [residual for residual in summary["residual_history"] if residual]
@@ -182,4 +192,4 @@ def draw_history(axes: Axes, case: Case) -> None:
     axes.set(xlabel=f"iteration of {summary['method']}", ylabel="residual",
              title=f"{verdict}, residual {residual_text(summary['residual'])}; certificate "
              + ("passed" if summary["certificate"]["passed"] else "FAILED"))
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    count_abscissas(axes)

@@ -6,15 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import Optional
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from amontons.cases import Case, CaseFault, dimension_of
-from amontons.draw_line import stretches
+from amontons.draw_line import Canvas, Stretch, closed_part, points_of, stretches
 from amontons.draw_sweep import quantity
 from amontons.grid import Array
 
@@ -60,26 +56,34 @@ def axis_label(case: Case, name: str) -> str:
     return case.label(quantity(name), dimension_of(name))
 
 
-def draw_loop(axes: Axes, case: Case, rows: list[dict[str, str]], loop: Optional[Sequence[str]] = None) -> None:
+def draw_loop(axes: Canvas, case: Case, loop: Optional[Sequence[str]] = None) -> None:
     """One column of the steps over another, in the order of the steps; a dot at the end."""
+    rows = case.table("history")
     over, name = loop or default_loop(case, rows)
     x, y = column(case, rows, over), column(case, rows, name)
     axes.plot(x, y, color="black", linewidth=0.8, marker="." if len(rows) < 50 else None)
-    axes.plot(x[-1], y[-1], marker="o", color="#D55E00", markersize=4)
+    axes.plot(x[-1:], y[-1:], linestyle="none", marker="o", color="#D55E00", markersize=4)
     axes.set(xlabel=axis_label(case, over), ylabel=axis_label(case, name))
 
 
-def draw_zones(axes: Axes, case: Case, rows: list[dict[str, str]]) -> None:
+def shown_part(case: Case, rows: list[dict[str, str]]) -> list[Stretch]:
+    """The contact sets, or where they close in some step if that is a small part of them."""
+    return closed_part((statuses_of(rows) > 0).any(axis=1), stretches(case.line))
+
+
+def draw_zones(axes: Canvas, case: Case) -> None:
     """The zones along the contact line over the pseudo-time; contact sets follow each other."""
-    sets = stretches(case.line)
+    rows = case.table("history")
+    sets = shown_part(case, rows)
     place = np.concatenate([one.length for one in sets])
-    order = np.concatenate([one.points for one in sets])
     time = column(case, rows, list(rows[0])[1])
-    states = statuses_of(rows)[order]
+    states = statuses_of(rows)[points_of(sets)]
     axes.pcolormesh(edges(time, at_end=True), edges(place), states, cmap=ListedColormap(list(ZONES.values())),
                     vmin=-0.5, vmax=len(ZONES) - 0.5, rasterized=True)
-    shown = [Patch(color=color, label=name) for i, (name, color) in enumerate(ZONES.items()) if (states == i).any()]
-    axes.legend(handles=shown, frameon=False, ncols=len(shown), loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    shown = [(name, color) for i, (name, color) in enumerate(ZONES.items()) if (states == i).any()]
+    for name, color in shown:
+        axes.plot([], [], linestyle="none", marker="s", markersize=6, color=color, label=name)
+    axes.legend(frameon=False, ncols=len(shown), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L"))
 
 
@@ -93,22 +97,13 @@ def edges(places: Array, at_end: bool = False) -> Array:
     return np.concatenate([[places[0]], middle, [places[-1]]])
 
 
-def draw_dissipation(axes: Axes, case: Case, rows: list[dict[str, str]]) -> None:
+def draw_dissipation(axes: Canvas, case: Case) -> None:
     """What friction took at each point of the contact line, over its length."""
-    table = case.table("contact")
-    for one in stretches(case.line):
+    table, largest = case.table("contact"), 0.0
+    for one in shown_part(case, case.table("history")):
         taken = [float(table[point]["dissipation"])/float(table[point]["weight"]) for point in one.points]
         axes.plot(one.length, taken, color="black")
-    axes.set(xlabel=case.label("s", "L"), ylabel=case.label("dissipation / length", "F"), ylim=(0, None))
-    total = f"total {float(rows[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
-    axes.set_title(total, fontsize="small", loc="right")
-
-
-def draw_steps(case: Case, size: Sequence[float], loop: Optional[Sequence[str]] = None) -> Figure:
-    """Draws a load history."""
-    rows = case.table("history")
-    figure, axes = plt.subplots(1, 3, figsize=size, layout="constrained", width_ratios=[1.1, 1.3, 1])
-    draw_loop(axes[0], case, rows, loop)
-    draw_zones(axes[1], case, rows)
-    draw_dissipation(axes[2], case, rows)
-    return figure
+        largest = max(largest, *taken)
+    total = f"total {float(case.table('history')[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
+    axes.set(xlabel=case.label("s", "L"), ylabel=case.label("dissipation / length", "F"), title=total,
+             ylim=(0.0, 1.05*largest or 1.0))

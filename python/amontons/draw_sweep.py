@@ -2,18 +2,19 @@
 the forces of reduced problems."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Optional
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib import colormaps
 
 from amontons.cases import Case, CaseFault, dimension_of
-from amontons.draw_line import PRESSURE, SHEAR, draw_history
+from amontons.draw_line import PRESSURE, SHEAR, Canvas, count_abscissas
+from amontons.grid import Array
 
 ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
+BETWEEN = 0.5  # of the way to the next value a cell of a map ends
 
 
 def value_in(row: dict[str, str], column: str) -> float:
@@ -26,48 +27,36 @@ def quantity(column: str) -> str:
     return f"factor of {column.removeprefix('factor_')}" if column.startswith("factor_") else column.replace("_", " ")
 
 
-def draw_curves(axes: Axes, values: list[float], rows: list[dict[str, str]], columns: Sequence[str]) -> None:
-    """Columns over one quantity; cases that were not solved leave a gap."""
-    marker = "." if len(rows) < 100 else None
-    for column, style in zip(columns, ("-", "--", ":")):
-        axes.plot(values, [value_in(row, column) for row in rows], marker=marker, color=ZONES.get(column, PRESSURE),
-                  linestyle=style, label=column.replace("_", " "))
-    axes.margins(y=0.08)
+@dataclass(frozen=True)
+class Study:
+    """What is drawn of a sweep."""
+    case: Case
+    rows: list[dict[str, str]]
+    columns: tuple[str, ...]     # what is drawn
+    quantities: tuple[str, ...]  # over what: two of a map, one of curves
+    title: str
+
+    @property
+    def is_map(self) -> bool:
+        """Whether each column is a map over two quantities."""
+        return len(self.quantities) > 1
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The values of the first and the last color of maps: those of zones have the whole line in common."""
+        if self.columns[0] in ZONES:
+            return 0.0, max((sum(value_in(row, zone) for zone in ZONES) for row in self.rows
+                             if row["outcome"] == "solved"), default=1.0)
+        values = [value for row in self.rows if np.isfinite(value := value_in(row, self.columns[0]))] or [0.0]
+        return min(values), max(values)
 
 
-def draw_maps(figure: Figure, axes: Axes, quantities: Sequence[str], rows: list[dict[str, str]],
-              columns: Sequence[str] = tuple(ZONES), marks: Sequence[Any] = (),
-              unit_of: Callable[[str], str] = lambda column: "") -> None:
-    """A map of each column over two quantities; what was not solved stays white. Marks are triples: place along the
-    second quantity, along the first, and a label. Lengths of zones share their colors; the bar has the unit of the
-    last column."""
-    places = [np.unique([float(row[name]) for row in rows]) for name in quantities]
-    limits = {}
-    if columns[0] in ZONES:
-        whole = [sum(value_in(row, zone) for zone in ZONES) for row in rows if row["outcome"] == "solved"]
-        limits = {"vmin": 0.0, "vmax": max(whole, default=1.0)}
-    for axis, column in zip(axes, columns):
-        values = np.full([len(place) for place in places], np.nan)
-        for row in rows:
-            at = tuple(np.searchsorted(place, float(row[name])) for place, name in zip(places, quantities))
-            values[at] = value_in(row, column)
-        drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", shading="nearest", rasterized=True,
-                                **limits)
-        axis.set(title=column.replace("_", " "), xlabel=quantity(quantities[1]))
-        for x, y, label in marks:
-            axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
-            axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")
-    axes[0].set(ylabel=quantity(quantities[0]))
-    figure.colorbar(drawn, ax=axes).set_label(unit_of(columns[-1]))
-
-
-def draw_sweep(case: Case, size: Sequence[float], field: Optional[str] = None) -> tuple[Figure, str]:
-    """Draws a sweep over one or two quantities; of more, the first two that vary, the others at their first values.
-    The field is the column that is drawn, the zones of the contact line by default."""
+def study_of(case: Case, field: Optional[str] = None) -> Study:
+    """What is drawn of a sweep over one or two quantities; of more, the first two that vary, the others at their first
+    values. The field is the column that is drawn, the zones of the contact line by default."""
     summary, rows = case.summary, case.table("sweep")
     if field is not None and field not in rows[0]:
         raise CaseFault(f"{case.path}.sweep.csv: no column '{field}'; the columns are: {', '.join(rows[0])}")
-    columns = tuple(ZONES) if field is None else (field,)
     names = [quantity["name"] for quantity in summary["quantities"] if quantity["values"] > 1]
     fixed = names[2:]
     rows = [row for row in rows if all(row[name] == rows[0][name] for name in fixed)]
@@ -75,30 +64,56 @@ def draw_sweep(case: Case, size: Sequence[float], field: Optional[str] = None) -
     n_left = sum(row["outcome"] != "solved" for row in rows)
     if n_left:
         title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
-    if len(names) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):
-        figure, axes = plt.subplots(1, len(columns), figsize=size, layout="constrained", sharey=True, squeeze=False)
-        draw_maps(figure, axes[0], names[:2], rows, columns, unit_of=lambda column: case.unit(dimension_of(column)))
-    else:
-        figure, axes = plt.subplots(figsize=size, layout="constrained")
-        name = names[0] if len(names) == 1 else "case"
-        draw_curves(axes, [float(row[name]) for row in rows], rows, columns)
-        axes.set(xlabel=quantity(name), ylabel=case.label("length", "L") if field is None else
-                 case.label(field.replace("_", " "), dimension_of(field)))
-        if len(columns) > 1:
-            axes.legend(frameon=False)
-    return figure, title
+    is_map = len(names) > 1 and not any(quantity["paired"] for quantity in summary["quantities"])
+    over = tuple(names[:2]) if is_map else (names[0] if len(names) == 1 else "case", )
+    return Study(case, rows, tuple(ZONES) if field is None else (field, ), over, title)
 
 
-def draw_reduced(case: Case, size: Sequence[float]) -> tuple[Figure, str]:
-    """Draws a reduced problem: the forces of its contacts, and the residuals."""
-    figure, (above, below) = plt.subplots(2, 1, figsize=size, layout="constrained")
+def draw_curves(axes: Canvas, study: Study) -> None:
+    """Columns over one quantity; cases that were not solved leave a gap."""
+    name, = study.quantities
+    for column, style in zip(study.columns, ("-", "--", ":")):
+        axes.plot([float(row[name]) for row in study.rows], [value_in(row, column) for row in study.rows],
+                  marker="." if len(study.rows) < 100 else None, color=ZONES.get(column, PRESSURE), linestyle=style,
+                  label=column.replace("_", " ") if len(study.columns) > 1 else None)
+    case, column = study.case, study.columns[0]
+    axes.set(xlabel=quantity(name), ylabel=case.label("length", "L") if column in ZONES and len(study.columns) > 1 else
+             case.label(column.replace("_", " "), dimension_of(column)))
+    if len(study.columns) > 1:
+        axes.legend(frameon=False)
+
+
+def draw_map(axes: Canvas, study: Study, column: str, marks: Sequence[Any] = ()) -> Any:
+    """A column over two quantities; what was not solved stays white. Marks are triples: place along the second
+    quantity, along the first, and a label. Returns what a bar of the colors is made of."""
+    places = [np.unique([float(row[name]) for row in study.rows]) for name in study.quantities]
+    values = np.full([len(place) for place in places], np.nan)
+    for row in study.rows:
+        at = tuple(np.searchsorted(place, float(row[name])) for place, name in zip(places, study.quantities))
+        values[at] = value_in(row, column)
+    low, high = study.limits
+    drawn = axes.pcolormesh(ends_of(places[1]), ends_of(places[0]), values, cmap=colormaps["cividis"], vmin=low,
+                            vmax=high, rasterized=True)
+    axes.set(title=column.replace("_", " "), xlabel=quantity(study.quantities[1]))
+    for x, y, label in marks:
+        axes.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
+        axes.annotate(label, (x, y), ha="center", va="center", fontsize="small")
+    return drawn
+
+
+def ends_of(places: Array) -> Array:
+    """Where the cells around places end: in the middle between two of them, and as far beyond the outer ones."""
+    steps = BETWEEN*(np.diff(places) if len(places) > 1 else np.ones(1))
+    return np.concatenate([[places[0] - steps[0]], places[:-1] + steps, [places[-1] + steps[-1]]])
+
+
+def draw_forces(axes: Canvas, case: Case) -> None:
+    """The forces of the contacts of a reduced problem."""
     rows = case.table("contact")
     numbers = [int(row["point"]) for row in rows]
-    for name, color, marker in (("normal_force", PRESSURE, "o"), ("tangential_force", SHEAR, "x")):
-        above.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
-                   linestyle="none", label=name.replace("_", " "))
-    above.set(xlabel="contact", ylabel=case.label("force", "F"))
-    above.xaxis.get_major_locator().set_params(integer=True)
-    above.legend(frameon=False)
-    draw_history(below, case)
-    return figure, case.heading
+    for name, color, marker in (("normal_force", PRESSURE, "o"), ("tangential_force", SHEAR, "s")):
+        axes.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
+                  linestyle="none", label=name.replace("_", " "))
+    axes.set(xlabel="contact", ylabel=case.label("force", "F"))
+    count_abscissas(axes)
+    axes.legend(frameon=False)

@@ -18,13 +18,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from amontons.cases import Case, CaseFault, find_cases
+from amontons.cases import Case, CaseFault, dimension_of, find_cases
 from amontons.commands import Parser
 from amontons.draw_body import FIELD, draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
                                 draw_history, has_detail, points_of, stretches)
-from amontons.draw_steps import draw_steps
-from amontons.draw_sweep import draw_reduced, draw_sweep
+from amontons.draw_steps import draw_dissipation, draw_loop, draw_zones
+from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 
 FORMATS = ("png", "svg", "pdf")
 BODY_PANELS = {"body": draw_body, "detail": draw_detail}
@@ -46,7 +46,7 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
                 scale: Optional[float] = None, abscissa: str = "s") -> Figure:
     """A figure of a body with the panels named, those of the body on the left."""
     sets = stretches(case.line, abscissa)
-    shown = closed_part(case.line, sets) if sets else sets
+    shown = closed_part(case.line.point_data["status"] > 1, sets) if sets else sets
     zone = closed_zone(case.line, sets) if sets else sets
     left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, zone))]
     right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
@@ -81,6 +81,28 @@ def draw_line(panels: list[tuple[str, Axes]], case: Case, shown: list[Stretch], 
         panels[-1][1].set_xlabel(label)
 
 
+def draw_sweep(case: Case, size: Sequence[float], field: Optional[str]) -> tuple[Figure, str]:
+    """A figure of a sweep, and its title: curves over one quantity, or a map of each column over two."""
+    study = study_of(case, field)
+    if not study.is_map:
+        drawn, axes = plt.subplots(figsize=size, layout="constrained")
+        draw_curves(axes, study)
+        return drawn, study.title
+    drawn, axes = plt.subplots(1, len(study.columns), figsize=size, layout="constrained", sharey=True, squeeze=False)
+    maps = [draw_map(axis, study, column) for axis, column in zip(axes[0], study.columns)]
+    axes[0, 0].set(ylabel=quantity(study.quantities[0]))
+    drawn.colorbar(maps[-1], ax=axes).set_label(case.unit(dimension_of(study.columns[-1])))
+    return drawn, study.title
+
+
+def draw_reduced(case: Case, size: Sequence[float]) -> Figure:
+    """A figure of a reduced problem: the forces of its contacts, and the residuals."""
+    drawn, (above, below) = plt.subplots(2, 1, figsize=size, layout="constrained")
+    draw_forces(above, case)
+    draw_history(below, case)
+    return drawn
+
+
 def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[str]] = None,
            field: Optional[str] = None, *, scale: Optional[float] = None, abscissa: Optional[str] = None,
            size: Optional[tuple[float, float]] = None) -> matplotlib.figure.Figure:
@@ -104,7 +126,7 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
         if case.kind == "sweep":
             drawn, title = draw_sweep(case, inches, field)
         elif case.kind == "reduced":
-            drawn, title = draw_reduced(case, inches)
+            drawn, title = draw_reduced(case, inches), case.heading
         else:
             # Without contact points there are no iterations to show.
             every = PANELS if len(case.line.points) else tuple(BODY_PANELS)
@@ -122,7 +144,11 @@ def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Seq
     if not case.has_steps:
         raise CaseFault(f"{case.path}: a loop is only for a load history that has steps")
     with plt.rc_context(STYLE):
-        drawn = draw_steps(case, [length / INCH for length in size or SIZES["steps"]], loop)
+        drawn, axes = plt.subplots(1, 3, figsize=[length / INCH for length in size or SIZES["steps"]],
+                                   layout="constrained", width_ratios=[1.1, 1.3, 1])
+        draw_loop(axes[0], case, loop)
+        draw_zones(axes[1], case)
+        draw_dissipation(axes[2], case)
         drawn.suptitle(plain(case.heading))
     return drawn
 

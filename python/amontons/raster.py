@@ -54,10 +54,10 @@ def _ranges(first: Array, last: Array) -> tuple[Array, Array]:
     return which, np.arange(len(which)) + np.repeat(first - np.cumsum(lengths) + lengths, lengths)
 
 
-def color_numbers(values: Array, low: float, high: float) -> Array:
+def color_numbers(values: Array, low: float, high: float, n_colors: int = N_COLORS) -> Array:
     """The colors of values, from 1, between those of two others."""
     share = (values - low) / ((high - low) or 1.0)
-    return np.clip(share * N_COLORS, 0, N_COLORS - 1).astype(np.uint8) + np.uint8(1)
+    return np.clip(share * n_colors, 0, n_colors - 1).astype(np.uint8) + np.uint8(1)
 
 
 @functools.lru_cache(maxsize=None)

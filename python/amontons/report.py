@@ -16,8 +16,6 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, Union
 
-import matplotlib
-
 from amontons.cases import Case, dimension_of, find_cases
 from amontons.commands import Parser
 from amontons.numerals import scientific
@@ -229,7 +227,6 @@ def decks_of(folder: Path, outcomes: Sequence[str]) -> list[tuple[str, str]]:
 def drawn(numbered: tuple[int, str]) -> tuple[list[str], str]:
     """The pictures of a case that is numbered in its page, and the small one."""
     number, path = numbered
-    matplotlib.use("Agg")
     return pictures_of(Case(path), f"c{number}")
 
 

@@ -2,18 +2,17 @@
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Iterator
 
-import matplotlib.pyplot as plt
 import numpy as np
 
-from amontons.cases import Case
+from amontons.cases import Case, dimension_of
 from amontons.draw_body import FIELD, Field, draw_scene, draw_zone, magnification, magnification_at, moved_field
 from amontons.draw_line import (LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone, draw_history,
                                 has_detail, points_of, stretches)
-from amontons.draw_steps import draw_steps
-from amontons.draw_sweep import draw_reduced, draw_sweep
-from amontons.inline_svg import STYLE, inline_svg, thumbnail
+from amontons.draw_steps import draw_dissipation, draw_loop, draw_zones
+from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 from amontons.raster import cell_image, color_numbers, palette
 from amontons.svg_axes import SvgAxes, legend
 
@@ -23,7 +22,8 @@ POINTS = 72  # in an inch
 BODY = {"left": 0.12, "right": 0.82, "bottom": 0.2, "top": 0.93}
 DETAIL = {"left": 0.12, "right": 0.97, "bottom": 0.12, "top": 0.9}
 LINE = {"left": 0.17, "right": 0.98, "bottom": 0.12, "top": 0.94}
-HISTORY = {"left": 0.14, "right": 0.98, "bottom": 0.22, "top": 0.88}
+ALONE = {"left": 0.17, "right": 0.97, "bottom": 0.15, "top": 0.91}
+HISTORY = {"left": 0.17, "right": 0.97, "bottom": 0.22, "top": 0.88}
 HEIGHTS, ROOM = (1.4, 1.0, 1.0), 0.25
 
 
@@ -33,16 +33,36 @@ def pictures_of(case: Case, name: str) -> tuple[list[str], str]:
     if case.kind == "body":
         small, *pictures = _body(case, name, label)
         return pictures, small
-    with plt.rc_context(STYLE):
-        figure = draw_sweep(case, (2 * WIDTH, 3.4))[0] if case.kind == "sweep" else draw_reduced(case, (WIDTH, 4.0))[0]
-        picture, small = thumbnail(inline_svg(figure, f"{name}s", f"{label}: {case.kind}"), f"{name}s")
-    return [picture], small
+    if case.kind == "sweep":
+        pictures = list(_sweep(case, name, label))
+        return pictures, _thumbnail(pictures[-1])
+    axes, = _axes(2.6, (1.0,), **ALONE)
+    draw_forces(axes, case)
+    forces = _plot(axes, 2.6, f"{name}s", f"{label}: forces")
+    return [forces, _residuals(case, name, label)], _thumbnail(forces)
+
+
+def _sweep(case: Case, name: str, label: str) -> Iterator[str]:
+    """The pictures of a sweep: curves, or a map of each column."""
+    study, height = study_of(case), 2.8
+    if not study.is_map:
+        axes, = _axes(height, (1.0,), **ALONE)
+        draw_curves(axes, study)
+        yield _plot(axes, height, f"{name}s", f"{label}: sweep")
+        return
+    for number, column in enumerate(study.columns):
+        axes, = _axes(height, (1.0,), **BODY)
+        draw_map(axes, study, column)
+        axes.set(ylabel=quantity(study.quantities[0]))
+        unit = case.unit(dimension_of(column))
+        yield _plot(axes, height, f"{name}s{number}", f"{label}: map of {axes.words['title']}",
+                    axes.bar(f"{name}b{number}", study.limits, unit, None))
 
 
 def _body(case: Case, name: str, label: str) -> Iterator[str]:
     """The small picture of a body, and the others."""
     sets = stretches(case.line)
-    shown = closed_part(case.line, sets) if sets else sets
+    shown = closed_part(case.line.point_data["status"] > 1, sets) if sets else sets
     height, factor = 3.8, magnification(case)
     axes, = _axes(height, (1.0,), **BODY)
     draw_scene(axes, case, factor)
@@ -62,13 +82,35 @@ def _body(case: Case, name: str, label: str) -> Iterator[str]:
         image, _ = _image(axes, f"{name}di", moved_field(case, factor, FIELD))
         yield _picture(f"{name}d", f"{label}: closed zone", height, image, axes.lines(f"{name}dc"), axes.frame())
     if case.has_steps and sets:
-        with plt.rc_context(STYLE):
-            yield inline_svg(draw_steps(case, (2 * WIDTH, 3.0)), f"{name}t", f"{label}: load history")
+        for number, draw in enumerate((draw_loop, draw_zones, draw_dissipation)):
+            axes, = _axes(2.8, (1.0,), **ALONE)
+            draw(axes, case)
+            yield _plot(axes, 2.8, f"{name}t{number}", f"{label}: load history")
     if not case.summary["converged"]:
-        with plt.rc_context(STYLE):
-            figure, residuals = plt.subplots(figsize=(WIDTH, 2.0), gridspec_kw=HISTORY)
-            draw_history(residuals, case)
-            yield inline_svg(figure, f"{name}h", f"{label}: residuals")
+        yield _residuals(case, name, label)
+
+
+def _residuals(case: Case, name: str, label: str) -> str:
+    """The picture of the residuals."""
+    axes, = _axes(2.0, (1.0,), **HISTORY)
+    draw_history(axes, case)
+    return _plot(axes, 2.0, f"{name}h", f"{label}: residuals")
+
+
+def _plot(axes: SvgAxes, height: float, name: str, label: str, *others: str) -> str:
+    """The picture of axes with their cells, lines and legend, and others."""
+    image = axes.image_of_cells(f"{name}i")[:1] if axes.cells else ()
+    return _picture(name, label, height, *image, axes.lines(f"{name}c"), axes.frame(),
+                    legend(axes.artists, axes.right, axes.top - 7, 4, is_right=True), *others)
+
+
+def _thumbnail(picture: str) -> str:
+    """A small view of a picture: of its image, if it has one, else of the whole."""
+    image = re.search(r'<image id="(\w+)" x="([^"]*)" y="([^"]*)" width="([^"]*)" height="([^"]*)"', picture)
+    whole = re.match(r'<svg id="(\w+)" viewBox="([^"]*)"', picture)
+    assert whole is not None
+    name, box = (image[1], " ".join(image.groups()[1:])) if image else whole.groups()
+    return f'<svg class="thumb" viewBox="{box}" aria-hidden="true"><use href="#{name}"/></svg>'
 
 
 def _line(case: Case, shown: list[Stretch], abscissa: str, name: str, label: str) -> str:

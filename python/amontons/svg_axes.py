@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from typing import Any, Optional
 
 import numpy as np
+from matplotlib.colors import Colormap
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from amontons.grid import Array
-from amontons.raster import N_COLORS, palette, png_text
+from amontons.raster import N_COLORS, color_numbers, palette, png_text
 
 TICK, GAP = 3.5, 3.0     # length of a tick and the room behind it, in points
 SMALL, MEDIUM = 7, 8     # sizes of texts, in points
@@ -104,9 +105,39 @@ class Line:
         return f' stroke-dasharray="{text}"' if text else ""
 
 
-def ticks_between(limits: tuple[float, float], most: float) -> tuple[list[tuple[float, str]], str]:
+def ticks_between(limits: tuple[float, float], most: float, are_whole: bool = False) \
+        -> tuple[list[tuple[float, str]], str]:
     """Pairs of value and text of ticks, as many as there is room for, and the factor of the texts."""
-    return labels_of(MaxNLocator(int(np.clip(most, 1, MOST_TICKS)), steps=STEPS).tick_values(*limits).tolist(), limits)
+    locator = MaxNLocator(int(np.clip(most, 1, MOST_TICKS)), steps=STEPS, integer=are_whole)
+    return labels_of(locator.tick_values(*limits).tolist(), limits)
+
+
+def powers_between(limits: tuple[float, float], most: float) -> list[tuple[float, str]]:
+    """Pairs of logarithm and text of ticks at powers of ten, as many as there is room for, between whole logarithms."""
+    first, last = map(int, limits)
+    step = int((last - first) // max(most, 1)) + 1
+    return [(float(power), f"10^{{{power}}}") for power in range(first, last + 1, step)]
+
+
+def range_of(values: list[Array]) -> tuple[float, float]:
+    """The range that shows all numbers, with a seam."""
+    numbers = np.concatenate(values or [np.zeros(0)])
+    numbers = numbers[np.isfinite(numbers)]
+    low, high = float(numbers.min(initial=np.inf)), float(numbers.max(initial=-np.inf))
+    if not low < high:
+        middle = low if len(numbers) else 0.0
+        low, high = middle - (SEAM * abs(middle) or SEAM), middle + (SEAM * abs(middle) or SEAM)
+    return low - SEAM * (high - low), high + SEAM * (high - low)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A number in each cell between lines along both axes, as colors."""
+    x: Array  # where the cells end along the abscissa (n + 1)
+    y: Array  # where they end along the ordinate (m + 1)
+    values: Array  # (m, n); where it is not a number there is no color
+    cmap: Colormap
+    limits: tuple[float, float]  # the values of the first and the last color
 
 
 def labels_of(values: list[float], limits: tuple[float, float]) -> tuple[list[tuple[float, str]], str]:
@@ -126,10 +157,12 @@ class SvgAxes:
         """The axes have this place, a part of it where their aspect is equal."""
         self.left, self.top, self.right, self.bottom = left, top, right, bottom
         self.artists: list[Line] = []
-        self.ylim: tuple[float, float] = (0.0, 1.0)
+        self.cells: Optional[Cells] = None
         self.words = {"title": "", "xlabel": "", "ylabel": ""}
         self.yticks: Optional[list[float]] = None
+        self.has_whole_abscissas = self.is_logarithmic = False
         self._xlim: Optional[tuple[float, float]] = None
+        self._ylim: Optional[tuple[float, float]] = None
 
     def plot(self, x: Any, y: Any, *, color: str, linestyle: Any = "-", linewidth: float = 1.0,
              marker: Optional[str] = None, markersize: float = 6.0, markevery: int = 1, label: Optional[str] = None,
@@ -137,6 +170,12 @@ class SvgAxes:
         """Adds a line."""
         self.artists.append(Line(np.asarray(x, float), np.asarray(y, float), color, linestyle, linewidth, marker,
                                  markersize, markevery, label, zorder, is_across))
+
+    def pcolormesh(self, x: Array, y: Array, values: Array, *, cmap: Colormap, vmin: float, vmax: float,
+                   **_: Any) -> None:
+        """Adds cells; the axes show them and nothing beside them."""
+        self.cells = Cells(x, y, values, cmap, (vmin, vmax))
+        self.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
 
     def axhline(self, y: float, *, color: str, linewidth: float) -> None:
         """Adds a line across the axes."""
@@ -158,7 +197,11 @@ class SvgAxes:
 
     def set_ylim(self, low: float, high: float) -> None:
         """Sets the range of the ordinate."""
-        self.ylim = (float(low), float(high))
+        self._ylim = (float(low), float(high))
+
+    def set_yscale(self, name: str) -> None:
+        """Makes the ordinate logarithmic, or linear."""
+        self.is_logarithmic = name == "log"
 
     def set_yticks(self, values: list[float]) -> None:
         """Sets the ticks of the ordinate."""
@@ -175,13 +218,19 @@ class SvgAxes:
         """The range of the abscissa: all lines, where none is set."""
         if self._xlim is not None:
             return self._xlim
-        along = np.concatenate([line.x for line in self.artists if not line.is_across] or [np.zeros(0)])
-        along = along[np.isfinite(along)]
-        low, high = along.min(initial=np.inf), along.max(initial=-np.inf)
-        if not low < high:
-            middle = float(low) if len(along) else 0.0
-            low, high = middle - (SEAM * abs(middle) or SEAM), middle + (SEAM * abs(middle) or SEAM)
-        return float(low - SEAM * (high - low)), float(high + SEAM * (high - low))
+        return range_of([line.x for line in self.artists if not line.is_across])
+
+    @property
+    def ylim(self) -> tuple[float, float]:
+        """The range of the ordinate, or of its logarithm: all lines, where none is set."""
+        if self._ylim is not None:
+            return self._ylim
+        low, high = range_of([self._scaled(line.y) for line in self.artists])
+        return (float(np.floor(low)), float(np.ceil(high))) if self.is_logarithmic else (low, high)
+
+    def _scaled(self, values: Any) -> Any:
+        """Ordinates, or their logarithms."""
+        return np.log10(values) if self.is_logarithmic else values
 
     def x(self, values: Any) -> Any:
         """Abscissas in the picture."""
@@ -190,19 +239,29 @@ class SvgAxes:
 
     def y(self, values: Any) -> Any:
         """Ordinates in the picture."""
+        return self._y_of(self._scaled(values))
+
+    def _y_of(self, values: Any) -> Any:
+        """The places of ordinates, or of logarithms of them."""
         low, high = self.ylim
         return self.bottom - (values - low) / (high - low) * (self.bottom - self.top)
 
     def frame(self, has_labels: bool = True) -> str:
         """Frame, ticks, their labels and the texts of the axes; the labels of the abscissa may be left out."""
-        abscissas, x_factor = ticks_between(self.xlim, (self.right - self.left) / (3 * MEDIUM))
-        ordinates, y_factor = ticks_between(self.ylim, (self.bottom - self.top) / (2 * MEDIUM)) \
-            if self.yticks is None else labels_of(self.yticks, self.ylim)
+        abscissas, x_factor = ticks_between(self.xlim, (self.right - self.left) / (3 * MEDIUM),
+                                            self.has_whole_abscissas)
+        most = (self.bottom - self.top) / (2 * MEDIUM)
+        if self.yticks is not None:
+            ordinates, y_factor = labels_of(self.yticks, self.ylim)
+        elif self.is_logarithmic:
+            ordinates, y_factor = powers_between(self.ylim, most), ""
+        else:
+            ordinates, y_factor = ticks_between(self.ylim, most)
         strokes = "".join(f"M{short(self.x(value))} {short(self.bottom)}v{TICK}" for value, _ in abscissas) + \
-            "".join(f"M{short(self.left)} {short(self.y(value))}h-{TICK}" for value, _ in ordinates)
+            "".join(f"M{short(self.left)} {short(self._y_of(value))}h-{TICK}" for value, _ in ordinates)
         parts = [f'<path d="M{short(self.left)} {short(self.top)}H{short(self.right)}V{short(self.bottom)}'
                  f'H{short(self.left)}z{strokes}" fill="none" stroke="currentColor" stroke-width="0.5"/>']
-        parts += [text_at(self.left - TICK - GAP, self.y(value) + 3, text, "end") for value, text in ordinates]
+        parts += [text_at(self.left - TICK - GAP, self._y_of(value) + 3, text, "end") for value, text in ordinates]
         middle, below = (self.left + self.right) / 2, self.bottom + TICK + GAP + 18
         if has_labels:
             parts += [text_at(self.x(value), self.bottom + TICK + GAP + 6, text) for value, text in abscissas]
@@ -227,6 +286,18 @@ class SvgAxes:
     def size_of_image(self) -> tuple[int, int]:
         """Width and height of an image that fills the axes, in pixels."""
         return round((self.right - self.left) * FINE), round((self.bottom - self.top) * FINE)
+
+    def image_of_cells(self, name: str) -> tuple[str, str]:
+        """The cells as an image, and a small view of it."""
+        assert self.cells is not None
+        cells, n_colors = self.cells, min(self.cells.cmap.N, N_COLORS)
+        colors = color_numbers(np.nan_to_num(cells.values), *cells.limits, n_colors)
+        colors[~np.isfinite(cells.values)] = 0
+        # The cell that the middle of each pixel is in; rows of pixels begin above.
+        column, row = (np.searchsorted(ends, limits[0] + (np.arange(count) + 0.5) / count * np.ptp(limits), "right") - 1
+                       for ends, limits, count in zip((cells.x, cells.y), (self.xlim, self.ylim), self.size_of_image()))
+        return self.image(name, colors[np.ix_(row[::-1], column)],
+                          cells.cmap(np.linspace(0.0, 1.0, n_colors), bytes=True)[:, :3])
 
     def image(self, name: str, pixels: Array, colors: Array) -> tuple[str, str]:
         """An image that fills the axes, with an identifier, and a small view of it; see png_text."""

@@ -10,7 +10,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import table1
 from amontons.cases import Case
-from amontons.draw_sweep import ZONES, draw_maps
+from amontons.draw_sweep import ZONES, draw_map, study_of
 
 COLORS = tuple(ZONES.values())
 SIDE = 40.0
@@ -67,9 +67,10 @@ def main(folder, sweep, *images):
     draw_zones(right, summaries)
     marks = [(-push / press, mu, str(row)) for row, (mu, push, press, _) in enumerate(table1.ROWS, start=1)]
     swept = Case(sweep)
-    columns = [quantity["name"] for quantity in swept.summary["quantities"]]
+    study = study_of(swept)
     axes = below.subplots(1, 3, sharey=True)
-    draw_maps(below, axes, columns, swept.table("sweep"), marks=marks)
+    maps = [draw_map(axis, study, column, marks) for axis, column in zip(axes, study.columns)]
+    below.colorbar(maps[-1], ax=axes)
     for axis in axes:
         axis.set(xlabel="F / f")
     axes[0].set(ylabel="friction µ")

@@ -1,8 +1,10 @@
 """What figures of cases show: obstacles, magnified gaps, uniform fields, units; and the options of the command."""
+import base64
 import re
 import struct
 import sys
 import unittest
+import zlib
 from pathlib import Path
 
 from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, words_of
@@ -10,6 +12,7 @@ from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, words_of
 try:
     import matplotlib
     import numpy as np
+    from matplotlib.colors import ListedColormap
 except ImportError:
     print("skipped: Matplotlib and NumPy are not installed")
     sys.exit(0)
@@ -22,6 +25,7 @@ from amontons.draw_body import initial_gaps, magnification, surfaces  # noqa: E4
 from amontons.numerals import scientific  # noqa: E402
 from amontons.obstacles import hatching, surface  # noqa: E402
 from amontons.raster import cell_image, color_numbers  # noqa: E402
+from amontons.svg_axes import SvgAxes  # noqa: E402
 # pylint: enable=wrong-import-position
 
 matplotlib.use("Agg")
@@ -126,6 +130,32 @@ class Images(unittest.TestCase):
         square = np.array([[[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]])
         image = cell_image([(square, np.array([5])), (square + 30.0, np.array([6]))], WINDOW, (12, 10))
         self.assertEqual((image.shape, np.unique(image).tolist()), ((10, 12), [5]))
+
+    def test_a_pixel_of_a_map_has_the_color_of_its_cell(self):
+        axes, x, y = SvgAxes(10.0, 20.0, 106.0, 68.0), np.array([0.0, 1.0, 4.0]), np.array([0.0, 2.0, 3.0])
+        colors = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9]])
+        axes.pcolormesh(x, y, np.array([[0.0, 1.0], [np.nan, 3.0]]), cmap=ListedColormap(colors/255), vmin=-0.5,
+                        vmax=3.5)
+        data = base64.b64decode(re.search(r'base64,([^"]*)"', axes.image_of_cells("name")[0])[1])
+        self.assertEqual(struct.unpack(">II", data[16:24]), (200, 100))
+        start = data.index(b"IDAT")
+        size, = struct.unpack(">I", data[start - 4:start])
+        rows = np.frombuffer(zlib.decompress(data[start + 4:start + 4 + size]), np.uint8).reshape(100, 201)[:, 1:]
+        # The upper row is a third of the height, the left column a fourth of the width; 0 is transparent.
+        self.assertEqual([np.unique(part).tolist() for part in (
+            rows[:33, :50], rows[:33, 50:], rows[34:, :50], rows[34:, 50:])], [[0], [4], [1], [2]])
+        table = data.index(b"PLTE") + 4
+        self.assertEqual(list(data[table:table + 15]), [0, 0, 0, *colors.ravel()])
+
+    def test_powers_of_ten_are_where_a_logarithmic_ordinate_has_them(self):
+        axes = SvgAxes(0.0, 0.0, 100.0, 100.0)
+        axes.set_yscale("log")
+        axes.plot([1, 2, 3], [2.0, 3e-3, 5e-4], color="black")
+        self.assertEqual(axes.ylim, (-4.0, 1.0))
+        self.assertAlmostEqual(axes.y(1e-4), 100.0)
+        self.assertAlmostEqual(axes.y(1.0), 20.0)
+        texts = re.findall(r'y="([\d.]+)"[^>]*>10([⁻⁰¹²³⁴]+)<', axes.frame())
+        self.assertEqual(texts, [("103", "⁻⁴"), ("83", "⁻³"), ("63", "⁻²"), ("43", "⁻¹"), ("23", "⁰"), ("3", "¹")])
 
     def test_colors_are_between_the_limits(self):
         self.assertEqual(color_numbers(np.array([-1.0, 0.0, 0.5, 1.0, 2.0]), 0.0, 1.0).tolist(), [1, 1, 128, 255, 255])

@@ -260,6 +260,28 @@ class Pictures(ProgramTest):
         self.assertEqual(len(names), len(set(names)))
         self.assertLessEqual(set(re.findall(r'(?:href="|url\()#(\w+)', page)), set(names))
 
+    def test_histories_and_sweeps_in_a_page(self):
+        push = "load name = 'push'  set = 'left'  traction = 0.2, 0.0"
+        for name, groups in {
+                "cycle": ("history times = 0.0, 1.0, 2.0  substeps = 2",
+                          "steps load = 'push'  factor = 0.0, 1.0, -1.0"),
+                "curve": ("sweep friction = 0.1, 0.2, 0.3", ),
+                "map": ("sweep friction = 0.1, 0.2, 0.3", "sweep load = 'push'  factor = 0.5, 1.0")}.items():
+            self.write(f"{name}.nml", block(SUPPORT, PRESSURE, CONTACT, push, *groups))
+        self.run_program("--quiet", "--output", "studies", "cycle.nml", "curve.nml", "map.nml")
+        self.script("report", "studies")
+        page = (self.directory / "studies" / "report.html").read_text(encoding="utf-8")
+        pictures = {name: re.findall(r'<svg id="[^"]*" viewBox="0 0 331.2 [^"]*" role="img" aria-label="([^"]*)"', part)
+                    for name, part in re.findall(r'<section data-case="(\w+)">(.*?)</section>', page, re.DOTALL)}
+        self.assertEqual(pictures["map"], [f"map: map of {zone} length" for zone in ("open", "slip", "stick")])
+        self.assertEqual(pictures["curve"], ["curve: sweep"])
+        self.assertEqual(pictures["cycle"][-3:], ["cycle: load history"]*3)
+        for text in (">factor of push<", ">time<", ">dissipation / length<", ">friction<", ">slip length<"):
+            self.assertIn(text, page)
+        # The layout of Matplotlib's figures takes a hundred times as long as all the rest.
+        self.run_command([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'python')!r}); "
+                          "import amontons.report; sys.exit('matplotlib.pyplot' in sys.modules)"])
+
     def test_lines_of_a_page_are_where_their_axes_say(self):
         # Pressure over length, in points of the picture: what the ticks of both axes mean must lead to the table.
         self.run_program("--quiet", "--output", "one", self.write("case.nml", block(PRESSURE, SUPPORT, CONTACT)))
