@@ -24,7 +24,6 @@ module amontons_messages
       procedure, public :: finish => progress_finish
       procedure, public :: is_stopped => progress_is_stopped
       procedure, public :: report => progress_report
-      procedure, public :: report_fields => progress_report_fields
    end type progress_t
 
 contains
@@ -75,19 +74,23 @@ contains
       end associate
    end function progress_is_stopped
 
-   !> Shows how far the study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12
-   !> left'.
+   !> Shows how far the study is; of cases and steps how fast, too, and how long it will take: '128 of 861 cases, 10500
+   !> per second, 0:00:12 left'.
    subroutine progress_report(self, n_done, n_cases, things)
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
-      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
+      character(*), intent(in) :: things !! what they are: 'cases', 'steps' or 'fields'
       real(dp), parameter :: longest = 3.6e8_dp, hundred = 100.0_dp
       character(:), allocatable :: text
       character(8) :: minutes
       real(dp) :: rate, seconds
       integer :: left
 
+      if (things == 'fields') then
+         call note_work('fields of '//to_text(n_done)//' of '//to_text(n_cases)//' cases written', is_timed=.false.)
+         return
+      end if
       if (self%n_before < 0) then
          self%n_before = n_done
          self%start = wall_seconds()
@@ -108,17 +111,6 @@ contains
       end if
       call note_work(text, is_timed=.false.)
    end subroutine progress_report
-
-   !> Shows how far the fields are.
-   subroutine progress_report_fields(self, n_done, n_fields)
-      class(progress_t), intent(inout) :: self !! the watch
-      integer, intent(in) :: n_done !! cases whose fields are written
-      integer, intent(in) :: n_fields !! all cases whose fields are asked for
-
-      call note_work('fields of '//to_text(n_done)//' of '//to_text(n_fields)//' cases written', is_timed=.false.)
-      associate (unused => self)
-      end associate
-   end subroutine progress_report_fields
 
    !> Ends the watch.
    subroutine progress_finish(self)

@@ -175,14 +175,16 @@ contains
    end function field
 
    !> Appends what follows from deck, mesh, displacements, contact forces and statuses.
-   pure subroutine document_add(self, text, scales)
+   pure subroutine document_add(self, text, scales, is_recorded)
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines
       real(dp), intent(in), optional :: scales(:)
          !! what the first, second ... number of a line is measured by besides itself, the last for the rest; default 0
+      logical, intent(in), optional :: is_recorded !! whether only the run that wrote it knows it; not by default
 
       if (len(text) == 0) return
       call append(self, text, .false.)
+      if (present(is_recorded)) self%parts(self%n)%is_recorded = is_recorded
       self%parts(self%n)%scales = [0.0_dp]
       if (present(scales)) self%parts(self%n)%scales = scales
    end subroutine document_add

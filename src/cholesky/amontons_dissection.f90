@@ -311,9 +311,8 @@ contains
       type(fronts_t), intent(out) :: fronts !! the fronts
       type(graph_t), intent(in) :: graph !! the graph of the matrix
       type(dissection_t), intent(in) :: dissection !! its dissection
-      type(integer_list_t) :: structures
       integer, allocatable :: start(:), item(:), first_item(:), first_position(:), row(:)
-      integer :: at, child, i, k, p
+      integer :: at, child, i, k, n, p
 
       call find_children(fronts, dissection, first_item)
       call list_structures(start, item, fronts, graph, dissection, first_item)
@@ -327,17 +326,19 @@ contains
       fronts%first = first_position(first_item)
       fronts%structure_start(1) = 1
       fronts%block_start(1) = 1
+      allocate (fronts%position(sum(first_position(item + 1) - first_position(item))))
+      allocate (row(fronts%first(fronts%n + 1) - 1), fronts%parent_row(size(fronts%position)))
+      n = 0
       do k = 1, fronts%n
          do at = start(k), start(k + 1) - 1
             do p = first_position(item(at)), first_position(item(at) + 1) - 1
-               call structures%append(p)
+               n = n + 1
+               fronts%position(n) = p
             end do
          end do
-         fronts%structure_start(k + 1) = structures%n + 1
+         fronts%structure_start(k + 1) = n + 1
          fronts%block_start(k + 1) = fronts%block_start(k) + int(fronts%n_pivots(k), int64)*fronts%n_rows(k)
       end do
-      fronts%position = structures%items()
-      allocate (row(fronts%first(fronts%n + 1) - 1), fronts%parent_row(structures%n))
       do k = 1, fronts%n
          call number_rows(fronts, k, row)
          do i = 1, 2

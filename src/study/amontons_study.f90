@@ -48,7 +48,6 @@ module amontons_study
    contains
       procedure :: is_stopped => study_monitor_is_stopped
       procedure :: report => study_monitor_report
-      procedure :: report_fields => study_monitor_report_fields
    end type study_monitor_t
 
    !> What is asked for besides the deck.
@@ -203,26 +202,16 @@ contains
       end associate
    end function study_monitor_is_stopped
 
-   !> Reports how far the study is: before the first batch of cases and after each.
+   !> Reports how far the study is: before the first batch of cases and after each, and after each batch of fields.
    subroutine study_monitor_report(self, n_done, n_cases, things)
       class(study_monitor_t), intent(inout) :: self !! the monitor
       integer, intent(in) :: n_done !! cases done, those of an earlier run included
       integer, intent(in) :: n_cases !! all cases
-      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
+      character(*), intent(in) :: things !! what they are: 'cases', 'steps' or 'fields'
 
       associate (unused => self, done => n_done, all => n_cases, words => things)
       end associate
    end subroutine study_monitor_report
-
-   !> Reports for how many cases the fields are written: after each of their batches.
-   subroutine study_monitor_report_fields(self, n_done, n_fields)
-      class(study_monitor_t), intent(inout) :: self !! the monitor
-      integer, intent(in) :: n_done !! cases whose fields are written
-      integer, intent(in) :: n_fields !! all cases whose fields are asked for
-
-      associate (unused => self, done => n_done, all => n_fields)
-      end associate
-   end subroutine study_monitor_report_fields
 
    !> Checks a study; an error becomes its outcome.
    subroutine check_study(study, cache, options, outcome)

@@ -150,13 +150,8 @@ contains
    pure subroutine file_model_add_support(self, support)
       class(file_model_t), intent(inout) :: self !! the model
       type(support_t), intent(in) :: support !! the support
-      type(support_t), allocatable :: longer(:)
 
-      if (self%n_supports == size(self%supports)) then
-         allocate (longer(2*self%n_supports))
-         longer(:self%n_supports) = self%supports
-         call move_alloc(longer, self%supports)
-      end if
+      if (self%n_supports == size(self%supports)) self%supports = [self%supports, self%supports]
       self%n_supports = self%n_supports + 1
       self%supports(self%n_supports) = support
    end subroutine file_model_add_support
@@ -165,13 +160,8 @@ contains
    pure subroutine file_model_add_load(self, load)
       class(file_model_t), intent(inout) :: self !! the model
       type(load_t), intent(in) :: load !! the load
-      type(load_t), allocatable :: longer(:)
 
-      if (self%n_loads == size(self%loads)) then
-         allocate (longer(2*self%n_loads))
-         longer(:self%n_loads) = self%loads
-         call move_alloc(longer, self%loads)
-      end if
+      if (self%n_loads == size(self%loads)) self%loads = [self%loads, self%loads]
       self%n_loads = self%n_loads + 1
       self%loads(self%n_loads) = load
    end subroutine file_model_add_load

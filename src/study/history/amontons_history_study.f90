@@ -458,7 +458,7 @@ contains
          'tang. force', 'strain energy', 'work', 'dissipated']
       character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
          'F L']
-      type(quantity_t), allocatable :: energies(:)
+      type(quantity_t), allocatable :: energies(:), fretting(:)
       real(dp) :: force, length, energy, before(2)
       character(:), allocatable :: text, note, table
       integer :: i, k, n, width
@@ -502,7 +502,7 @@ contains
          if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
             ' deck; all steps were taken anew')
          call result%last%study_listing%record(text)
-         text = heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
+         text = heading('Energies of the history')//quantities_text(energies, config%units)
          note = ''
          if (abs(result%error_from_rest(history)) > rounding*energy) note = labeled('of it at first', &
             with_unit(short_text(result%error_from_rest(history)), config%units, 'F L')// &
@@ -523,7 +523,9 @@ contains
             1, 3)])
          call result%last%study_listing%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, &
             length, length, 1.0_dp])
-         call result%last%study_listing%add(fretting_text(config, result%cycles))
+         fretting = fretting_of(history, result%cycles)
+         if (size(fretting) > 0) call result%last%study_listing%add( &
+            heading('Fretting, last cycle (largest of all points)')//quantities_text(fretting, config%units))
          call result%last%study_listing%add( &
             heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
       end associate
@@ -538,18 +540,10 @@ contains
 
       text = trim(moved_things(steps%target))//" '"//steps%name//"'"
       do k = 1, steps%n_numbers()
-         text = text//range_text(steps%label(k), steps%table(1 + k, :))
+         text = text//'; '//steps%label(k)//' from '//short_text(minval(steps%table(1 + k, :)))//' to '// &
+            short_text(maxval(steps%table(1 + k, :)))
       end do
    end function steps_text
-
-   !> A number's name and range.
-   pure function range_text(label, values) result(text)
-      character(*), intent(in) :: label !! its name
-      real(dp), intent(in) :: values(:) !! its values
-      character(:), allocatable :: text
-
-      text = '; '//label//' from '//short_text(minval(values))//' to '//short_text(maxval(values))
-   end function range_text
 
    !> The largest of a number over all steps.
    pure function worst_text(label, worst) result(text)
@@ -630,20 +624,20 @@ contains
          ' cycles are in '//config%name//'.cycles.csv')
    end function cycles_table
 
-   !> The parameters of fretting of the last cycle.
-   pure function fretting_text(config, cycles) result(text)
-      type(config_t), intent(in) :: config !! the deck
+   !> The largest parameters of fretting of the last cycle, if there is one and the deck asks for them.
+   pure function fretting_of(history, cycles) result(list)
+      type(history_t), intent(in) :: history !! the history
       real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
-      character(:), allocatable :: text
-      integer :: n
+      type(quantity_t), allocatable :: list(:)
 
-      text = ''
-      n = size(cycles, 2)
-      if (n > 0 .and. config%history%has_fretting) text = heading('Fretting, last cycle (largest of all points)')// &
-         labeled('Ruiz 1', with_unit(short_text(cycles(n_plain_numbers + 1, n)), config%units, 'F/L'))// &
-         labeled('Ruiz 2', with_unit(short_text(cycles(n_plain_numbers + 2, n)), config%units, 'F^2/L^3'))// &
-         labeled('SWT', with_unit(short_text(cycles(n_cycle_numbers, n)), config%units, 'F/L^2'))
-   end function fretting_text
+      allocate (list(0))
+      if (.not. history%has_fretting .or. size(cycles, 2) == 0) return
+      associate (last => cycles(:, size(cycles, 2)))
+         list = [quantity_t('max_ruiz_1', 'Ruiz 1', last(n_plain_numbers + 1), dimension='F/L'), &
+            quantity_t('max_ruiz_2', 'Ruiz 2', last(n_plain_numbers + 2), dimension='F^2/L^3'), &
+            quantity_t('max_swt', 'SWT', last(n_cycle_numbers), dimension='F/L^2')]
+      end associate
+   end function fretting_of
 
    !> What a cycle is.
    pure function outcome_name(cycle) result(name)
@@ -671,9 +665,7 @@ contains
       text = ', "cycles": '//to_text(n)//', "cycle_outcome": '//json_string(trim(outcome_name(cycles(:, n))))// &
          ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', "cycle_dissipation": '// &
          json_number(cycles(7, n))
-      if (history%has_fretting) text = text//', "max_ruiz_1": '//json_number(cycles(n_plain_numbers + 1, n))// &
-         ', "max_ruiz_2": '//json_number(cycles(n_plain_numbers + 2, n))//', "max_swt": '// &
-         json_number(cycles(n_cycle_numbers, n))
+      if (history%has_fretting) text = text//', '//quantity_members(fretting_of(history, cycles))
    end function cycles_member
 
    !> The members of the summary.

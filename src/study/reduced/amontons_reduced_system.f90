@@ -56,7 +56,6 @@ module amontons_reduced_system
       procedure :: compliance_unit => reduced_system_compliance_unit
       procedure :: contact_problem => reduced_system_contact_problem
       procedure :: diagonal => reduced_system_diagonal
-      procedure :: fill => reduced_system_fill
       procedure :: is_dense => reduced_system_is_dense
       procedure :: length_unit => reduced_system_length_unit
       procedure :: multiply => reduced_system_multiply
@@ -223,18 +222,12 @@ contains
       system%form = 'condensed'
    end subroutine new_condensed_system
 
-   !> The part of the places of W that are filled [-].
-   pure real(dp) function reduced_system_fill(self) result(fill)
-      class(reduced_system_t), intent(in) :: self !! the reduced problem
-
-      fill = real(size(self%entry), dp)/max(1.0_dp, real(size(self%q), dp)**2)
-   end function reduced_system_fill
-
    !> Whether W is better stored in full.
    pure logical function reduced_system_is_dense(self) result(is_dense)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
 
-      is_dense = size(self%q) <= most_dense_rows .or. self%fill() >= sparse_fill
+      is_dense = size(self%q) <= most_dense_rows .or. size(self%entry) &
+         >= sparse_fill*real(size(self%q), dp)**2
    end function reduced_system_is_dense
 
    !> The diagonal of W (2m) [L/F].

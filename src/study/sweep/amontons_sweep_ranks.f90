@@ -77,25 +77,14 @@ contains
       call pass_deck(file, deck)
       if (.not. has_room(0.0_dp)) return
       allocate (taken)
-      call read_sweep(taken, file, deck, error)
+      call read_config_text(taken%config, file, deck, '', error)
+      if (.not. allocated(error)) call prepare_sweep(taken%task, taken%cache, taken%config, taken%result, error)
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
       if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem)
       if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine take_sweep
-
-   !> Reads a sweep and makes what it takes no condensed body for.
-   subroutine read_sweep(share, file, deck, error)
-      type(share_t), intent(inout) :: share !! the sweep
-      character(*), intent(in) :: file !! name of its deck
-      character(*), intent(in) :: deck !! the effective deck
-      type(error_t), allocatable, intent(out) :: error !! a file that the deck names cannot be read
-
-      call read_config_text(share%config, file, deck, '', error)
-      if (allocated(error)) return
-      call prepare_sweep(share%task, share%cache, share%config, share%result, error)
-   end subroutine read_sweep
 
    !> Passes a deck from rank 0.
    subroutine pass_deck(file, deck)

@@ -115,24 +115,17 @@ contains
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of some case
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate, and the reason
       type(error_t), allocatable, intent(out) :: error !! numbers of the case are not finite
-      type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
-      integer :: i
 
       call result%certified%timings%begin(phase_recover)
-      associate (number => result%statistics%failed_case)
-         if (number > 0) then
-            call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-            call solve_again(task, cache%body, cache%problem, chunk, [(i == number, i=chunk%first, number)], solutions)
-            result%fault = chunk%fault
-            if (len(chunk%fault) == 0) result%fault = 'its forces or displacements leave the range of double precision'
-         end if
-      end associate
+      if (result%statistics%failed_case > 0) then
+         call solve_one(result%statistics%failed_case, result%certified%solution)
+         result%fault = chunk%fault
+         if (len(chunk%fault) == 0) result%fault = 'its forces or displacements leave the range of double precision'
+      end if
       associate (number => result%statistics%worst_case, certified => result%certified)
          if (number > 0) then
-            call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-            call solve_again(task, cache%body, cache%problem, chunk, [(i == number, i=chunk%first, number)], solutions)
-            certified%solution = solutions(number - chunk%first + 1)
+            call solve_one(number, certified%solution)
             call new_case(certified%load_case, task, cache%body, number)
             certified%wants_error_estimate = task%wants_error_estimate
             call certify(certified, cache%body, error)
@@ -142,6 +135,21 @@ contains
          call result%statistics%add_warnings(cache%body%zone, certified%warnings)
          call certified%timings%begin(phase_write)
       end associate
+
+   contains
+
+      !> Solves a case once more, as it was solved.
+      subroutine solve_one(number, solution)
+         integer, intent(in) :: number !! its number
+         type(contact_solution_t), intent(out) :: solution !! its solution
+         type(contact_solution_t) :: solutions(chunk_length)
+         integer :: i
+
+         call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
+         call solve_again(task, cache%body, cache%problem, chunk, [(i == number, i=chunk%first, number)], solutions)
+         solution = solutions(number - chunk%first + 1)
+      end subroutine solve_one
+
    end subroutine finish_sweep
 
    !> Opens the table, with the rows of an earlier run if there are any, and solves batch after batch until all cases
@@ -270,7 +278,7 @@ contains
             call collection%add(to_text(number), stem(slash + 1:)//'.sweep/'//to_text(number))
          end do
          if (allocated(error)) exit
-         call monitor%report_fields((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()))
+         call monitor%report((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()), 'fields')
       end do
       if (is_stopped .or. allocated(error) .or. collection%n_cases == 0) then
          call collection%discard()
@@ -385,11 +393,7 @@ contains
                labeled('Worst case', to_text(statistics%worst_case)//', by the estimated error of its forces')
             if (allocated(certified%error_estimate)) text = text//heading('Accuracy of the worst case '// &
                '(energy norm of the stress error)')//quantities_text(certified%error_estimate%quantities(), units)
-            if (result%has_certificate) then
-               call listing%add(text, [1.0_dp])
-            else
-               call listing%record(text)
-            end if
+            call listing%add(text, [1.0_dp], .not. result%has_certificate)
          end if
          call listing%record(times_text(certified%timings, listed_phases))
       end associate
@@ -468,18 +472,11 @@ contains
             end do
             call summary%add(member('extremes', '{'//text(3:)//'}'))
             ! The certificate of the case with the largest error estimate, and how accurate its stresses are.
-            text = certificate_member(certificate%violations(), limit, certificate%energies(), '"case": '// &
-               to_text(statistics%worst_case)//', ')
-            if (result%has_certificate) then
-               call summary%add(text, [1.0_dp, 1.0_dp, scales([certificate%violations(), certificate%energies()])])
-            else
-               call summary%record(text)
-            end if
-            if (allocated(certified%error_estimate)) then
-               text = quantities_member('accuracy', certified%error_estimate%quantities())
-               if (result%has_certificate) call summary%add(text)
-               if (.not. result%has_certificate) call summary%record(text)
-            end if
+            call summary%add(certificate_member(certificate%violations(), limit, certificate%energies(), '"case": '// &
+               to_text(statistics%worst_case)//', '), [1.0_dp, 1.0_dp, scales([certificate%violations(), &
+               certificate%energies()])], .not. result%has_certificate)
+            if (allocated(certified%error_estimate)) call summary%add(quantities_member('accuracy', &
+               certified%error_estimate%quantities()), is_recorded=.not. result%has_certificate)
          end if
          if (certified%condition > 0.0_dp) call summary%record(member('condition', json_number(certified%condition)))
          call summary%add(member('counts', '{'//size_counts(body)//'}'))
@@ -514,6 +511,9 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solutions lack, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved or written
       type(sweep_result_t) :: result
+      integer, parameter :: unsolved(3) = [outcome_no_equilibrium, outcome_not_converged, outcome_numbers]
+      character(19), parameter :: words(3) = [character(19) :: 'without equilibrium', 'NOT CONVERGED', &
+         'FAILED NUMERICALLY']
       type(quantity_t), allocatable :: ranked(:)
       integer :: i
 
@@ -529,17 +529,11 @@ contains
       outcome%warnings = result%certified%warnings
       associate (statistics => result%statistics, n => result%statistics%n_outcomes)
          outcome%text = self%config%name//': '//counted(statistics%n_cases, 'case')//', '
-         if (n(outcome_solved) == statistics%n_cases) then
-            outcome%text = outcome%text//'all solved'
-         else
-            outcome%text = outcome%text//to_text(n(outcome_solved))//' solved'
-         end if
-         if (n(outcome_no_equilibrium) > 0) outcome%text = outcome%text//', '// &
-            to_text(n(outcome_no_equilibrium))//' without equilibrium'
-         if (n(outcome_not_converged) > 0) outcome%text = outcome%text//', '// &
-            to_text(n(outcome_not_converged))//' NOT CONVERGED'
-         if (n(outcome_numbers) > 0) outcome%text = outcome%text//', '//to_text(n(outcome_numbers))// &
-            ' FAILED NUMERICALLY'
+         if (n(outcome_solved) == statistics%n_cases) outcome%text = outcome%text//'all solved'
+         if (n(outcome_solved) < statistics%n_cases) outcome%text = outcome%text//to_text(n(outcome_solved))//' solved'
+         do i = 1, size(unsolved)
+            if (n(unsolved(i)) > 0) outcome%text = outcome%text//', '//to_text(n(unsolved(i)))//' '//trim(words(i))
+         end do
          allocate (outcome%numbers(0))
          ! Iterations of all cases together, and of those that converged the largest residual and peaks.
          if (statistics%residual_case > 0) then
