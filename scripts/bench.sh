@@ -43,6 +43,7 @@ arguments=(build/release "$work")
 python3 -B bench/bench.py "${arguments[@]}" | tee "$work/tables.md"
 
 if $is_update; then
-   # Everything after the first marker and before the second is replaced.
-   sed -i -e "/<!-- bench.sh -->/r $work/tables.md" -e '/<!-- bench.sh -->/,/<!-- end -->/{/<!--/!d}' doc/performance.md
+   # The page leaves out what follows from other tables. Everything between the markers is replaced.
+   awk '/^### / { is_left_out = /^### (Growth|Steps beside)/ } !is_left_out' "$work/tables.md" >"$work/digest.md"
+   sed -i -e "/<!-- bench.sh -->/r $work/digest.md" -e '/<!-- bench.sh -->/,/<!-- end -->/{/<!--/!d}' doc/performance.md
 fi

@@ -51,6 +51,19 @@ def documented(*pages):
             if re.fullmatch(r"[a-z][A-Za-z_0-9.]*", name)]
 
 
+def units_of_names(page):
+    """The unit in a page's tables of each pattern of names, in L and F; a row has one for all its names or for each."""
+    found = []
+    for names, units in re.findall(r"^\| (`[^|]*`) \| (?:(?:nodes|cells)[^|]*\| )?([^|`]*?) ?\| ",
+                                   (PAGES / page).read_text(encoding="utf-8"), re.MULTILINE):
+        names = re.findall(r"`([^`]+)`", names)
+        units = [unit.strip().replace("none", "") for unit in units.split(", ")]
+        if len(units) in (1, len(names)):
+            found += [(re.compile(re.sub(r"[A-Z]{2,}", ".+", name) + r"(_\d+)?"), unit)
+                      for name, unit in zip(names, units*len(names))]
+    return found
+
+
 def members(value, path=""):
     """The paths of all members of an object."""
     if isinstance(value, dict):
@@ -113,6 +126,37 @@ class DocumentedNames(ProgramTest):
         self.assertIn("solutions.csv", self.assert_files("out", documented("output.md")))
         self.run_program("--quiet", "--output", "reduced", "--reduced", "out/case.reduced.dat")
         self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "library.md")))
+
+    def test_units_in_the_tables_of_results_are_those_that_the_program_writes(self):
+        table = [(name, unit) for name, unit in units_of_names("output.md") if "/s" not in unit]
+        decks = {"driven": block("rigid name = 'punch'  set = 'top'  turn = 0.0  force = 0.0, -50.0", CONTACT),
+                 "bolt": TWO_BODIES.replace("&contact", "&preload name = 'bolt'  shortening = 0.1 ").replace(
+                     "against", "to").replace("friction = 0.2", ""),
+                 "sets": DECKS["sets"], "pair": DECKS["pair"]}
+        checked = set()
+        for name, deck in decks.items():
+            self.write(f"{name}.nml", f"&case name = '{name}'  units = 'L, F' /\n{deck}")
+            self.run_program("--quiet", f"{name}.nml")
+            written = {}
+            # Key results are listed in the order of the summary, which has the places of the largest values last.
+            results = json.loads((self.directory / f"{name}.summary.json").read_text(encoding="utf-8"))["key_results"]
+            keys = [key for key in results if not re.search("_[xy]$", key) or key[:-2] not in results]
+            listing = (self.directory / f"{name}.lst").read_text(encoding="utf-8").partition("\nKey results\n")[2]
+            lines = re.findall(r"^  (?!Points)\S.*? -?\d[\d.e+-]*(?: ((?!at)\S.*?))?(?: at \(.*\))?$",
+                               listing.partition("\nWarnings\n")[0], re.MULTILINE)
+            written.update(zip(keys, lines[:len(keys)], strict=True))
+            for ending in ("vtu", "contact.vtu"):
+                grid = (self.directory / f"{name}.{ending}").read_text(encoding="utf-8")
+                for array in re.findall(r"<DataArray.*?</DataArray>", grid, re.DOTALL):
+                    unit = re.search(r'"UNITS_LABEL"[^>]*>([^<]*)<', array)
+                    written[re.search(r'Name="([^"]*)"', array)[1]] = unit[1] if unit else ""
+            for key, unit in written.items():
+                units = {known.replace("–", "") for pattern, known in table if pattern.fullmatch(key)}
+                if units:
+                    checked.add(key)
+                    self.assertIn(unit.replace("^2", "²").replace("sqrt", "√"), units, key)
+        self.assertLessEqual({"max_slip", "contact_moment_2", "rigid_punch_turn", "rigid_punch_force_y", "gap", "force",
+                              "von_mises", "error_norm", "preload_bolt_force"}, checked)
 
     def test_words_that_people_search_for_are_in_the_pages(self):
         text = " ".join(" ".join(page.read_text(encoding="utf-8") for page in PAGES.glob("*.md")).split())

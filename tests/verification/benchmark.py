@@ -131,9 +131,13 @@ def section(text, tables, is_short=False):
     return "\n\n".join(part for part in parts if part)
 
 
+# Cells of a sentence; longer ones are hard to read.
+MOST_IN_A_SENTENCE = 10
+
+
 def joined(tables):
     """Tables of equal headings that are shortened alike as one, their captions in its first column; sentences, which
-    stand in the place of tables, as one list."""
+    stand in the place of tables, as one list; tables of one row as sentences."""
     groups = {}
     for table in tables:
         caption, _, rows = table.partition("\n\n")
@@ -149,4 +153,13 @@ def joined(tables):
             rows = [f"| {name} {row}" for name, table in group for row in table.splitlines()[4:]]
             parts.append("\n".join([f"{note[0].upper()}{note[1:]}", "", f"| case {headings}",
                                     "| --- " + "| --- "*(headings.count("|") - 1) + "|", *rows]))
-    return parts
+    return [sentence(part) for part in parts]
+
+
+def sentence(table):
+    """A table of one row as a sentence, each cell behind its heading; any other, and one of many columns, as it is."""
+    caption, _, rows = table.partition("\n\n")
+    headings, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in rows.splitlines()] or [[]]
+    if len(lines) != 2 or len(headings) > MOST_IN_A_SENTENCE:
+        return table
+    return f"{caption}: {', '.join(f'{name} {cell}' for name, cell in zip(headings, lines[1]) if cell)}."

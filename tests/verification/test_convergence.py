@@ -2,7 +2,8 @@
 """The tools of the benchmarks: tables that tell faults, shape functions of the error norm."""
 import unittest
 
-from convergence import ConvergenceTable, RoundoffTable, Table, ValueTable, observed_order
+from benchmark import joined
+from convergence import ConvergenceTable, RoundoffTable, Table, ValueTable, observed_order, written_table
 from field_error import ELEMENT_OF_VTK, biquadratic, bilinear, reference_points, serendipity, triangle
 
 NAN = float("nan")
@@ -74,6 +75,12 @@ class Tables(unittest.TestCase):
             table.add(case, computed=1.0, reference=1.0, allowed=1e-9)
         self.assertEqual(table.digest(),
                          "Caption: within 1e-09 of the references in all 7 rows. Rows: case 0, 1, 2, 3, 4, 5, 6.")
+
+    def test_tables_of_one_row_are_sentences_in_the_page(self):
+        table = written_table("Caption: the largest error", ["case", "error", "order"], [["one", "1e-3", ""]])
+        self.assertEqual(joined([table]), ["Caption: the largest error: case one, error 1e-3."])
+        longer = written_table("Caption", ["case", "error"], [["one", "1e-3"], ["two", "2e-3"]])
+        self.assertEqual(joined([longer]), [longer])
 
     def test_digest_of_rounding_errors_hides_no_fault(self):
         table = RoundoffTable("Caption", ["case"], ["quantity"], 1e-11)
