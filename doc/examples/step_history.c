@@ -22,7 +22,7 @@ static int step(struct body *body, double begin, const double before[N_CHANGES],
                 const double loads[N_CHANGES], int n_halvings)
 {
     int code = amontons_step(body->stepper, end, N_CHANGES, loads, body->n_state, body->state, body->after,
-                             MAX_COLUMNS, body->columns, body->n_points, body->status, body->message, ROOM);
+                             MAX_COLUMNS, body->columns, body->n_points, NULL, body->status, body->message, ROOM);
     if (code == AMONTONS_SOLVED) {
         double *kept = body->state; /* the state after is the one before the next step */
         body->state = body->after;

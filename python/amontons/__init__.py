@@ -25,9 +25,9 @@ _NAMES = {
     "grid": ("Grid", "read_grid"),
     "mesh": ("Mesh",),
     "plot": ("figure",),
-    "solve": ("AmontonsError", "DeckResult", "DoubtfulResult", "FileMissing", "InputRefused", "NoEquilibrium",
-              "NotConverged", "NumericalFailure", "ReducedResult", "StepState", "Stepper", "SystemFailure",
-              "set_threads", "solve_deck", "solve_reduced", "version"),
+    "solve": ("AmontonsError", "ContactPoints", "DeckResult", "DoubtfulResult", "FileMissing", "InputRefused",
+              "NoEquilibrium", "NotConverged", "NumericalFailure", "ReducedResult", "StepState", "Stepper",
+              "SystemFailure", "set_threads", "solve_deck", "solve_reduced", "version"),
 }
 __all__ = [name for names in _NAMES.values() for name in names]
 

@@ -20,7 +20,7 @@ DIMENSIONS = tuple((re.compile(pattern), dimension) for pattern, dimension in (
     ("^(reaction|force|tie)_moment_", "F L"), ("^(reaction|force|tie)_(x|y|normal|tangential)_", "F"),
     ("^factor_|^friction", ""), ("strain_energy_density|pressure|shear|stress|mises|swt$", "F/L²"),
     ("error_norm", "√(F L)"), ("moment|work_|energy|dissipation|closing_loss", "F L"), ("force", "F"),
-    ("ruiz_2", "F²/L³"), ("ruiz_1|wear_integral", "F/L"),
+    ("ruiz_2", "F²/L³"), ("ruiz_1|wear_integral", "F/L"), ("wear_volume", "L³"), ("wear_depth", "L"),
     ("_length|_width|centroid|displacement|slip|gap|^shift_|^u[xy]_|jump", "L"), ("", "")))
 
 

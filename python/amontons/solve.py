@@ -174,7 +174,9 @@ def _load() -> ctypes.CDLL:
     library.amontons_new_stepper.argtypes = [text, text, text, ctypes.POINTER(address), counts, counts, counts, text,
                                              size, text, size]
     library.amontons_step.argtypes = [address, ctypes.c_double, size, numbers, size, numbers, numbers, size, numbers,
-                                      size, np.ctypeslib.ndpointer(np.intc), text, size]
+                                      size, address, np.ctypeslib.ndpointer(np.intc), text, size]
+    library.amontons_stepper_points.argtypes = [address, size, numbers]
+    library.amontons_stepper_points.restype = None
     library.amontons_free_stepper.argtypes = [address]
     library.amontons_free_stepper.restype = None
     library.amontons_solve_reduced_problem.argtypes = [
@@ -251,7 +253,17 @@ class StepState:
     slip_step: Array
     slip_accumulated: Array
     dissipation: Array
+    wear_depth: Array       # with the key `wear` of &contact: what was worn, which the next step adds to the gaps
     status: Array           # 'open', 'stick', 'slip+' or 'slip-'
+
+
+@dataclass(frozen=True)
+class ContactPoints:
+    """Where the contact points of a `Stepper` are, in the order of all arrays of a state."""
+    x: Array
+    y: Array
+    weight: Array           # the length of the contact line that belongs to each
+    area: Array             # and its area: that length times the thickness, or the way around the axis
 
 
 class Stepper:
@@ -276,6 +288,9 @@ class Stepper:
         n_changes, self.n_points, self._n_state = (count.value for count in counts)
         self._columns = next(csv.reader([names.value.decode()]))
         self.changes = self._columns[1:n_changes + 1]
+        points = np.zeros((4, self.n_points))
+        _library.amontons_stepper_points(self._address, self.n_points, points.T)
+        self.points = ContactPoints(*points)
 
     def __del__(self) -> None:
         if getattr(self, "_address", None):
@@ -291,10 +306,13 @@ class Stepper:
         """The body before the first step: at rest and unstressed."""
         return self._state(np.zeros(self._n_state), {}, np.ones(self.n_points, dtype=np.intc))
 
-    def step(self, before: StepState, time: float, **changes: float) -> StepState:
+    def step(self, before: StepState, time: float, *, gap: Optional[ArrayLike] = None, **changes: float) -> StepState:
         """The state after a step to a time at which the changes have the numbers given. Nothing else is altered, so
         that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`, one
-        whose loads nothing can balance `NoEquilibrium`."""
+        whose loads nothing can balance `NoEquilibrium`.
+
+        `gap` is added to the gaps that deck, changes and wear give in this step: a number, or one for each contact
+        point. Anchors, slips and works stay those of the state before."""
         if sorted(changes) != sorted(self.changes):
             raise InputRefused(f"expected {', '.join(self.changes)}, found {', '.join(changes) or 'nothing'}")
         numbers = np.array([changes[name] for name in self.changes], dtype=np.float64)
@@ -302,8 +320,14 @@ class Stepper:
         status = np.zeros(self.n_points, dtype=np.intc)
         message = ctypes.create_string_buffer(TEXT_SIZE)
         raw = np.ascontiguousarray(before.raw, dtype=np.float64)
+        try:
+            added = np.ascontiguousarray(np.broadcast_to(np.asarray(0.0 if gap is None else gap, dtype=np.float64),
+                                                         (self.n_points,)))
+        except ValueError:
+            raise InputRefused(f"expected a gap for each of {self.n_points} contact points, found "
+                               f"{np.shape(gap)}") from None
         code = _library.amontons_step(self._address, time, numbers.size, numbers, raw.size, raw, after, columns.size,
-                                      columns, self.n_points, status, message, TEXT_SIZE)
+                                      columns, self.n_points, added.ctypes.data, status, message, TEXT_SIZE)
         if code == 4:
             raise NumericalFailure(f"the step to {time} does not converge; a shorter one may")
         _judge(code, message, n_callers=2)
@@ -311,10 +335,10 @@ class Stepper:
 
     def _state(self, raw: Array, columns: dict[str, float], status: Array) -> StepState:
         """A state with its parts."""
-        normal, tangential, u_normal, u_tangential, anchor, slip, dissipation = \
-            raw[raw.size - 8*self.n_points:].reshape(8, self.n_points)[:7]
+        normal, tangential, u_normal, u_tangential, anchor, slip, dissipation, _, _, depth = \
+            raw[raw.size - 10*self.n_points:].reshape(10, self.n_points)
         return StepState(raw, columns, normal, tangential, u_normal, u_tangential, u_tangential - anchor, slip,
-                         dissipation, STATUSES[status])
+                         dissipation, depth, STATUSES[status])
 
 
 def solve_deck(deck: Deck, output: Union[str, os.PathLike[str], None] = None, *, mesh: Optional[Mesh] = None,

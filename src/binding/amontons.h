@@ -87,7 +87,7 @@ int amontons_new_stepper(
     amontons_stepper **stepper, /* the stepper, for `amontons_free_stepper` in the end; NULL if there is none */
     int *n_changes,             /* how many numbers change: 1 for a &steps, 3 for that of an obstacle */
     int *n_points,              /* number m of contact points */
-    int *n_state,               /* how many numbers a state has: 7 + n_changes + 8m */
+    int *n_state,               /* how many numbers a state has: 7 + n_changes + 11m */
     char *columns,              /* names of the numbers of a step, commas between them: pseudo-time, changes, and what
                                    NAME.history.csv has behind them up to `iterations` */
     int columns_size,           /* room in columns */
@@ -100,7 +100,7 @@ int amontons_new_stepper(
    A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
    supports and obstacles; residual and iterations; then for all contact points in turn their statuses, normal forces,
    tangential forces, normal displacements, tangential displacements, anchors (what the slip of the step counts from),
-   accumulated slips, dissipations and sums of normal force times slip. */
+   accumulated slips, dissipations, sums of normal force times slip, what was added to their gaps, depths worn. */
 int amontons_step(
     amontons_stepper *stepper,
     double time,           /* the time at the end of the step */
@@ -112,9 +112,16 @@ int amontons_step(
     int n_columns,         /* room in columns */
     double *columns,       /* the numbers of the step */
     int n_points,
+    const double *gap,     /* what is added to the gap of each contact point in this step (m); NULL for nothing */
     int *status,           /* status of each contact point (m) */
     char *message,
     int message_size);
+
+/* Tells where the contact points are. */
+void amontons_stepper_points(
+    amontons_stepper *stepper,
+    int n_points,    /* as `amontons_new_stepper` gave it */
+    double *points); /* x of all points, y of all, then the lengths and the areas that belong to each (4m) */
 
 /* Gives a stepper up. */
 void amontons_free_stepper(amontons_stepper *stepper);

@@ -270,7 +270,7 @@ contains
    !> Takes a step.
    ! allow(S902): C has no types that would gather these arrays
    function amontons_step(stepper, time, n_changes, changes, n_state, before, after, n_columns, columns, n_points, &
-      status, message, message_size) bind(c, name='amontons_step') result(code)
+      gap, status, message, message_size) bind(c, name='amontons_step') result(code)
       type(c_ptr), value, intent(in) :: stepper !! the stepper
       real(c_double), value, intent(in) :: time !! the time at the end of the step [-]
       integer(c_int), value, intent(in) :: n_changes !! how many numbers change
@@ -281,6 +281,7 @@ contains
       integer(c_int), value, intent(in) :: n_columns !! how many numbers of the step are wanted
       real(c_double), intent(inout) :: columns(n_columns) !! the first of them
       integer(c_int), value, intent(in) :: n_points !! room in status
+      real(c_double), intent(in), optional :: gap(n_points) !! what is added to the gap of each contact point
       integer(c_int), intent(inout) :: status(n_points) !! status of each contact point
       integer(c_int), value, intent(in) :: message_size !! room in message
       character(c_char), intent(inout) :: message(message_size) !! what went wrong
@@ -293,7 +294,7 @@ contains
 
       call begin_call()
       call c_f_pointer(stepper, made)
-      call made%step(time, changes, before, state, numbers, statuses, is_converged, error)
+      call made%step(time, changes, before, state, numbers, statuses, is_converged, error, gap)
       if (allocated(error)) then
          code = int(error%kind, c_int)
          call put_c_text(error%message, message_size, message)
@@ -308,6 +309,19 @@ contains
       end if
       call end_call()
    end function amontons_step
+
+   !> Tells where the contact points of a stepper are.
+   subroutine amontons_stepper_points(stepper, n_points, points) bind(c, name='amontons_stepper_points')
+      type(c_ptr), value, intent(in) :: stepper !! the stepper
+      integer(c_int), value, intent(in) :: n_points !! number of contact points
+      real(c_double), intent(inout) :: points(n_points, 4) !! x, y, weight and area of each
+      type(load_stepper_t), pointer :: made
+
+      call c_f_pointer(stepper, made)
+      associate (zone => made%cache%body%zone)
+         points = reshape([zone%position(1, :), zone%position(2, :), zone%weight, zone%area], [int(n_points), 4])
+      end associate
+   end subroutine amontons_stepper_points
 
    !> Gives a stepper up.
    subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')

@@ -679,7 +679,7 @@ contains
       type(contact_t), intent(inout) :: contact !! the contact set
       logical :: has_name, is_pair, has_kind, has_point, has_normal, has_radius, has_line, has_direction
       character(len(multiplier_names)) :: multipliers
-      logical :: has_cells, has_ends, has_search, has_gap
+      logical :: has_cells, has_ends, has_search, has_gap, has_wear
 
       has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
@@ -689,6 +689,10 @@ contains
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)
       call describe_field(visitor, bound_keys, contact%slip_bound)
+      has_wear = contact%wear > 0.0_dp
+      call visitor%real(key_t('wear', "with `&history`: Archard's coefficient, the depth worn per pressure and"// &
+         ' slip, added to the gap after each step', 'L²/F', default='none', at_least=0.0_dp, &
+         also='wear_coefficient archard'), contact%wear, has_wear)
       ! Describes the keys of a second deformable body.
       is_pair = contact%pairing%is_pair()
       has_search = contact%pairing%search > 0.0_dp
@@ -763,6 +767,7 @@ contains
             "obstacle = 'polyline' needs line = 'FILE.csv'")
       end associate
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
+      call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
    end subroutine describe_contact

@@ -40,10 +40,10 @@ module amontons_contact_table
 
    !> Names of the columns that a load history adds.
    character(32), parameter :: slip_keys(*) = [character(32) :: 'slip_step', 'slip_accumulated', 'dissipation', &
-      'wear_integral', 'surface_stress', 'ruiz_1', 'ruiz_2', 'swt', 'swt_angle']
+      'wear_integral', 'wear_depth', 'surface_stress', 'ruiz_1', 'ruiz_2', 'swt', 'swt_angle']
    !> Dimensions of the columns that a load history adds.
-   character(7), parameter :: slip_dimensions(size(slip_keys)) = [character(7) :: 'L', 'L', 'F L', 'F/L', 'F/L^2', &
-      'F/L', 'F^2/L^3', 'F/L^2', 'rad']
+   character(7), parameter :: slip_dimensions(size(slip_keys)) = [character(7) :: 'L', 'L', 'F L', 'F/L', 'L', &
+      'F/L^2', 'F/L', 'F^2/L^3', 'F/L^2', 'rad']
 
 contains
 
@@ -174,8 +174,10 @@ contains
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
          ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
          ! largest one, where numbers agree to 1e-8 of their scale.
-         slip_scales = [length, length, known_share*length*[maxval(abs(force)), maxval(abs(force(:m)/zone%area))], &
-            spread(0.0_dp, 1, size(slip_keys) - 4)]
+         associate (pressure => maxval(abs(force(:m)/zone%area)))
+            slip_scales = [length, length, known_share*length*[maxval(abs(force)), pressure, &
+               maxval([0.0_dp, load_case%contacts%wear])*pressure], spread(0.0_dp, 1, size(slip_keys) - 5)]
+         end associate
       end associate
       if (.not. allocated(result%slip_record)) return
       do i = 1, size(result%slip_record, 2)

@@ -286,6 +286,7 @@ contains
          end if
       end associate
       text = text//field_text('extra gap', contact%extra_gap, units)
+      if (contact%wear > 0.0_dp) text = text//', wear '//with_unit(short_text(contact%wear), units, 'L^2/F')
    end function contact_text
 
    !> Mean lengths of the sides of slave and master, by which their roles should be chosen.

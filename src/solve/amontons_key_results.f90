@@ -10,8 +10,9 @@
 !> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
 !> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
 module amontons_key_results
-   use amontons_body, only: body_t
+   use amontons_body, only: body_t, of_contact
    use amontons_contact_rows, only: turned
+   use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
@@ -24,7 +25,7 @@ module amontons_key_results
    private
 
    public :: body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, lengths_t, &
-      new_lengths, resultants, set_results, trace_t
+      new_lengths, resultants, set_results, trace_t, wear_results
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t
@@ -365,6 +366,27 @@ contains
             status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale, 'L')
       end associate
    end function contact_peaks
+
+   !> The largest depth worn, and the volume that each contact by name has lost; nothing where nothing wears.
+   pure function wear_results(body, contacts, depth) result(list)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      real(dp), intent(in) :: depth(:) !! depth worn at each point (m) [L]
+      type(quantity_t), allocatable :: list(:)
+      integer :: i, p
+
+      allocate (list(0))
+      if (.not. any(contacts%wear > 0.0_dp)) return
+      list = [peak('max_wear_depth', 'Max. wear depth', depth, body%zone%position, 0.0_dp, 'L')]
+      do i = 1, size(body%named)
+         associate (named => body%named(i))
+            if (named%kind /= of_contact) cycle
+            if (.not. any(contacts(named%member)%wear > 0.0_dp)) cycle
+            list = [list, quantity_t('wear_volume_'//named%name, 'Wear volume '//named%name, sum(depth*body%zone%area, &
+               mask=[(any(named%member == body%zone%set(p)), p=1, size(depth))]), dimension='L^3')]
+         end associate
+      end do
+   end function wear_results
 
    !> Finds the parts of the contact line that are closed, and those that stick.
    pure subroutine find_zones(closed, stuck, body, force, status, bound, motion, displacement)

@@ -72,6 +72,9 @@ module amontons_result
    !> `amontons_error`.
    integer, parameter :: status_not_converged = 4
 
+   !> Place of the depth worn among the columns of `slip_record`.
+   integer, parameter, public :: depth_worn = 5
+
    !> The factorization of the body.
    type :: factor_t
       character(:), allocatable :: name !! its name
@@ -105,8 +108,9 @@ module amontons_result
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       real(dp), allocatable :: slip_record(:, :)
-         !! of a load history: slip of its last step [L], accumulated slip [L], dissipation [F L] and the integral of
-         !! the pressure over the slip [F/L] of each point; parameters of fretting where they are asked for (m, 4 or 9)
+         !! of a load history: slip of its last step [L], accumulated slip [L], dissipation [F L], the integral of the
+         !! pressure over the slip [F/L] and the depth worn [L] of each point; parameters of fretting where they are
+         !! asked for (m, 5 or 10)
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: answer
          !! why there is no state to show: no equilibrium, or a first step of a history that did not converge

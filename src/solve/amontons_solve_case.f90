@@ -19,7 +19,7 @@ module amontons_solve_case
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
+   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t, new_load_case, recover_displacement
    use amontons_load_family, only: acting_t, one_part
@@ -30,7 +30,7 @@ module amontons_solve_case
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: add_model_warnings
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
-   use amontons_result, only: factor_t, outcome_no_equilibrium, outcome_numbers, result_t
+   use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, new_stress_field, &
       recovered_stress_t
@@ -348,6 +348,8 @@ contains
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck), result%certificate%named]
+         if (allocated(result%slip_record)) result%key_results = [result%key_results, wear_results(body, &
+            result%load_case%contacts, result%slip_record(:, depth_worn))]
       end associate
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)

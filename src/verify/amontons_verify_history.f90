@@ -328,15 +328,16 @@ contains
    end subroutine compare_rows
 
    !> Whether two states agree.
-   pure logical function states_agree(found, computed, largest, is_hovering)
+   pure logical function states_agree(found, computed, again, is_hovering)
       type(step_state_t), intent(in) :: found !! a state as a file has it
       type(step_state_t), intent(in) :: computed !! the state that was computed
-      real(dp), intent(in) :: largest(n_kinds) !! the largest number of each kind among the steps
+      type(retrace_t), intent(in) :: again !! the history, with the largest number of each kind among the steps
       logical, intent(in) :: is_hovering !! whether the place of the body is open
       real(dp) :: length
 
-      length = max(largest(a_length), maxval(abs(computed%solution%displacement)))
-      associate (force => largest(a_force)/size(computed%slip), energy => largest(an_energy))
+      length = max(again%tables(1)%largest(a_length), maxval(abs(computed%solution%displacement)))
+      associate (force => again%tables(1)%largest(a_force)/size(computed%slip), &
+         energy => again%tables(1)%largest(an_energy))
          states_agree = all(found%solution%status == computed%solution%status) .and. &
             first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
             (is_hovering .or. first_disagreement(found%solution%displacement, computed%solution%displacement, &
@@ -345,6 +346,8 @@ contains
             first_disagreement(found%accumulated_slip, computed%accumulated_slip, length) == 0 .and. &
             first_disagreement(found%dissipation, computed%dissipation, energy) == 0 .and. &
             first_disagreement(found%worn, computed%worn, force*length) == 0 .and. &
+            first_disagreement([found%wear_depth, found%instant%added_gap], [computed%wear_depth, &
+            computed%instant%added_gap], maxval(again%model%wear)*force*length) == 0 .and. &
             first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy], &
             [computed%load_work, computed%support_work, computed%obstacle_work, computed%strain_energy], energy) == 0
       end associate
@@ -372,8 +375,8 @@ contains
             is_same = .not. allocated(error)
          end if
          if (is_same) is_same = found%n_steps == walk%n_steps
-         if (is_same) is_same = states_agree(found%state, walk%state, again%tables(1)%largest, hovers(walk%state, &
-            cache%body, scales_of(again, cache, walk%state))) .and. &
+         if (is_same) is_same = states_agree(found%state, walk%state, again, hovers(walk%state, cache%body, &
+            scales_of(again, cache, walk%state))) .and. &
             first_disagreement(found%watch%noted(), walk%watch%noted()) == 0
          if (.not. is_same) call case%fault(table%ending//':'//to_text(table%n_compared + 1), &
             'it is not the state of step '//to_text(walk%n_steps))

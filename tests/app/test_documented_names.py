@@ -22,7 +22,7 @@ DECKS = {
     "pair": TWO_BODIES,
     "sweep": block(SUPPORT, PRESSURE, CONTACT, PUSH, "sweep load = 'push'  factor = 0.5, 1.0",
                    "sweep friction = 0.2, 0.3", "output key_results = 'all'  fields_every = 1"),
-    "history": block(SUPPORT, PRESSURE, CONTACT, PUSH,
+    "history": block(SUPPORT, PRESSURE, CONTACT + "  wear = 1e-5", PUSH,
                      "history times = 0.0, 1.0, 2.0, 3.0  substeps = 2  cycles = 1.0, 3.0",
                      "steps load = 'push'  factor = 0.0, 1.0, 0.5, 1.0",
                      "steps obstacle = 'bottom'  shift_y = 0.0, 0.0, 0.001, 0.001",

@@ -274,13 +274,66 @@ class Steps(ProgramTest):
         self.assertAlmostEqual(sum(state.dissipation), rows["dissipation"][-1], delta=1e-14)
         self.assertEqual(max(abs(state.slip_step)), rows["max_slip_step"][-1])
 
+    def test_points_are_those_of_the_contact_table(self):
+        deck = self.DECK.replace("poisson = 0.25", "poisson = 0.25  thickness = 3.0")
+        stepper, contact = amontons.Stepper(deck), amontons.solve_deck(deck).contact
+        for name in "x", "y", "weight":
+            np.testing.assert_array_equal(getattr(stepper.points, name), contact[name], err_msg=name)
+        np.testing.assert_allclose(stepper.points.area, 3.0*contact["weight"], rtol=1e-15)
+
+    def test_gaps_of_a_step_are_those_of_a_table(self):
+        self.write("gaps.csv", "0.0 0.003\n4.0 -0.001\n")
+        tabled = amontons.Stepper(self.DECK, contact__gap_table=self.directory/"gaps.csv")
+        stepper = amontons.Stepper(self.DECK)
+        gap = 0.003 - 0.001*stepper.points.x
+        expected, state = tabled.rest(), stepper.rest()
+        for time, push in ((0.0, 0.0), (1.0, -0.5), (2.0, -0.9), (3.0, 0.4)):
+            changes = {**dict.fromkeys(stepper.changes, 0.0), "factor_F": push}
+            expected = tabled.step(expected, time, **changes)
+            # Another gap first: it leaves no trace.
+            stepper.step(state, time, gap=0.01, **changes)
+            state = stepper.step(state, time, gap=gap, **changes)
+            np.testing.assert_array_equal(state.status, expected.status)
+            # Gaps are the same to rounding, forces to what a stiff body makes of it.
+            np.testing.assert_allclose(state.normal_force, expected.normal_force, rtol=0, atol=1e-12)
+            np.testing.assert_allclose(state.slip_accumulated, expected.slip_accumulated, rtol=0, atol=1e-13)
+        self.assertGreater(expected.columns["max_slip_accumulated"], 0.0)
+        self.assertGreater(len(set(state.status)), 1)
+        # Back where no gap is added the friction state is that of the way.
+        self.assertNotEqual(stepper.step(state, 4.0, **changes).columns["tangential_force"],
+                            stepper.step(stepper.rest(), 4.0, **changes).columns["tangential_force"])
+        for wrong in (np.zeros(3), [[0.0]*stepper.n_points]*2):
+            with self.assertRaisesRegex(amontons.InputRefused, "^expected a gap for each of 9 contact points, found"):
+                stepper.step(state, 4.0, gap=wrong, **changes)
+        with self.assertRaisesRegex(amontons.InputRefused, "^time, changes, gaps and state must be finite numbers"):
+            stepper.step(state, 4.0, gap=np.inf, **changes)
+
+    def test_wear_by_hand_is_that_of_the_key(self):
+        wear = 2e-4
+        worn, plain = amontons.Stepper(self.DECK, contact__wear=wear), amontons.Stepper(self.DECK)
+        of_key, by_hand = worn.rest(), plain.rest()
+        depth, before = np.zeros(plain.n_points), by_hand
+        for i in range(20):
+            changes = {**dict.fromkeys(plain.changes, 0.0), "shift_x_bottom": 0.2*(i % 5)}
+            of_key = worn.step(of_key, float(i), **changes)
+            before, by_hand = by_hand, plain.step(by_hand, float(i), gap=depth, **changes)
+            slip = by_hand.slip_step.copy()
+            # The node that a support holds slides on the floor, too.
+            slip[0] = -changes["shift_x_bottom"] + (0.2*((i - 1) % 5) if i else 0.0)
+            pressure = (by_hand.normal_force + before.normal_force)/(2*plain.points.area)
+            depth = depth + wear*pressure*np.abs(slip)
+            np.testing.assert_allclose(of_key.wear_depth, depth, rtol=1e-9, atol=1e-15)
+            np.testing.assert_allclose(of_key.normal_force, by_hand.normal_force, rtol=0, atol=1e-10)
+        self.assertGreater(depth.min(), 0.0)
+        self.assertAlmostEqual(of_key.columns["wear_volume_bottom"], depth @ plain.points.area, delta=1e-12)
+
     def test_faults_of_steps_are_told(self):
         stepper = amontons.Stepper(self.DECK)
         rest = stepper.rest()
         with self.assertRaisesRegex(amontons.InputRefused, "^expected factor_F, shift_x_bottom, .*, found nothing"):
             stepper.step(rest, 1.0)
         changes = dict.fromkeys(stepper.changes, 0.0)
-        with self.assertRaisesRegex(amontons.InputRefused, "^time, changes and state must be finite numbers"):
+        with self.assertRaisesRegex(amontons.InputRefused, "^time, changes, gaps and state must be finite numbers"):
             stepper.step(rest, float("nan"), **changes)
         with self.assertRaisesRegex(amontons.InputRefused, "^expected 4 changes and a state of [0-9]+ numbers, found"):
             stepper.step(amontons.Stepper(self.DECK, mesh__cells=(4, 2)).rest(), 1.0, **changes)

@@ -82,6 +82,28 @@ class Recipes(ProgramTest):
         # Cells of a twelfth of the half width; verification allows as much with a sixteenth.
         self.assertAlmostEqual(float(rows[-1]["dissipation"])/exact, 1.0, delta=0.02)
 
+    def test_worn_punch_ends_in_uniform_pressure(self):
+        rows, printed = self.table("worn_punch", "history")
+        self.assertNotIn("warning", printed)
+        with open(self.directory / "out" / "worn_punch.points.csv", newline="", encoding="utf-8") as table:
+            points = list(csv.DictReader(table))
+        mean, wear, force = 10.0, 2.0e-3, 200.0
+        pressures = [[float(point["contact_pressure"]) for point in points if point["step"] == step]
+                     for step in ("1", "51", "101", str(len(rows)))]
+        # Singular at the edges at first; the slowest mode of the half plane falls to a tenth in about eight strokes.
+        self.assertGreater(max(pressures[0]), 4*mean)
+        peaks = [max(pressure)/mean - 1 for pressure in pressures]
+        self.assertEqual(peaks, sorted(peaks, reverse=True))
+        self.assert_close(pressures[-1], [mean]*len(pressures[-1]), 1e-6*mean)
+        # The force is constant, so that the volume is k N times the mean way, weighted by pressure: that of the
+        # strokes, and what the elastic surfaces move.
+        volume = float(rows[-1]["wear_volume_punch.bottom"])
+        self.assertAlmostEqual(volume/(wear*force*20.0), 1.0, delta=2e-4)
+        last = [point for point in points if point["step"] == str(len(rows))]
+        integral = sum(float(point["wear_integral"])*float(point["area"]) for point in last)
+        self.assertAlmostEqual(wear*integral, volume, delta=1e-9*volume)
+        self.run_program("--verify", "out")
+
 
 if __name__ == "__main__":
     unittest.main()

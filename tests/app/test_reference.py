@@ -46,6 +46,7 @@ SECOND_BODY = {"mesh name = 'below'  size = 4.0, 2.0  cells = 3, 2  origin = 0.0
 BESIDES = {
     ("contact", "search"): SECOND_BODY,
     ("contact", "gap"): SECOND_BODY,
+    ("contact", "wear"): HISTORY,
     **{("tie", key): SECOND_BODY for key in ("set", "to", "search")},
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "key_results"): {"sweep": {"friction": "0.1, 0.2"}},

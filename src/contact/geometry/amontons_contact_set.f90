@@ -78,6 +78,7 @@ module amontons_contact_set
       type(line_field_t) :: extra_gap !! added to every gap; negative for an interference [L]
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
       type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
+      real(dp) :: wear = 0.0_dp !! Archard's coefficient: depth worn per pressure and slip, at least 0 [L^2/F]
       type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells
       character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
    end type contact_t

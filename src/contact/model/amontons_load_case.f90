@@ -34,7 +34,7 @@ module amontons_load_case
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
-      real(dp), allocatable :: extra_gap(:) !! what of it the deck has added (m) [L]
+      real(dp), allocatable :: extra_gap(:) !! what of it the deck, wear or the caller of a stepper has added (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
       real(dp), allocatable :: anchor(:)

@@ -82,7 +82,7 @@ module amontons_load_family
       real(dp), allocatable :: factor(:) !! factor of each part (parts) [-]
       type(obstacle_motion_t), allocatable :: motions(:)
          !! the motion of the obstacle of each contact set; not allocated where all are at their places
-      real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now (m) [L]
+      real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now, with what was worn (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
       real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (m) [L]
       real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (m) [L]
@@ -305,6 +305,8 @@ contains
       ! No error: the member was made with the same obstacles.
       if (allocated(acting%motions)) call set_obstacles(load_case, body%zone, body%mesh, self%contacts_of(acting), &
          error)
+      load_case%extra_gap = load_case%extra_gap + (acting%gap - load_case%gap)
+      load_case%gap = acting%gap
       if (size(self%parts) > 1) load_case%factor = acting%factor(self%parting%load)
       load_case%force = acting%factor(1)*self%parts(1)%force
       load_case%driven = acting%factor(1)*self%parts(1)%driven

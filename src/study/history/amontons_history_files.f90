@@ -15,7 +15,7 @@ module amontons_history_files
    use amontons_history_model, only: history_model_t, step_state_t
    use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_parameters, n_plain_numbers, parameter_names
    use amontons_input_file, only: read_text_file
-   use amontons_key_results, only: lengths_t, new_lengths
+   use amontons_key_results, only: lengths_t, new_lengths, wear_results
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries, collection_head, collection_t, collection_tail, manifest_t
    use amontons_named_forces, only: named_quantities
@@ -111,7 +111,7 @@ contains
             allocate (tables(i)%kinds(0))
             select case (contents(i))
             case (of_steps)
-               call describe_steps(tables(i), history, body)
+               call describe_steps(tables(i), model, body)
             case (of_points)
                call describe_points(tables(i), history)
             case (of_states)
@@ -141,9 +141,9 @@ contains
    end subroutine history_table_add
 
    !> Describes the table of the steps, in the order of `history_row`.
-   pure subroutine describe_steps(table, history, body)
+   pure subroutine describe_steps(table, model, body)
       type(history_table_t), intent(inout) :: table !! the table
-      type(history_t), intent(in) :: history !! the history
+      type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(quantity_t), allocatable :: named(:)
       character(:), allocatable :: set
@@ -151,10 +151,10 @@ contains
       integer, parameter :: kinds(*) = [number_alone, a_length, a_force, a_moment]
       integer :: i, k
 
-      call table%add('step,'//history%name, number_alone)
-      do i = 1, size(history%steps)
-         do k = 1, history%steps(i)%n_numbers()
-            call table%add(field(history%steps(i)%label(k)), number_alone)
+      call table%add('step,'//model%history%name, number_alone)
+      do i = 1, size(model%history%steps)
+         do k = 1, model%history%steps(i)%n_numbers()
+            call table%add(field(model%history%steps(i)%label(k)), number_alone)
          end do
       end do
       call table%add('open_length,slip_length,stick_length', number_alone)
@@ -170,12 +170,16 @@ contains
          call table%add('open_length'//set//',slip_length'//set//',stick_length'//set, number_alone)
          call table%add('normal_force'//set//',tangential_force'//set, a_force)
       end do
-      do i = 1, history%n_probes()
+      do i = 1, model%history%n_probes()
          call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
       end do
       named = named_quantities(body)
       do i = 1, size(named)
          call table%add(field(trim(named(i)%key)), kinds(findloc(dimensions == named(i)%dimension, .true., dim=1)))
+      end do
+      named = wear_results(body, model%solver%loads%base%contacts, spread(0.0_dp, 1, body%zone%n_points))
+      do i = 1, size(named)
+         call table%add(field(trim(named(i)%key)), merge(a_length, own_scale, named(i)%dimension == 'L'))
       end do
       call table%add('iterations,statuses', number_alone)
    end subroutine describe_steps
@@ -200,6 +204,7 @@ contains
       call table%add('gap,slip,slip_step,slip_accumulated', a_length)
       call table%add('dissipation', an_energy)
       call table%add('wear_integral', own_scale)
+      call table%add('wear_depth', a_length)
       do i = 1, merge(n_parameters, 0, history%has_fretting)
          call table%add(trim(parameter_names(i)), parameter_kinds(i))
       end do
@@ -213,7 +218,8 @@ contains
       integer, intent(in) :: n_points !! number of contact points
       integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
       character(23), parameter :: labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
-         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
+         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
+         'added_gap', 'wear_depth']
       integer :: i, p
 
       call table%add('step,steps_given_up,iterations,length,noted,'//time// &
@@ -279,6 +285,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at its end
       real(dp), allocatable :: numbers(:)
+      type(quantity_t), allocatable :: worn(:)
       integer :: i
 
       numbers = [state%instant%time, state%instant%numbers, set_numbers(body, state), state%load_work, &
@@ -288,7 +295,8 @@ contains
       do i = 1, several(size(body%zone%pairs))
          numbers = [numbers, set_numbers(body, state, i)]
       end do
-      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named]
+      worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
+      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named, worn%value]
    end function step_numbers
 
    !> Lengths of the zones and contact forces of all contact sets, or of one.

@@ -60,6 +60,8 @@ module amontons_history_model
       real(dp), allocatable :: cycle_times(:) !! times at which cycles begin and end, ascending; none without cycles [-]
       integer, allocatable :: probe(:) !! nodes whose displacements are followed
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (2m, 2 probes)
+      real(dp), allocatable :: wear(:) !! depth that each point loses per normal force and slip (m) [1/F]
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support holds each point along its tangent (m)
    contains
       procedure :: acting => history_model_acting
       procedure :: at => history_model_at
@@ -72,12 +74,14 @@ module amontons_history_model
    type, extends(acting_t) :: instant_t
       real(dp) :: time = 0.0_dp !! the time [-]
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
+      real(dp), allocatable :: added_gap(:)
+         !! what is added to the gaps: by who takes the steps and, once a step is taken, by what was worn before (m) [L]
    end type instant_t
 
    !> Numbers of a state that are kept besides those of its contact points.
    integer, parameter :: n_single = 6
    !> Numbers that are kept of each contact point.
-   integer, parameter :: n_per_point = 9
+   integer, parameter :: n_per_point = 11
 
    !> Where a step has led to.
    type :: step_state_t
@@ -88,6 +92,7 @@ module amontons_history_model
       real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
       real(dp), allocatable :: dissipation(:) !! work that friction took at each point in all steps (m) [F L]
       real(dp), allocatable :: worn(:) !! normal force times |slip|, summed over all steps (m) [F L]
+      real(dp), allocatable :: wear_depth(:) !! depth worn in all steps; the next one has it in its gaps (m) [L]
       real(dp), allocatable :: reaction(:)
          !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
       real(dp), allocatable :: named(:) !! forces by name, in the order of `named_quantities` [F]
@@ -99,6 +104,8 @@ module amontons_history_model
       real(dp) :: closing_loss = 0.0_dp !! sum of lambda_N times the gap at the beginning of the step [F L]
       real(dp) :: indicator = 0.0_dp !! energy error of the step over its energies [-]
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
+      real(dp) :: wear_feedback = 0.0_dp
+         !! share of the pressure of a point that the depth worn in the step relieves, if no other point moves [-]
       integer :: outcome = outcome_not_converged !! what came of the loads
       character(:), allocatable :: reason !! why there is no solution; empty for one, and for one not converged
       integer :: error_kind = numerical_failure !! the kind of the error that this is
@@ -178,6 +185,8 @@ contains
       integer :: i, component, k
 
       model%history = config%history
+      model%wear = prepared%contacts(body%zone%set)%wear/body%zone%area
+      model%is_tangent_fixed = body%zone%is_tangent_fixed
       ! Gives every change of a load, support or friction a part.
       parting = one_part(prepared)
       parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
@@ -293,6 +302,7 @@ contains
       call self%solver%loads%at_rest(instant)
       instant%time = time
       instant%numbers = numbers
+      instant%added_gap = 0.0_dp*self%wear
       first = 1
       do i = 1, size(self%history%steps)
          associate (change => self%history%steps(i))
@@ -352,7 +362,8 @@ contains
       call new_contact_solution(state%solution, m)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
-      allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), source=0.0_dp)
+      allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m), &
+         state%instant%added_gap(m), source=0.0_dp)
       state%reaction = state%instant%factor
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, state%instant%gap)
@@ -374,6 +385,8 @@ contains
       after%instant = instant
       after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
          - before%instant%motion), body%zone%is_tangent_fixed)
+      after%instant%added_gap = instant%added_gap + before%wear_depth
+      after%instant%gap = instant%gap + after%instant%added_gap
       call model%solver%loads%pose(body, after%instant, problem)
       after%solution = before%solution
       is_held = allocated(before%instant%numbers)
@@ -455,6 +468,8 @@ contains
       call archive%pass(state%accumulated_slip)
       call archive%pass(state%dissipation)
       call archive%pass(state%worn)
+      call archive%pass(state%instant%added_gap)
+      call archive%pass(state%wear_depth)
    end subroutine visit
 
    !> Restores a state from its numbers, to the last bit.
@@ -479,9 +494,10 @@ contains
       end if
       state%instant = instant
       call new_contact_solution(state%solution, m)
-      allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m))
+      allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
+      state%instant%gap = state%instant%gap + state%instant%added_gap
       state%solution%history = spread(state%solution%residual, 1, state%solution%n_iterations)
       state%solution%is_converged = .true.
       state%slip = state%solution%displacement(m + 1:) - state%instant%anchor
@@ -510,8 +526,8 @@ contains
       real(dp), parameter :: rounding_share = 1.0e-5_dp
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
-      real(dp), dimension(problem%n_points) :: approach, taken, missing
-      real(dp), dimension(2*problem%n_points) :: mean_force, v_change, whole_change
+      real(dp), dimension(problem%n_points) :: approach, taken, missing, way
+      real(dp), dimension(2*problem%n_points) :: mean_force, v_change, whole_change, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
       integer :: m
@@ -532,7 +548,16 @@ contains
       missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*approach
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
-      after%worn = before%worn + mean_force(:m)*abs(after%slip)
+      ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
+      way = abs(after%slip)
+      where (model%is_tangent_fixed) way = abs(matmul(model%energies%prescribed(m + 1:, :), change) &
+         - (after%instant%motion - before%instant%motion))
+      after%worn = before%worn + mean_force(:m)*way
+      after%wear_depth = before%wear_depth + model%wear*mean_force(:m)*way
+      if (any(model%wear > 0.0_dp)) then
+         stiffness = problem%augmentation()
+         after%wear_feedback = max(0.0_dp, maxval(model%wear*way*stiffness(:m), mask=mean_force(:m) > 0.0_dp))
+      end if
       after%load_work = before%load_work + load_work
       after%support_work = before%support_work + support_work
       after%obstacle_work = before%obstacle_work + obstacle_work
@@ -562,15 +587,15 @@ contains
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
    end subroutine add_works
 
-   !> Slip of the step, accumulated slip [L], dissipation [F L], and what wear is proportional to after Archard: the
-   !> integral of the pressure over the slip [F/L] (m, 4).
+   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral of the pressure over the slip [F/L]
+   !> and the depth worn [L] (m, 5).
    pure function step_state_slip_record(self, body) result(record)
       class(step_state_t), intent(in) :: self !! the state
       type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: record(:, :)
 
-      record = reshape([self%slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area], &
-         [size(self%slip), 4])
+      record = reshape([self%slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area, &
+         self%wear_depth], [size(self%slip), 5])
    end function step_state_slip_record
 
    !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].

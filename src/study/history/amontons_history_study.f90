@@ -60,6 +60,7 @@ module amontons_history_study
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies
       type(worst_step_t) :: violation !! largest violation of the certificates
       type(worst_step_t) :: jump !! largest energy error of a step that cannot be made shorter, over its energies
+      type(worst_step_t) :: wear_feedback !! largest share of a pressure that the depth worn in a step relieves
       integer :: n_jumps = 0 !! number of such steps
       integer :: n_warned(n_case_warnings) = 0 !! number of steps that each warning on a case is about
       integer :: warned_step(n_case_warnings) = 0 !! the first of them
@@ -203,6 +204,7 @@ contains
       call self%indicator%visit(archive)
       call self%violation%visit(archive)
       call self%jump%visit(archive)
+      call self%wear_feedback%visit(archive)
       call archive%pass(self%n_jumps)
       call archive%pass(self%n_warned)
       call archive%pass(self%warned_step)
@@ -309,6 +311,7 @@ contains
          call self%residual%note(state%solution%residual, walk%n_steps)
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
+         call self%wear_feedback%note(state%wear_feedback, walk%n_steps)
          call find_case_warnings(is_warned, body, model%solver%size_of_body, &
             model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
          where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
@@ -353,9 +356,19 @@ contains
    subroutine history_result_add_warnings(self, body)
       class(history_result_t), intent(inout) :: self !! the history; its last step gains the warnings
       type(body_t), intent(in) :: body !! the body
+      ! An explicit update of the gaps follows pressures whose share it relieves in a step is well below 1; the stiffest
+      ! pattern of pressures, from node to node, is about twice as stiff as a single point.
+      real(dp), parameter :: well_below = 0.25_dp
+      ! Of a ratio that should be a whole number.
+      real(dp), parameter :: rounding = 1.0e-6_dp
       integer :: i
 
       associate (n_steps => self%walk%n_steps, warnings => self%last%warnings)
+         if (self%wear_feedback%value > well_below) call warnings%add('the depth worn in step '// &
+            to_text(self%wear_feedback%step)//' would relieve a contact point of '// &
+            short_text(self%wear_feedback%value)//' times its pressure: from '//short_text(well_below)//' on '// &
+            'pressures may swing from step to step; take '// &
+            to_text(ceiling(self%wear_feedback%value/well_below - rounding))//' times as many substeps there')
          if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
             ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
             'there; most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')

@@ -555,8 +555,8 @@ contains
       if (modulo(self%tick, 2*self%length) == 0) self%length = min(n_ticks, 2*self%length)
    end subroutine history_walk_keep
 
-   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral [F/L] and, where they are asked for,
-   !> the parameters of fretting (m, 4 or 9).
+   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral [F/L], the depth worn [L] and, where
+   !> they are asked for, the parameters of fretting (m, 5 or 10).
    pure function history_walk_point_record(self, body) result(record)
       class(history_walk_t), intent(in) :: self !! the way
       type(body_t), intent(in) :: body !! the body

@@ -58,7 +58,8 @@ contains
    end subroutine new_load_stepper
 
    !> Takes a step. Not converged is a result: `is_converged` says so, and a shorter step may help.
-   subroutine load_stepper_step(self, time, changes, before, after, columns, status, is_converged, error)
+   ! allow(S902): types for what goes in and what comes out would be made for this call alone
+   subroutine load_stepper_step(self, time, changes, before, after, columns, status, is_converged, error, gap)
       class(load_stepper_t), intent(inout) :: self !! the stepper; its contact problem is left with what acts
       real(dp), intent(in) :: time !! the time at the end of the step [-]
       real(dp), intent(in) :: changes(:) !! the numbers of all `&steps`, in the order of the deck (n_changes)
@@ -68,20 +69,33 @@ contains
       integer, allocatable, intent(out) :: status(:) !! status of each contact point (n_points)
       logical, intent(out) :: is_converged !! whether the step converged
       type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
+      real(dp), intent(in), optional :: gap(:)
+         !! what is added to the gaps of the contact points; nothing without it (n_points) [L]
       type(step_state_t) :: start, next
       type(instant_t) :: instant
+      real(dp) :: added(self%n_points)
 
       is_converged = .false.
+      added = 0.0_dp
+      if (present(gap)) then
+         if (size(gap) == self%n_points) then
+            added = gap
+         else
+            call new_error(error, input_refused, 'expected a gap for each of '//to_text(self%n_points)// &
+               ' contact points, found '//to_text(size(gap)))
+            return
+         end if
+      end if
       if (size(changes) /= self%n_changes .or. size(before) /= self%n_state) then
          call new_error(error, input_refused, 'expected '//to_text(self%n_changes)//' changes and a state of '// &
             to_text(self%n_state)//' numbers, found '//to_text(size(changes))//' and '//to_text(size(before)))
-      else if (.not. (abs(time) <= huge(time) .and. all(abs(changes) <= huge(time)) .and. &
-         all(abs(before) <= huge(time)))) then
-         call new_error(error, input_refused, 'time, changes and state must be finite numbers')
+      else if (.not. (abs(time) <= huge(time) .and. all(abs([changes, before, added]) <= huge(time)))) then
+         call new_error(error, input_refused, 'time, changes, gaps and state must be finite numbers')
       end if
       if (.not. allocated(error)) call restore_start(self, before, start, error)
       if (.not. allocated(error)) call self%model%acting(self%cache%body, time, changes, instant, error)
       if (allocated(error)) return
+      instant%added_gap = added
       call take_step(next, self%model, self%cache%body, self%cache%problem, start, instant)
       if (len(next%reason) > 0) call new_error(error, next%error_kind, next%reason)
       if (allocated(error)) return
