@@ -3,9 +3,7 @@
 
 The displacements of the exact solution in plane stress (Timoshenko and Goodier, *Theory of Elasticity*, article 22) are
 polynomials of degree four, which no element represents. Half of the beam: symmetry on the left, pressure on the top,
-the nodes of the right end put where the exact solution has them. The error of the displacement is the $L_2$ norm over
-that of the displacement, integrated with the elements' shape functions; theory: order 2 for linear and 3 for quadratic
-elements.
+the nodes of the right end put where the exact solution has them.
 """
 from benchmark import Benchmark, main, with_points_held
 from field_error import Elastic

@@ -4,7 +4,7 @@
 A block, or a cylinder, on a frictionless floor under a uniform pressure $p$. The contact pressure is $p$ at every node
 and the displacements are linear, so every element must give them to rounding: on even, graded and unstructured meshes
 (the last made by Gmsh), quadratic sides with their own weights included. The error of the pressure is the largest, over
-$p$; that of the displacement is the $L_2$ norm over that of the displacement.
+$p$.
 """
 from benchmark import ELEMENTS, Benchmark, main, patch_mesh
 from convergence import RoundoffTable

@@ -3,8 +3,7 @@
 
 An axisymmetric body with the axis in it, where the hoop strain $u_r/r$ is a quotient of zeros. The exact displacement
 is quadratic in $r$ and $z$: quadratic elements must give it to rounding, which takes stiffness and weight integrated
-exactly, and linear ones with order 2. The error is the $L_2$ norm over that of the displacement, areas times the
-radius.
+exactly, and linear ones with order 2.
 """
 from benchmark import ELEMENTS, Benchmark, main, with_points_held
 from convergence import ORDER_ALLOWANCE, ConvergenceTable, RoundoffTable

@@ -4,8 +4,7 @@
 A block on a rough floor under a uniform stress. In the first deck the shear is the friction coefficient times the
 pressure and every point slides; in its twin the shear is less, every point sticks, and friction alone holds the block.
 Both displacements are linear in $x$ and $y$, so every element must give pressure, shear and displacement to rounding.
-Errors of the stresses are the largest, over the pressure; those of the displacement are $L_2$ norms over that of the
-displacement.
+Errors of the stresses are the largest, over the pressure.
 """
 from benchmark import ELEMENTS, Benchmark, main, patch_mesh
 from convergence import RoundoffTable

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """Heated bodies.
 
-A heated block expands freely without stress, or is restrained: along one direction, $\\sigma = -E \\alpha T$, over
-$1 - \\nu$ in plane strain; along both, over $1 - \\nu$ in plane stress and over $1 - 2\\nu$ else. A beam that is heated
+A heated block expands freely without stress, or is restrained: along one direction, $\\sigma = -E \\alpha T$, over $1 -
+\\nu$ in plane strain; along both, over $1 - \\nu$ in plane stress and over $1 - 2\\nu$ else. A beam that is heated
 linearly over its height bends without stress. A plug that is heated in a rigid hole presses on it once its play is used
 up. All of these displacements are in the space of the elements, at least of the quadratic ones, so they must be given
 to rounding. A tube that is hot inside (Timoshenko and Goodier, *Theory of Elasticity*, article 151) has its
-temperatures from a table. The error of the displacement is the $L_2$ norm over that of the displacement; theory: order
-2 for linear and 3 for quadratic elements.
+temperatures from a table.
 """
 from math import hypot, log, pi
 

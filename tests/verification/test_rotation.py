@@ -3,10 +3,8 @@
 
 The centrifugal force of a rotation on the density. The bodies are an annular disc in plane stress and in plane strain
 as a quarter of the section, with curved sides, and a hollow cylinder as an axisymmetric section through its wall. The
-last is a solid disc about another center than the origin. The closed forms are those of Timoshenko and Goodier
-(*Theory of Elasticity*, article 32). The error of the displacement is the $L_2$ norm over that of the displacement,
-integrated with the elements' shape functions (in the axisymmetric case areas count times the radius); theory: order 2
-for linear and 3 for quadratic elements.
+last is a solid disc about another center than the origin. The closed forms are those of Timoshenko and Goodier (*Theory
+of Elasticity*, article 32).
 """
 from math import hypot, pi
 

@@ -2,9 +2,7 @@
 """Thick-walled tube under inner pressure.
 
 Lamé's solution, once in plane strain as a quarter of the section, with curved sides, and once axisymmetric as a section
-through the wall, its cells no rectangles. The error of the displacement is the $L_2$ norm over that of the
-displacement, integrated with the elements' shape functions (in the axisymmetric case areas count times the radius);
-theory: order 2 for linear and 3 for quadratic elements.
+through the wall, its cells no rectangles.
 """
 from math import hypot, pi
 
