@@ -37,6 +37,8 @@ module amontons_constraints
          !! whether sets, separated by commas in `set`, move as one rigid body; the first three components are those
          !! of `rigid_components` then
       logical :: is_jump = .false. !! whether the first component is the jump of the preload of the same name
+      real(dp) :: lock_time = huge(1.0_dp)
+         !! of a rigid set or preload: from which time of a history on what is free stays where it is [-]
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: is_driven => support_is_driven
@@ -104,6 +106,7 @@ module amontons_constraints
    type :: dof_map_t
       integer :: n_dofs = 0 !! number of unknowns
       integer :: n_schur = 0 !! how many of them belong to the nodes put last
+      integer :: n_lockable = 0 !! how many of these, the last ones, no contact point has, and a history may lock
       integer, allocatable :: dof(:, :) !! unknown of the component along e1, e2 of a node, 0 if held (2, n_nodes)
       type(substitution_t) :: substitution !! how the displacements of nodes follow from the unknowns
    end type dof_map_t

@@ -355,6 +355,9 @@ contains
             config%condensation%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
          call visitor%require(.not. (config%condensation%form == 'band' .and. &
+            any(config%supports%lock_time < huge(1.0_dp))), 'condensation', &
+            "condensation must be 'dense' or 'auto' with lock_time")
+         call visitor%require(.not. (config%condensation%form == 'band' .and. &
             any(config%contacts%partition%is_constant)), &
             'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
       end associate

@@ -457,10 +457,11 @@ contains
          also='f fx fy'), drive%force, has_force)
       call visitor%real(key_t('moment', 'moment about the point, counterclockwise', 'F L', default='none', &
          also='m torque'), drive%moment, has_moment)
+      call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
       if (.not. visitor%is_judging()) return
-      call check_driven_name(visitor, motion%name)
+      call check_driven(visitor, motion, motion%is_held(2) .and. (is_axisymmetric .or. all(motion%is_held([1, 3]))))
       is_driven = abs([drive%force, drive%moment]) > 0.0_dp
       do k = 1, size(rigid_components)
          call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
@@ -497,25 +498,41 @@ contains
          drive%force(1), has_force)
       call visitor%real(key_t('shortening', 'how far the sides are moved into each other along the normal', 'L', &
          default='free', is_free=.true., also='adjustment jump'), motion%displacement(1), motion%is_held(1))
+      call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', tie%origin)
       motion%name = tie%name
       motion%set = tie%set
       motion%origin = tie%origin
       if (.not. visitor%is_judging()) return
-      call check_driven_name(visitor, motion%name)
+      call check_driven(visitor, motion, motion%is_held(1))
       call visitor%require(has_force .neqv. motion%is_held(1), 'force', '&preload needs either force or shortening')
       call visitor%require(tie%to /= tie%set, 'to', 'to must name another set than set')
    end subroutine describe_preload
 
-   !> Requires that the name of a rigid set or preload fits in tables.
-   subroutine check_driven_name(visitor, name)
+   !> Describes when a rigid set or preload is locked.
+   subroutine describe_lock(visitor, motion)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      character(*), intent(in) :: name !! the name
+      type(support_t), intent(inout) :: motion !! what is prescribed of its motion; gains the time
+      logical :: has_time
 
-      call visitor%require(len(name) <= longest_name, 'name', 'name must have at most '//to_text(longest_name)// &
-         ' characters')
-   end subroutine check_driven_name
+      has_time = motion%lock_time < huge(1.0_dp)
+      call visitor%real(key_t('lock_time', 'with `&history`: one of its `times`; from then on what is free stays'// &
+         ' where it is', default='never', also='lock'), motion%lock_time, has_time)
+   end subroutine describe_lock
+
+   !> Judges the name of a rigid set or preload, which must fit in tables, and its lock.
+   subroutine check_driven(visitor, motion, is_held)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(support_t), intent(in) :: motion !! what is prescribed of its motion
+      logical, intent(in) :: is_held !! whether all of its motion is prescribed
+
+      call visitor%require(len(motion%name) <= longest_name, 'name', 'name must have at most '// &
+         to_text(longest_name)//' characters')
+      call visitor%only('lock_time', visitor%deck%count_groups('history') > 0, 'a deck with &history')
+      call visitor%require(.not. (visitor%has('lock_time') .and. is_held), 'lock_time', &
+         'the whole motion is prescribed: nothing is left for lock_time to lock')
+   end subroutine check_driven
 
    !> Makes the support and the load that a rigid set or preload is, and the tie of the latter.
    subroutine take_driven(supports, loads, ties, set, is_rigid, is_axisymmetric)

@@ -255,6 +255,14 @@ contains
       are_times_sound = history%is_given
       if (history%is_given) call describe_times(visitor, history)
       are_times_sound = are_times_sound .and. history%is_given .and. visitor%is_judging()
+      do i = 1, size(supports)
+         if (.not. (are_times_sound .and. supports(i)%lock_time < huge(1.0_dp))) cycle
+         call visitor%require(any(abs(history%times - supports(i)%lock_time) <= 0.0_dp), 'times', &
+            "lock_time of '"//supports(i)%name//"' is "//to_text(supports(i)%lock_time)//', which is none of the times')
+         call visitor%require(history%has_start() .or. history%times(1) < supports(i)%lock_time, 'times', &
+            "lock_time of '"//supports(i)%name//"' is the first time, when nothing acts yet; prescribe the motion"// &
+            ' instead')
+      end do
       do i = 1, size(history%steps)
          call describe_steps(visitor, history%steps(i))
          if (.not. visitor%is_judging()) cycle

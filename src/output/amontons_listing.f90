@@ -239,6 +239,7 @@ contains
                end if
             end associate
          end do
+         if (support%lock_time < huge(1.0_dp)) text = text//', locked from time '//short_text(support%lock_time)
       end associate
    end function motion_text
 

@@ -53,6 +53,7 @@ module amontons_load_solver
       logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
       logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
    contains
+      procedure :: note_motions => load_solver_note_motions
       procedure :: solve => load_solver_solve
    end type load_solver_t
 
@@ -66,22 +67,30 @@ contains
       type(parting_t), intent(in) :: parting !! what belongs to which part
       type(method_options_t), intent(in) :: options !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! there is no such method; a load or support does not fit
-      real(dp), allocatable :: spins(:, :)
 
       call new_contact_method(solver%method, options, error)
       if (.not. allocated(error)) call new_load_family(solver%loads, body, load_case, parting, error)
       if (allocated(error)) return
       solver%is_auto = options%method == 'auto'
       solver%size_of_body = body_size(body)
-      ! Which points are in reach of an obstacle that moves is known member by member.
-      solver%may_spin = size(body%rigid_modes, 2) > 0
-      if (solver%may_spin) then
-         call new_spins(spins, on_round_line(body%zone, body%motions), body, load_case%is_in_reach .and. &
-            .not. parting%moves_obstacles)
-         solver%may_spin = size(spins, 2) > 0
-      end if
-      solver%may_move = size(body%common_motions, 2) > 0
+      call solver%note_motions(body)
    end subroutine new_load_solver
+
+   !> Notes which free motions of the body there are to be looked at.
+   subroutine load_solver_note_motions(self, body)
+      class(load_solver_t), intent(inout) :: self !! the solver
+      type(body_t), intent(in) :: body !! the body
+      real(dp), allocatable :: spins(:, :)
+
+      ! Which points are in reach of an obstacle that moves is known member by member.
+      self%may_spin = size(body%rigid_modes, 2) > 0
+      if (self%may_spin) then
+         call new_spins(spins, on_round_line(body%zone, body%motions), body, self%loads%base%is_in_reach .and. &
+            .not. self%loads%parting%moves_obstacles)
+         self%may_spin = size(spins, 2) > 0
+      end if
+      self%may_move = size(body%common_motions, 2) > 0
+   end subroutine load_solver_note_motions
 
    !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
    subroutine load_solver_solve(self, body, acting, problem, solution, outcome, reason, error_kind)

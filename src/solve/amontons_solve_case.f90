@@ -120,6 +120,8 @@ contains
 
       has_body = allocated(cache%body) .and. allocated(cache%key)
       if (has_body) has_body = cache%key == body_text(config)
+      ! A history has left it locked.
+      if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
    end function has_body
 
    !> Makes a single case ready, and finds out whether its loads have an equilibrium before anything is factorized.

@@ -229,7 +229,7 @@ contains
    subroutine solve_as_stated(next, fault, again, row, cache)
       type(step_state_t), intent(out) :: next !! the state at the end of the step
       character(:), allocatable, intent(inout) :: fault !! gains why there is none
-      type(retrace_t), intent(in) :: again !! the history, at the beginning of the step
+      type(retrace_t), intent(inout) :: again !! the history, at the beginning of the step
       integer, intent(in) :: row !! row of the step
       type(cache_t), intent(inout) :: cache !! the body, its contact problem left as that of the step
       type(instant_t) :: instant
@@ -243,7 +243,8 @@ contains
       associate (csv => again%tables(1)%csv)
          call csv%get_number(row, 2, time, fault)
          call csv%get_number(row, csv%column('closing_loss'), closing_loss, fault)
-         if (len(fault) == 0) call again%model%at(cache%body, time, instant, error)
+         if (len(fault) == 0) call again%model%enter_step(cache%body, cache%problem, again%result%walk%state, error)
+         if (len(fault) == 0 .and. .not. allocated(error)) call again%model%at(cache%body, time, instant, error)
          if (allocated(error)) fault = error%message
          if (len(fault) > 0) return
          call take_step(next, again%model, cache%body, cache%problem, again%result%walk%state, instant)

@@ -44,9 +44,23 @@ class Recipes(ProgramTest):
         self.assert_close([bolt[5] - gasket[5], bolt[10] - gasket[10] - working], [0.0, 0.0], 1e-6*bolt[5])
         # The preload opens by the joint's stiffness: the bolt takes a part of the working load only.
         self.assertTrue(0 < bolt[10] - bolt[5] < working)
-        # The shortening has the five digits of the deck.
-        self.assertAlmostEqual(bolt[5], 16000.0, delta=2.0)
+        self.assertAlmostEqual(bolt[5], 16000.0, delta=1e-6)
         self.assert_close([float(row["preload_bolt_force"]) for row in rows], bolt, 1e-6*bolt[5])
+        self.assertEqual(len({row["preload_bolt_shortening"] for row in rows[6:]}), 1)
+
+    def test_locked_clamp_holds_a_warm_part_with_more_force(self):
+        rows, printed = self.table("clamp", "history")
+        self.assertNotIn("warning", printed)
+        force = [-float(row["rigid_screw_force_y"]) for row in rows]
+        estimate = 50.0*2.3e-5*30.0*800.0/(20.0/2.1e5 + 30.0/7.0e4)
+        self.assertAlmostEqual(force[5], 4.0e4, delta=1e-6)
+        self.assertAlmostEqual(estimate, 52690.0, delta=1.0)
+        # The file says how much stiffer friction makes the bodies.
+        self.assertAlmostEqual(force[10] - force[5], 54394.0, delta=1.0)
+        self.assertAlmostEqual(force[15]/force[10], 1 - 0.025, delta=1e-3)
+        # Table and jaw hold what pulls.
+        self.assertAlmostEqual(float(rows[15]["force_x_table"]) + float(rows[15]["rigid_screw_force_x"]), -1.0e4,
+                               delta=1e-5)
 
     def test_seal_presses_itself_tight(self):
         rows, printed = self.table("seal", "sweep")

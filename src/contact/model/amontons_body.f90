@@ -39,7 +39,8 @@ module amontons_body
    private
 
    public :: body_t, bonds_of, condense_body, driven_motion_t, estimate_body, estimate_t, find_motions, &
-      find_rigid_modes, largest_motion, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
+      find_rigid_modes, largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, &
+      poor_inf_sup
 
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
@@ -67,7 +68,10 @@ module amontons_body
       character(3) :: dimensions(2) = '' !! what they are measured in
       integer :: support = 0 !! number of the support that may prescribe it
       integer :: component = 0 !! which of the support's components it is, and of the load's force and moment
+      real(dp) :: lock_time = huge(1.0_dp) !! when a history locks it; huge where it cannot be locked [-]
       integer :: lead = 0 !! the node
+      integer :: axis = 1 !! the axis of the node's frame that it is the displacement along
+      integer :: tie = 0 !! of a preload the tie
       real(dp) :: own(2) = 0.0_dp !! own unknowns of the node in a motion of 1
       real(dp) :: length = 1.0_dp !! displacement of nodes in a motion of 1 [L]
       integer, allocatable :: node(:) !! the nodes that its force acts on
@@ -95,10 +99,12 @@ module amontons_body
       type(contact_rows_t) :: checked_tie_rows !! these rows, integrated on another way
       type(named_forces_t), allocatable :: named(:) !! what exerts forces on it, by name
       type(driven_motion_t), allocatable :: driven(:) !! the motions of rigid sets, and jumps of preloads
+      integer, allocatable :: lockable(:) !! those of them that a history may lock
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
       type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
    contains
+      procedure :: driven_field => body_driven_field
       procedure :: driven_forces => body_driven_forces
       procedure :: internal_forces => body_internal_forces
    end type body_t
@@ -155,7 +161,6 @@ contains
          call set_jumps(body, supports, ties)
       end if
       call add_rigid_drives(body, supports)
-      call find_motions(body%motions, body, body%springs, bonds_of(body%ties, body%constraints))
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
@@ -165,16 +170,16 @@ contains
       do i = 1, size(body%ties)
          call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
          call body%tie_rows%add(points%rows)
-         if (ties(i)%has_jump) call add_jump_drive(body, supports, ties(i)%name, body%ties(i), points)
+         if (ties(i)%has_jump) call add_jump_drive(body, supports, ties(i)%name, i, points)
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
          call body%checked_tie_rows%add(points%rows)
       end do
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
       if (allocated(error)) return
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
-      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
-      body%common_motions = common_motions(body%rigid_modes)
-      call new_dof_map(body%dof_map, body%constraints, body%zone%own_nodes(substitution), substitution)
+      call set_motions(body)
+      call number_unknowns(body, substitution, error)
+      if (allocated(error)) return
       if (body%dof_map%n_dofs == 0) then
          call new_error(error, input_refused, 'the supports prescribe the displacements of all nodes: nothing is '// &
             'left to compute')
@@ -336,7 +341,9 @@ contains
                driven%support = i
                driven%component = k
                driven%length = merge(rigid%length, 1.0_dp, k == 3)
+               driven%lock_time = merge(huge(1.0_dp), supports(i)%lock_time, supports(i)%is_held(k))
                driven%lead = rigid%lead(merge(2, 1, k == 3))
+               driven%axis = merge(1, k, k == 3)
                driven%own = merge([rigid%length, 0.0_dp], unit(:2, k), k == 3)
                driven%node = rigid%lead
                driven%force = rigid%lead_forces(unit(:, k))
@@ -347,11 +354,11 @@ contains
    end subroutine add_rigid_drives
 
    !> Lists the jump of a preload. Its force is a uniform pressure on both sides.
-   pure subroutine add_jump_drive(body, supports, name, pair, points)
+   pure subroutine add_jump_drive(body, supports, name, tie, points)
       type(body_t), intent(inout) :: body !! the body; gains the motion
       type(support_t), intent(in) :: supports(:) !! the supports
       character(*), intent(in) :: name !! name of the preload
-      type(mortar_pair_t), intent(in) :: pair !! its two sides
+      integer, intent(in) :: tie !! number of the tie that its two sides are
       type(mortar_points_t), intent(in) :: points !! their points
       type(driven_motion_t) :: driven
       real(dp), allocatable :: force(:, :)
@@ -359,18 +366,23 @@ contains
       integer :: i, p
 
       driven%support = support_of_jump(supports, name)
-      do p = 1, size(points%area)
-         share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
-            *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]
-      end do
+      associate (pair => body%ties(tie))
+         do p = 1, size(points%area)
+            share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
+               *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]
+         end do
+         driven%lead = pair%lead
+         driven%own = pair%jump
+         driven%axis = maxloc(abs(matmul(pair%jump, body%constraints%frame(pair%lead))), dim=1)
+      end associate
       force = points%rows%forces(share, body%mesh%n_nodes)
       driven%name = name
       driven%kind = 'preload'
       driven%words = [character(16) :: 'shortening', 'force']
       driven%dimensions = ['L', 'F']
       driven%component = 1
-      driven%lead = pair%lead
-      driven%own = pair%jump
+      driven%tie = tie
+      driven%lock_time = merge(huge(1.0_dp), supports(driven%support)%lock_time, supports(driven%support)%is_held(1))
       driven%node = pack([(i, i=1, size(force, 2))], any(abs(force) > 0.0_dp, dim=1))
       driven%force = force(:, driven%node)
       body%driven = [body%driven, driven]
@@ -393,6 +405,72 @@ contains
          end do
       end do
    end function body_driven_forces
+
+   !> The displacements of all nodes under one of the driven motions alone (2, n_nodes) [L].
+   pure function body_driven_field(self, number) result(field)
+      class(body_t), intent(in) :: self !! the body
+      integer, intent(in) :: number !! which of the motions
+      real(dp), allocatable :: field(:, :)
+
+      allocate (field(2, self%mesh%n_nodes), source=0.0_dp)
+      field(:, self%driven(number)%lead) = self%driven(number)%own
+      field = self%dof_map%substitution%displacement(field)
+   end function body_driven_field
+
+   !> Numbers the unknowns: those of the contact points behind the others, and at last those that a history may lock.
+   pure subroutine number_unknowns(body, substitution, error)
+      type(body_t), intent(inout) :: body !! the body; gains the numbers
+      type(substitution_t), intent(in) :: substitution !! how displacements follow from the unknowns
+      type(error_t), allocatable, intent(out) :: error !! cells of constant multipliers move with what may be locked
+      integer, allocatable :: own(:), leads(:)
+      integer :: i
+
+      body%lockable = pack([(i, i=1, size(body%driven))], body%driven%lock_time < huge(1.0_dp))
+      own = body%zone%own_nodes(substitution)
+      allocate (leads(0))
+      do i = 1, size(body%lockable)
+         associate (driven => body%driven(body%lockable(i)))
+            if (all(leads /= driven%lead)) leads = [leads, driven%lead]
+            ! Else the prescribed motion would be among the displacements of contact points.
+            if (any(own == driven%lead)) call new_error(error, input_refused, 'lock_time: contact acts on nodes '// &
+               "that '"//trim(driven%name)//"' moves itself; keep them apart")
+         end associate
+      end do
+      call new_dof_map(body%dof_map, body%constraints, [own, leads], substitution)
+      body%dof_map%n_lockable = size(body%lockable)
+   end subroutine number_unknowns
+
+   !> Locks driven motions at what is prescribed of them, or lets them free. That takes no factorization.
+   subroutine lock_motions(body, problem, is_locked, error)
+      type(body_t), intent(inout) :: body !! the body, condensed
+      type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
+      logical, intent(in) :: is_locked(:) !! which of the motions that can be locked are
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer :: i
+
+      do i = 1, size(is_locked)
+         associate (driven => body%driven(body%lockable(i)))
+            if (driven%tie > 0) then
+               body%ties(driven%tie)%is_jump_free = .not. is_locked(i)
+            else
+               body%constraints%is_free(driven%axis, driven%lead) = .not. is_locked(i)
+            end if
+         end associate
+      end do
+      call set_motions(body)
+      body%condensation%is_held = all(body%motions%n_free == 0)
+      body%condensation%is_locked = is_locked
+      call pose_body(body, problem, error)
+   end subroutine lock_motions
+
+   !> Finds the rigid motions that supports and locks leave free, and what contact points notice of them.
+   subroutine set_motions(body)
+      type(body_t), intent(inout) :: body !! the body, its contact points found
+
+      call find_motions(body%motions, body, body%springs, bonds_of(body%ties, body%constraints))
+      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates)
+      body%common_motions = common_motions(body%rigid_modes)
+   end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
    subroutine find_motions(motions, body, springs, bonds)
@@ -444,9 +522,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
       class(condenser_t), allocatable :: condenser
-      real(dp), allocatable :: force(:)
       logical :: is_held
-      integer :: i
 
       call timings%begin(phase_assemble)
       call check_held(body, error)
@@ -470,6 +546,17 @@ contains
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
+      call pose_body(body, problem, error)
+   end subroutine condense_body
+
+   !> Makes the contact problem of a factorized body.
+   subroutine pose_body(body, problem, error)
+      type(body_t), intent(inout) :: body !! the body
+      type(contact_problem_t), intent(out) :: problem !! its contact problem, on an operator of the body
+      type(error_t), allocatable, intent(out) :: error !! no room for S, or the cells of multipliers are too small
+      real(dp), allocatable :: force(:)
+      integer :: i
+
       if (size(body%common_motions, 2) > 0) body%condensation%unnoticed = contact_motions(body)
       call body%condensation%condense_stiffness(error)
       if (allocated(error)) return
@@ -483,7 +570,7 @@ contains
                maxval(abs(force))/maxval(abs(motion)))
          end associate
       end do
-   end subroutine condense_body
+   end subroutine pose_body
 
    !> The displacements of the contact unknowns under the motions that no contact point notices (n_schur, any) [-].
    pure function contact_motions(body) result(motions)
@@ -492,7 +579,7 @@ contains
       real(dp) :: frame(2, 2)
       integer :: axis, first, i, k, row
 
-      allocate (motions(body%dof_map%n_schur, size(body%common_motions, 2)), source=0.0_dp)
+      allocate (motions(body%dof_map%n_schur - body%dof_map%n_lockable, size(body%common_motions, 2)), source=0.0_dp)
       first = 1
       do k = 1, size(body%motions)
          associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1)
@@ -500,7 +587,7 @@ contains
                frame = body%constraints%frame(piece%node(i))
                do axis = 1, 2
                   row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
-                  if (row > 0) motions(row, :) = matmul(matmul(frame(:, axis), &
+                  if (row > 0 .and. row <= size(motions, 1)) motions(row, :) = matmul(matmul(frame(:, axis), &
                      piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i))), &
                      body%common_motions(first:last, :))
                end do

@@ -65,7 +65,7 @@ module amontons_condensation
       real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
       real(dp), allocatable, private :: partial(:)
          !! what the condenser needs of it to expand; with a band, the load itself (n)
-      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
+      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns and those behind them (n_schur) [F]
    contains
       procedure :: add => condensed_load_add
    end type condensed_load_t
@@ -76,6 +76,12 @@ module amontons_condensation
       real(dp) :: regularization = 0.0_dp !! alpha: regularization of the factor [F/L]
       type(contact_operator_t), pointer :: matrix => null() !! S, which the contact problems of the body point to
       integer, private :: n_unknowns = 0 !! number of contact unknowns
+      logical, allocatable :: is_locked(:) !! whether each unknown behind these stays at 0, and is not eliminated
+      integer, allocatable, private :: eliminated(:) !! places of those that are
+      real(dp), allocatable, private :: whole(:, :)
+         !! Schur complement with them; not allocated without any (n_schur, n_schur) [F/L]
+      real(dp), allocatable, private :: own_factor(:, :) !! Cholesky factor of their block S_ee
+      real(dp), allocatable, private :: lifting(:, :) !! S_ee^-1 S_ec (eliminated, n_unknowns) [-]
       integer, allocatable, private :: unknown(:, :)
          !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
          !! (2, m)
@@ -85,11 +91,13 @@ module amontons_condensation
          !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
          !! [-]
       type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
-      logical, private :: is_held = .true. !! whether supports alone hold the body
+      logical :: is_held = .true. !! whether supports alone hold the body
    contains
       procedure :: condense_load => condensation_condense_load
       procedure :: condense_stiffness => condensation_condense_stiffness
       procedure :: recover => condensation_recover
+      procedure, private :: eliminate => condensation_eliminate
+      procedure, private :: reduced => condensation_reduced
       final :: condensation_free
    end type condensation_t
 
@@ -114,7 +122,7 @@ contains
       mean = sum(stiffness%diagonal())/dof_map%n_dofs
       call map_unknowns(condensation, mean, is_held, zone, constraints, dof_map, error)
       if (allocated(error)) return
-      call find_band_order(stiffness, options%form, zone, order)
+      if (dof_map%n_lockable == 0) call find_band_order(stiffness, options%form, zone, order)
       if (allocated(order)) then
          allocate (band)
          call new_band_stiffness(band, stiffness, order, condensation%unknown, condensation%map, band_error)
@@ -171,8 +179,9 @@ contains
       end if
       condensation%is_held = is_held
       allocate (condensation%matrix)
-      condensation%n_unknowns = dof_map%n_schur
-      allocate (condensation%unnoticed(dof_map%n_schur, 0))
+      condensation%n_unknowns = dof_map%n_schur - dof_map%n_lockable
+      allocate (condensation%unnoticed(condensation%n_unknowns, 0))
+      allocate (condensation%is_locked(dof_map%n_lockable), source=.false.)
       if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
@@ -201,7 +210,7 @@ contains
          end do
       end do
       condensation%map = spread(reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2]), 3, zone%n_points)
-      allocate (condensation%rows(n, dof_map%n_schur), source=0.0_dp)
+      allocate (condensation%rows(n, condensation%n_unknowns), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
@@ -214,7 +223,7 @@ contains
                   if (dof_map%dof(axis, own(k)) == 0) cycle
                   column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
                   ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
-                  if (column < 1) cycle
+                  if (column < 1 .or. column > condensation%n_unknowns) cycle
                   do l = 1, count(condensation%unknown(:, p) > 0)
                      associate (c => condensation%rows(condensation%unknown(l, p), column))
                         c = c + dot_product(of_own(:, l), frame(:, axis))
@@ -263,16 +272,23 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small, or no memory
       real(dp), allocatable :: schur(:, :), stiffness(:, :)
       real(dp) :: block(2, 2)
-      integer :: p, r, m, i, j
+      integer :: p, r, m, i, j, n
 
       if (allocated(self%matrix%band)) return
       m = size(self%unknown, 2)
-      call allocate_matrix(schur, self%n_unknowns, self%n_unknowns, 'the contact unknowns', error)
+      n = self%n_unknowns + size(self%is_locked)
+      call allocate_matrix(schur, n, n, 'the contact unknowns', error)
       if (allocated(error)) return
-      call self%condenser%schur_complement(schur)
-      do i = 1, size(schur, 1)
-         schur(i, i) = schur(i, i) - self%regularization
-      end do
+      if (allocated(self%whole)) then
+         schur(:, :) = self%whole
+      else
+         call self%condenser%schur_complement(schur)
+         do i = 1, size(schur, 1)
+            schur(i, i) = schur(i, i) - self%regularization
+         end do
+      end if
+      if (size(self%is_locked) > 0) call self%eliminate(schur, error)
+      if (allocated(error)) return
       if (allocated(self%rows)) then
          call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, self%unnoticed, error)
          if (allocated(error)) return
@@ -296,6 +312,38 @@ contains
       call new_stiffness_operator(self%matrix, stiffness, self%is_held)
    end subroutine condensation_condense_stiffness
 
+   !> Eliminates the unknowns that no contact point has and that are not locked. The Schur complement with them stays:
+   !> to lock some takes no factorization.
+   pure subroutine condensation_eliminate(self, schur, error)
+      class(condensation_t), intent(inout) :: self !! the factorized body
+      real(dp), allocatable, intent(inout) :: schur(:, :)
+         !! the Schur complement with all of them (n_schur, n_schur); on return without any (n_unknowns, n_unknowns)
+         !! [F/L]
+      type(error_t), allocatable, intent(out) :: error !! nothing holds them
+      integer :: i, info
+
+      if (.not. allocated(self%whole)) self%whole = schur
+      self%eliminated = pack([(self%n_unknowns + i, i=1, size(self%is_locked))], .not. self%is_locked)
+      self%own_factor = schur(self%eliminated, self%eliminated)
+      self%lifting = schur(self%eliminated, :self%n_unknowns)
+      call cholesky_factor(self%own_factor, info)
+      ! not raised: what neither supports nor contact hold was refused before
+      if (info /= 0) call new_error(error, numerical_failure, 'nothing holds a rigid set or preload')
+      if (allocated(error)) return
+      call cholesky_solve(self%own_factor, self%lifting)
+      schur = schur(:self%n_unknowns, :self%n_unknowns) - matmul(schur(:self%n_unknowns, self%eliminated), self%lifting)
+   end subroutine condensation_eliminate
+
+   !> What is left of a load on the contact unknowns and those behind them when the latter are eliminated.
+   pure function condensation_reduced(self, load) result(reduced)
+      class(condensation_t), intent(in) :: self !! the factorized body
+      real(dp), intent(in) :: load(:) !! q on all of them (n_schur) [F]
+      real(dp), allocatable :: reduced(:)
+
+      reduced = load(:self%n_unknowns)
+      if (size(self%is_locked) > 0) reduced = reduced - matmul(load(self%eliminated), self%lifting)
+   end function condensation_reduced
+
    !> Frees the operator.
    subroutine condensation_free(self)
       type(condensation_t), intent(inout) :: self !! the condensation
@@ -316,10 +364,10 @@ contains
          condensed%partial = load
          condensed%contact_load = load(size(load) - self%n_unknowns + 1:)
       else
-         allocate (condensed%partial(size(load)), condensed%contact_load(self%n_unknowns))
+         allocate (condensed%partial(size(load)), condensed%contact_load(self%n_unknowns + size(self%is_locked)))
          call self%condenser%condense(load, condensed%partial, condensed%contact_load)
       end if
-      q = condensed%contact_load
+      q = self%reduced(condensed%contact_load)
       if (allocated(self%rows)) q = self%to_rows%condense(q)
       allocate (condensed%load(2*m), source=0.0_dp)
       do p = 1, m
@@ -347,13 +395,14 @@ contains
       type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
       real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (2m, loads) [L]
       real(dp), allocatable, intent(out) :: unknowns(:, :) !! all unknowns (n, loads) [L]
-      real(dp), allocatable :: partial(:, :), v(:, :)
+      real(dp), allocatable :: partial(:, :), v(:, :), own(:)
       real(dp) :: of_points(count(self%unknown > 0))
       integer :: k, l, m, n, p
 
       n = self%condenser%n
       m = size(self%unknown, 2)
-      allocate (unknowns(n, size(condensed)), partial(n, size(condensed)), v(self%n_unknowns, size(condensed)))
+      allocate (unknowns(n, size(condensed)), partial(n, size(condensed)))
+      allocate (v(self%n_unknowns + size(self%is_locked), size(condensed)), source=0.0_dp)
       do k = 1, size(condensed)
          partial(:, k) = condensed(k)%partial
          do p = 1, m
@@ -361,9 +410,14 @@ contains
             of_points(self%unknown(:l, p)) = matmul(self%map(:l, :, p), displacement([p, p + m], k))
          end do
          if (allocated(self%rows)) then
-            v(:, k) = self%to_rows%expand(condensed(k)%contact_load, of_points)
+            v(:self%n_unknowns, k) = self%to_rows%expand(self%reduced(condensed(k)%contact_load), of_points)
          else
-            v(:, k) = of_points
+            v(:self%n_unknowns, k) = of_points
+         end if
+         if (size(self%is_locked) > 0) then
+            own = condensed(k)%contact_load(self%eliminated)
+            call cholesky_solve(self%own_factor, own)
+            v(self%eliminated, k) = own - matmul(self%lifting, v(:self%n_unknowns, k))
          end if
          if (allocated(self%matrix%band)) unknowns(:, k) = [self%matrix%band%interior_displacement( &
             partial(:n - self%n_unknowns, k), displacement(:, k)), v(:, k)]

@@ -44,6 +44,7 @@ module amontons_load_family
       integer, allocatable :: load(:) !! part of each load
       integer, allocatable :: support(:) !! part of what each support prescribes
       integer, allocatable :: friction(:) !! part of the friction of each contact set
+      integer, allocatable :: driven(:) !! the driven motion that each of the last parts prescribes, to be locked
       logical, allocatable :: is_coefficient(:)
          !! whether the factor of a part is Coulomb's coefficient itself, in the place of the key `friction` (parts)
       logical :: moves_obstacles = .false. !! whether obstacles of members move
@@ -97,6 +98,7 @@ contains
 
       allocate (parting%load(size(load_case%loads)), parting%support(size(load_case%supports)), &
          parting%friction(size(load_case%contacts)), source=1)
+      allocate (parting%driven(0))
       allocate (parting%is_coefficient(1), source=.false.)
    end function one_part
 
@@ -116,6 +118,7 @@ contains
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
       allocate (family%parts(parting%n_parts))
+      allocate (family%load(2*body%zone%n_points, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
          family%has_displacement(parting%n_parts))
       do k = 1, parting%n_parts
@@ -175,6 +178,8 @@ contains
          if (parting%support(i) /= number) supports(i)%displacement = 0.0_dp
       end do
       call prescribe(part, constraints, body, supports, error)
+      i = number - (parting%n_parts - size(parting%driven))
+      if (i > 0) part%prescribed = body%driven_field(parting%driven(i))
    end subroutine fill_part
 
    !> Condenses the parts, prescribed displacements and thermal strains included. Where a body is spread over ranks, all
@@ -187,7 +192,6 @@ contains
       real(dp) :: slip(body%zone%n_points), from_slip(2*body%zone%n_points)
       integer :: k
 
-      allocate (self%load(2*body%zone%n_points, size(self%parts)), self%largest(size(self%parts)))
       do k = 1, size(self%parts)
          associate (part => self%parts(k))
             forces = part%force

@@ -135,9 +135,8 @@ contains
             own(:, driven%node) = driven%force
             test%pulled = own
          else
-            own(:, driven%lead) = driven%own
-            test%held = body%dof_map%substitution%displacement(own)
-            test%driven = (of_motion + 1)/2
+            test%driven = of_motion/2
+            test%held = body%driven_field(test%driven)
          end if
       end associate
    end subroutine new_test

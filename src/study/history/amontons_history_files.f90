@@ -115,7 +115,7 @@ contains
             case (of_points)
                call describe_points(tables(i), history)
             case (of_states)
-               call describe_states(tables(i), history%name, body%zone%n_points, n_noted)
+               call describe_states(tables(i), history%name, body, n_noted)
             case (of_cycles)
                call describe_cycles(tables(i), history%has_fretting)
             case default
@@ -212,10 +212,10 @@ contains
    end subroutine describe_points
 
    !> Describes the table of the states.
-   pure subroutine describe_states(table, time, n_points, n_noted)
+   pure subroutine describe_states(table, time, body, n_noted)
       type(history_table_t), intent(inout) :: table !! the table
       character(*), intent(in) :: time !! what the pseudo-time is called
-      integer, intent(in) :: n_points !! number of contact points
+      type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
       character(23), parameter :: labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
          'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
@@ -224,8 +224,11 @@ contains
 
       call table%add('step,steps_given_up,iterations,length,noted,'//time// &
          ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
+      do i = 1, size(body%lockable)
+         call table%add('lock_'//to_text(i), number_alone)
+      end do
       do i = 1, size(labels)
-         do p = 1, n_points
+         do p = 1, body%zone%n_points
             call table%add(trim(labels(i))//'_'//to_text(p), number_alone)
          end do
       end do

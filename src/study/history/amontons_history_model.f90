@@ -10,7 +10,7 @@
 !> the contact displacements v by equilibrium. Any force field G does the work `v . condense(G)` on E v, so that a few
 !> vectors and small matrices, computed once, give every energy of a step in O(m^2) operations.
 module amontons_history_model
-   use amontons_body, only: body_t
+   use amontons_body, only: body_t, lock_motions
    use amontons_checkpoint, only: archive_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
@@ -64,6 +64,8 @@ module amontons_history_model
       logical, allocatable :: is_tangent_fixed(:) !! whether a support holds each point along its tangent (m)
    contains
       procedure :: acting => history_model_acting
+      procedure :: enter_step => history_model_enter_step
+      procedure :: set_locks => history_model_set_locks
       procedure :: at => history_model_at
       procedure :: cycle_at => history_model_cycle_at
       procedure :: fingerprint => history_model_fingerprint
@@ -78,7 +80,7 @@ module amontons_history_model
          !! what is added to the gaps: by who takes the steps and, once a step is taken, by what was worn before (m) [L]
    end type instant_t
 
-   !> Numbers of a state that are kept besides those of its contact points.
+   !> Numbers of a state that are kept besides those of its contact points and locks.
    integer, parameter :: n_single = 6
    !> Numbers that are kept of each contact point.
    integer, parameter :: n_per_point = 11
@@ -96,6 +98,7 @@ module amontons_history_model
       real(dp), allocatable :: reaction(:)
          !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
       real(dp), allocatable :: named(:) !! forces by name, in the order of `named_quantities` [F]
+      real(dp), allocatable :: lock(:) !! where each motion that can be locked was locked; huge before that [L]
       real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
       real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
       real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
@@ -181,8 +184,7 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
       type(parting_t) :: parting
-      real(dp) :: unit(2, body%mesh%n_nodes)
-      integer :: i, component, k
+      integer :: i, k
 
       model%history = config%history
       model%wear = prepared%contacts(body%zone%set)%wear/body%zone%area
@@ -213,22 +215,38 @@ contains
             end do
          end associate
       end do
+      parting%driven = body%lockable
+      parting%n_parts = parting%n_parts + size(parting%driven)
       parting%is_coefficient = spread(.false., 1, parting%n_parts)
       call new_load_solver(model%solver, body, prepared, parting, config%method, error)
       if (allocated(error)) return
+      model%cycle_times = model%history%cycle_ends()
+      call find_probes(model%probe, model%history, body, error)
+      if (.not. allocated(error)) call condense_history(model, body, problem, error)
+   end subroutine new_history_model
+
+   !> Condenses the parts, and all that steps need of them.
+   subroutine condense_history(model, body, problem, error)
+      type(history_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(error_t), allocatable, intent(out) :: error !! stresses of the surface cannot be computed
+      real(dp) :: unit(2, body%mesh%n_nodes)
+      integer :: i, component
+
       associate (loads => model%solver%loads)
          call loads%condense(body, problem)
          call new_energy_form(model%energies, body, loads%parts)
-         model%cycle_times = model%history%cycle_ends()
          if (model%history%has_fretting) then
+            if (allocated(model%surface)) deallocate (model%surface)
             allocate (model%surface)
-            call new_surface_stress(model%surface, body, config%contacts, loads%parts, model%energies%field, error)
+            call new_surface_stress(model%surface, body, loads%base%contacts, loads%parts, model%energies%field, &
+               error)
             if (allocated(error)) return
          end if
       end associate
-      call find_probes(model%probe, model%history, body, error)
-      if (allocated(error)) return
       ! Finds what the displacements of the probes are in terms of the contact displacements.
+      if (allocated(model%probe_row)) deallocate (model%probe_row)
       allocate (model%probe_row(2*body%zone%n_points, 2*size(model%probe)))
       do i = 1, size(model%probe)
          do component = 1, 2
@@ -237,7 +255,43 @@ contains
             model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
          end do
       end do
-   end subroutine new_history_model
+   end subroutine condense_history
+
+   !> Locks the motions of the body that are locked in a state, and lets the others free.
+   subroutine history_model_set_locks(self, body, problem, state, error)
+      class(history_model_t), intent(inout) :: self !! the model
+      type(body_t), intent(inout) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(step_state_t), intent(inout) :: state !! the state; the factors of what it locks become those of the locks
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      logical :: is_locked(size(state%lock))
+
+      is_locked = state%lock < huge(1.0_dp)
+      associate (factor => state%instant%factor)
+         factor(size(factor) - size(is_locked) + 1:) = merge(state%lock, 0.0_dp, is_locked)
+      end associate
+      if (all(is_locked .eqv. body%condensation%is_locked)) return
+      call lock_motions(body, problem, is_locked, error)
+      if (allocated(error)) return
+      call self%solver%note_motions(body)
+      call condense_history(self, body, problem, error)
+   end subroutine history_model_set_locks
+
+   !> Before a step, locks the motions whose time has come where they are. Nothing moves: displacements, forces and
+   !> energies of the state stay.
+   subroutine history_model_enter_step(self, body, problem, state, error)
+      class(history_model_t), intent(inout) :: self !! the model
+      type(body_t), intent(inout) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(step_state_t), intent(inout) :: state !! the state at the beginning of the step
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      logical :: is_due(size(body%lockable))
+
+      is_due = body%driven(body%lockable)%lock_time <= state%instant%time .and. .not. state%lock < huge(1.0_dp)
+      if (.not. any(is_due)) return
+      where (is_due) state%lock = state%named(size(state%named) - 2*size(body%driven) - 1 + 2*body%lockable)
+      call self%set_locks(body, problem, state, error)
+   end subroutine history_model_enter_step
 
    !> Which cycle ends at a time: 0 where the first one begins, -1 where none does.
    pure integer function history_model_cycle_at(self, time) result(cycle)
@@ -365,6 +419,7 @@ contains
       allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m), &
          state%instant%added_gap(m), source=0.0_dp)
       state%reaction = state%instant%factor
+      allocate (state%lock(size(body%lockable)), source=huge(1.0_dp))
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, state%instant%gap)
       state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_tangent_fixed)
@@ -383,6 +438,10 @@ contains
 
       m = body%zone%n_points
       after%instant = instant
+      after%lock = before%lock
+      associate (first => size(instant%factor) - size(after%lock) + 1)
+         after%instant%factor(first:) = before%instant%factor(first:)
+      end associate
       after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
          - before%instant%motion), body%zone%is_tangent_fixed)
       after%instant%added_gap = instant%added_gap + before%wear_depth
@@ -432,10 +491,10 @@ contains
    end subroutine complete
 
    !> How many numbers a state is restored from.
-   pure integer function n_state_numbers(n_points)
-      integer, intent(in) :: n_points !! number of contact points
+   pure integer function n_state_numbers(body)
+      type(body_t), intent(in) :: body !! the body
 
-      n_state_numbers = n_single + n_per_point*n_points
+      n_state_numbers = n_single + size(body%lockable) + n_per_point*body%zone%n_points
    end function n_state_numbers
 
    !> What a state must be restored from, the time first: all else follows.
@@ -461,6 +520,7 @@ contains
       call archive%pass(state%obstacle_work)
       call archive%pass(state%solution%residual)
       call archive%pass(state%solution%n_iterations)
+      call archive%pass(state%lock)
       call archive%pass(state%solution%status)
       call archive%pass(state%solution%force)
       call archive%pass(state%solution%displacement)
@@ -475,8 +535,8 @@ contains
    !> Restores a state from its numbers, to the last bit.
    subroutine restore_step_state(state, model, body, problem, numbers, instant, error)
       type(step_state_t), intent(out) :: state !! the state
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
+      type(history_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(inout) :: body !! the body; locked as it was
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(instant_t), intent(in) :: instant !! what acted, at the time among the numbers
@@ -487,17 +547,20 @@ contains
       integer :: m
 
       m = body%zone%n_points
-      if (size(numbers) /= n_state_numbers(m)) then
+      if (size(numbers) /= n_state_numbers(body)) then
          call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single)/n_per_point)// &
             ' contact points, the body has '//to_text(m))
          return
       end if
       state%instant = instant
       call new_contact_solution(state%solution, m)
-      allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m))
+      allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
+         state%wear_depth(m))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
       state%instant%gap = state%instant%gap + state%instant%added_gap
+      call model%set_locks(body, problem, state, error)
+      if (allocated(error)) return
       state%solution%history = spread(state%solution%residual, 1, state%solution%n_iterations)
       state%solution%is_converged = .true.
       state%slip = state%solution%displacement(m + 1:) - state%instant%anchor

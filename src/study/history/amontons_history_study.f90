@@ -121,7 +121,7 @@ contains
       type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of the last step
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(history_model_t), intent(in) :: model !! the history
+      type(history_model_t), intent(inout) :: model !! the history
       type(history_files_t), intent(out) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the way, and what is known of it
       type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
@@ -147,7 +147,7 @@ contains
    subroutine start_history(result, cache, model, numbers, error)
       type(history_result_t), intent(inout) :: result !! gains the way, and no steps
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
-      type(history_model_t), intent(in) :: model !! the history
+      type(history_model_t), intent(inout) :: model !! the history
       real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state; not allocated where none is named
       type(error_t), allocatable, intent(out) :: error !! there is no such state, or it is none of this deck
       ! Of a sound step that was not certified, rounding in an ill-conditioned body may leave more than the limit.
@@ -260,7 +260,7 @@ contains
    !> Takes the steps, as far as there is a way and the monitor does not stop it.
    subroutine take_steps(cache, model, files, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body
-      type(history_model_t), intent(in) :: model !! the history
+      type(history_model_t), intent(inout) :: model !! the history
       type(history_files_t), intent(inout) :: files !! gain the steps
       class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
       type(history_result_t), intent(inout) :: result !! gains the way and its extremes

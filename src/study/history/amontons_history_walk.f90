@@ -395,8 +395,8 @@ contains
    !> Goes to where the way was when it gave its numbers, perhaps through a history of other times.
    subroutine history_walk_restore(self, model, body, problem, numbers, error)
       class(history_walk_t), intent(inout) :: self !! the way, new
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
+      type(history_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(error_t), allocatable, intent(out) :: error !! they do not fit body and history
@@ -442,8 +442,8 @@ contains
    !> Takes the next step, as short as it must be. At the end of all times, or where there is no way on, it stays.
    subroutine history_walk_advance(self, model, body, problem)
       class(history_walk_t), intent(inout) :: self !! the way
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
+      type(history_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(step_state_t) :: next
       type(error_t), allocatable :: error
@@ -454,6 +454,7 @@ contains
       self%is_jump = .false.
       answer_time = 0.0_dp
       if (self%is_ended) return
+      call model%enter_step(body, problem, self%state, error)
       do
          time = self%plan(model%history)
          ! Takes a step to a time, and counts its iterations.
@@ -461,7 +462,7 @@ contains
          next%reason = ''
          next%solution%is_converged = .false.
          next%solution%n_iterations = 0
-         call model%at(body, time, instant, error)
+         if (.not. allocated(error)) call model%at(body, time, instant, error)
          if (.not. allocated(error)) call take_step(next, model, body, problem, self%state, instant)
          self%n_iterations = self%n_iterations + next%solution%n_iterations
          if (next%outcome == outcome_no_equilibrium) then

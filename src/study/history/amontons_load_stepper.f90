@@ -50,7 +50,7 @@ contains
       if (allocated(error)) return
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
       stepper%n_points = stepper%cache%body%zone%n_points
-      stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%n_points)
+      stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%cache%body)
       call history_tables(tables, stepper%model, stepper%cache%body, 0)
       associate (header => tables(1)%header)
          stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
@@ -93,6 +93,7 @@ contains
          call new_error(error, input_refused, 'time, changes, gaps and state must be finite numbers')
       end if
       if (.not. allocated(error)) call restore_start(self, before, start, error)
+      if (.not. allocated(error)) call self%model%enter_step(self%cache%body, self%cache%problem, start, error)
       if (.not. allocated(error)) call self%model%acting(self%cache%body, time, changes, instant, error)
       if (allocated(error)) return
       instant%added_gap = added
@@ -115,6 +116,7 @@ contains
 
       if (.not. numbers(1) > 0.0_dp) then
          call new_step_state(state, stepper%model, stepper%cache%body)
+         call stepper%model%set_locks(stepper%cache%body, stepper%cache%problem, state, error)
          return
       end if
       associate (changes => numbers(2:1 + stepper%n_changes), own => numbers(2 + stepper%n_changes:))
