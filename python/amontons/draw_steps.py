@@ -37,14 +37,14 @@ def column(case: Case, rows: list[dict[str, str]], name: str) -> Array:
 
 def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
     """What is drawn over what if nobody says: the displacement of the first probe, or else the tangential force, over
-    the number that turns back most often, of several the one that changes in most steps: a preload is applied and
-    stays."""
-    def liveliness(name: str) -> tuple[int, int]:
+    the number that turns back most often, of several the one that changes last and in most steps: a preload is applied
+    and stays."""
+    def liveliness(name: str) -> tuple[int, int, int]:
         moves = np.diff(column(case, rows, name))
-        moves = moves[moves != 0]
-        return int(np.sum(moves[1:]*moves[:-1] < 0)), len(moves)
+        steps = np.flatnonzero(moves)
+        return int(np.sum(moves[steps[1:]]*moves[steps[:-1]] < 0)), int(steps.max(initial=-1)), len(steps)
 
-    changes = [name for name in case.summary["load_history"]["changes"] if liveliness(name)[1] > 0]
+    changes = [name for name in case.summary["load_history"]["changes"] if liveliness(name)[2] > 0]
     over = max(changes, key=liveliness, default=list(rows[0])[1])
     return over, "ux_1" if "ux_1" in rows[0] else "tangential_force"
 

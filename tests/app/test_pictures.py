@@ -111,18 +111,19 @@ class Pictures(ProgramTest):
         self.script("report", "last")
         self.assertIn("1 green", (self.directory / "last" / "report.html").read_text(encoding="utf-8"))
 
-    def test_the_loop_is_over_what_turns_back_and_not_over_the_preload(self):
-        self.write("clamped.nml", block(
-            SUPPORT, PRESSURE.replace("load", "load name = 'preload' "), CONTACT,
-            "load name = 'cycle'  set = 'right'  traction = 1.0, 0.0",
-            "history times = 0.0, 1.0, 2.0, 3.0  substeps = 2",
-            "steps load = 'preload'  factor = 0.0, 1.0, 1.0, 1.0",
-            "steps load = 'cycle'  factor = 0.0, 0.0, 1.0, -1.0"))
-        self.run_program("--quiet", "--output", "out", "clamped.nml")
+    def test_the_loop_is_over_what_turns_back_or_changes_last_and_not_over_the_preload(self):
+        for name, factors in (("cycle", "0.0, 0.0, 1.0, -1.0"), ("once", "0.0, 0.0, 1.0, 1.0")):
+            self.write(f"{name}.nml", block(
+                SUPPORT, PRESSURE.replace("load", "load name = 'preload' "), CONTACT,
+                "load name = 'push'  set = 'right'  traction = 1.0, 0.0",
+                "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3, 2, 2",
+                "steps load = 'preload'  factor = 0.0, 1.0, 1.0, 1.0", f"steps load = 'push'  factor = {factors}"))
+            self.run_program("--quiet", "--output", "out", f"{name}.nml")
         self.script("plot", "out", "--format", "svg")
-        drawn = (self.directory / "out" / "clamped.steps.svg").read_text(encoding="utf-8")
-        self.assertIn("factor of cycle", drawn)
-        self.assertNotIn("factor of preload", drawn)
+        for name in ("cycle", "once"):
+            drawn = (self.directory / "out" / f"{name}.steps.svg").read_text(encoding="utf-8")
+            self.assertIn("factor of push", drawn)
+            self.assertNotIn("factor of preload", drawn)
 
     def test_scripts_take_the_python_that_can_draw(self):
         # A python3 that comes first on the search path and has the packages, and one that has not.
