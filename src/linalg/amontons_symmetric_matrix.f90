@@ -1,4 +1,6 @@
 !> A symmetric matrix to multiply with: dense, or sparse with both triangles stored.
+!>
+!> Its last rows may come in pairs, the two tangents of a point in space, whose axes mean nothing by themselves.
 module amontons_symmetric_matrix
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
@@ -11,6 +13,7 @@ module amontons_symmetric_matrix
    !> A symmetric matrix. Either `values` is allocated (dense), or the three arrays of the sparse form are.
    type :: symmetric_matrix_t
       integer :: n = 0 !! number of rows
+      integer :: n_pairs = 0 !! number of pairs k: the rows n - 2 n_pairs + k and n - n_pairs + k
       real(dp), allocatable :: values(:, :) !! dense: both triangles (n, n)
       integer, allocatable :: first(:) !! sparse: where each column begins in `row` and `entry`, and the end (n + 1)
       integer, allocatable :: row(:) !! sparse: rows of the entries, ascending within a column
@@ -25,15 +28,18 @@ module amontons_symmetric_matrix
       procedure :: multiply => symmetric_matrix_multiply
       procedure :: part_multiply => symmetric_matrix_part_multiply
       procedure :: reciprocal_diagonal => symmetric_matrix_reciprocal_diagonal
+      procedure :: turn => symmetric_matrix_turn
    end type symmetric_matrix_t
 
 contains
 
    !> Takes over a full array as a dense matrix.
-   pure subroutine new_dense_matrix(matrix, values)
+   pure subroutine new_dense_matrix(matrix, values, n_pairs)
       type(symmetric_matrix_t), intent(out) :: matrix !! the matrix
       real(dp), allocatable, intent(inout) :: values(:, :) !! both triangles (n, n); not allocated on return
+      integer, intent(in), optional :: n_pairs !! number of its pairs; 0 if it is not given
 
+      if (present(n_pairs)) matrix%n_pairs = n_pairs
       matrix%n = size(values, 1)
       call move_alloc(values, matrix%values)
    end subroutine new_dense_matrix
@@ -154,14 +160,20 @@ contains
       end do
    end function symmetric_matrix_element
 
-   !> The diagonal (n).
+   !> The diagonal; of a pair the largest eigenvalue of its block, which no turn of its axes changes (n).
    pure function symmetric_matrix_diagonal(self) result(diagonal)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp) :: diagonal(self%n)
-      integer :: j
+      integer :: i, j
 
       do j = 1, self%n
          diagonal(j) = self%element(j, j)
+      end do
+      do j = self%n - self%n_pairs + 1, self%n
+         i = j - self%n_pairs
+         diagonal(j) = 0.5_dp*(diagonal(i) + diagonal(j)) &
+            + hypot(0.5_dp*(diagonal(i) - diagonal(j)), self%element(i, j))
+         diagonal(i) = diagonal(j)
       end do
    end function symmetric_matrix_diagonal
 
@@ -175,6 +187,68 @@ contains
       if (.not. any(reciprocal > 0.0_dp)) reciprocal = 1.0_dp
       reciprocal = 1.0_dp/merge(reciprocal, maxval(reciprocal), reciprocal > 0.0_dp)
    end function symmetric_matrix_reciprocal_diagonal
+
+   !> The matrix in other axes of its pairs.
+   pure subroutine symmetric_matrix_turn(self, axes, turned)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]
+      type(symmetric_matrix_t), intent(out) :: turned !! the matrix in these axes, dense or sparse as it is
+      real(dp) :: weight(2, self%n), first(self%n_pairs)
+      integer :: at(2, self%n), i, j, k, l, n
+      integer, allocatable :: row(:), column(:)
+      real(dp), allocatable :: entry(:)
+
+      ! Each row is a sum of at most two of the turned matrix.
+      associate (m => self%n_pairs, plain => self%n - 2*self%n_pairs)
+         if (allocated(self%values)) then
+            turned%n = self%n
+            turned%values = self%values
+            do k = 1, m
+               associate (one => turned%values(:, plain + k), other => turned%values(:, plain + m + k))
+                  weight(1, :) = one
+                  one = axes(1, k)*one + axes(2, k)*other
+                  other = axes(1, k)*other - axes(2, k)*weight(1, :)
+               end associate
+            end do
+            do j = 1, self%n
+               associate (one => turned%values(plain + 1:plain + m, j), other => turned%values(plain + m + 1:, j))
+                  first = one
+                  one = axes(1, :)*first + axes(2, :)*other
+                  other = axes(1, :)*other - axes(2, :)*first
+               end associate
+            end do
+         else
+            at(1, :) = [(i, i=1, self%n)]
+            weight(1, :) = 1.0_dp
+            weight(2, :) = 0.0_dp
+            do k = 1, m
+               at(:, plain + k) = [plain + k, plain + m + k]
+               at(:, plain + m + k) = [plain + m + k, plain + k]
+               weight(:, plain + k) = [axes(1, k), -axes(2, k)]
+               weight(:, plain + m + k) = axes(:, k)
+            end do
+            n = 4*size(self%row)
+            allocate (row(n), column(n), entry(n))
+            n = 0
+            do j = 1, self%n
+               do k = self%first(j), self%first(j + 1) - 1
+                  do i = 1, 4
+                     l = (i + 1)/2
+                     associate (share => weight(l, j)*weight(i + 2 - 2*l, self%row(k)))
+                        if (.not. abs(share) > 0.0_dp) cycle
+                        n = n + 1
+                        row(n) = at(i + 2 - 2*l, self%row(k))
+                        column(n) = at(l, j)
+                        entry(n) = share*self%entry(k)
+                     end associate
+                  end do
+               end do
+            end do
+            call new_sparse_matrix(turned, self%n, row(:n), column(:n), entry(:n))
+         end if
+         turned%n_pairs = m
+      end associate
+   end subroutine symmetric_matrix_turn
 
    !> The dense block of given rows and columns.
    pure function symmetric_matrix_block(self, rows, columns) result(block)

@@ -28,15 +28,16 @@ module sample_problems
 contains
 
    !> Makes a contact problem of a stiffness that lives as long as the tests.
-   subroutine stiffness_problem(problem, stiffness, is_held)
+   subroutine stiffness_problem(problem, stiffness, is_held, n_tangents)
       type(contact_problem_t), intent(out) :: problem !! the problem
       real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m)
       logical, intent(in) :: is_held !! whether S is positive definite
+      integer, intent(in), optional :: n_tangents !! tangential directions of a point; 1 if it is not given
       real(dp), allocatable :: values(:, :)
 
       call keep_another()
       allocate (values, source=stiffness)
-      call new_stiffness_operator(last%matrix, values, is_held)
+      call new_stiffness_operator(last%matrix, values, is_held, n_tangents)
       call new_contact_problem(problem, last%matrix)
    end subroutine stiffness_problem
 

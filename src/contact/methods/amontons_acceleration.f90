@@ -9,7 +9,6 @@ module amontons_acceleration
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, effort_t
    use amontons_dense, only: cholesky_factor_softly, cholesky_solve
-   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -144,15 +143,13 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! its residual is that after the iteration
       real(dp) :: proposal(3*size(force)), next(size(force)), moved(size(force)), image(3*size(force))
       logical :: is_given
-      integer :: m, n
+      integer :: n
 
-      m = problem%n_points
-      n = 2*m
+      n = size(force)
       image = [force, problem%matrix%proximal_parameter*place, displacement]
       call acceleration%extrapolate(start, image, proposal, is_given)
       if (.not. is_given) return
-      next(:m) = max(0.0_dp, proposal(:m))
-      next(m + 1:) = bounded(proposal(m + 1:n), problem%bound(next(:m)))
+      next = problem%cut(proposal(:n))
       call problem%matrix%compliance%multiply(next - proposal(:n), moved)
       moved = proposal(2*n + 1:) - moved
       call solution%effort%multiply(2.0_dp)

@@ -5,9 +5,10 @@
 !>
 !> Springs hold the points to where the last step led, and share the loads with the contact. With stiff springs a
 !> step is a problem of nearly independent points; the body creeps. Springs become softer where steps are solved, and
-!> stiffer where one is not. Where steps vanish, springs have no effect.
+!> stiffer where one is not. Where steps vanish, springs have no effect. In a reduced problem springs in series with
+!> the points, strained by the difference to the last forces, do the same to the forces.
 module amontons_auto
-   use amontons_contact_operator, only: contact_operator_t
+   use amontons_contact_operator, only: contact_operator_t, new_softened_operator
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t
@@ -77,7 +78,7 @@ contains
          call stages%run(newton_t(max_iterations=n_first_steps, patience=start_patience, decrease=start_decrease), &
             problem, solution)
       end if
-      call new_contact_solution(solution, problem%n_points)
+      call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
       call stages%run(newton_t(max_iterations=n_first_steps), problem, solution)
       if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
       if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
@@ -129,7 +130,7 @@ contains
          round = round + 1
          call go_at_length(stages, problem, max_regularizations(1 + modulo(round - 1, 2)))
          if (is_long(problem)) cycle
-         if (round == 2 .and. problem%n_points <= most_points) then
+         if (round == 2 .and. problem%n_points <= most_points .and. problem%matrix%n_tangents == 1) then
             call stages%run(lemke_t(), problem)
          else if (round == 2 .and. suits_splitting(problem)) then
             call stages%run(splitting_t(max_iterations=n_patient_steps), problem)
@@ -140,13 +141,14 @@ contains
       end do
       ! Residuals close to the tolerance are rounding that no start is without.
       if (stages%best%residual <= coarse) return
-      call new_contact_solution(rest, problem%n_points)
+      call new_contact_solution(rest, problem%n_points, problem%matrix%n_tangents)
       call stages%run(newton_t(max_iterations=stages%max_iterations, max_regularization=maxval(max_regularizations)), &
          problem, rest)
    end subroutine take_rounds
 
    !> Newton at length from the best pair. Where its steps lead nowhere, the proximal path from there; where that leads
-   !> nowhere either, Newton's steps go on: a front may take long to arrive.
+   !> nowhere either, Newton's steps go on: a front may take long to arrive. A reduced problem has the path in space
+   !> only, in the place of Lemke's pivoting.
    subroutine go_at_length(stages, problem, max_regularization)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -160,6 +162,9 @@ contains
       n_end = size(stages%history) + n_newton_steps
       if (.not. problem%matrix%has_stiffness()) then
          call stages%run(newton_t(max_iterations=n_newton_steps, max_regularization=max_regularization), problem, first)
+         if (problem%matrix%n_tangents == 1) return
+         first = stages%best
+         call stages%run(proximal_path_t(max_iterations=n_newton_steps), problem, first)
          return
       end if
       call stages%run(newton_t(max_iterations=n_newton_steps, max_regularization=max_regularization, &
@@ -229,7 +234,7 @@ contains
    !> Takes proximal steps from where a solution is, and keeps the best pair.
    subroutine proximal_path_solve(self, problem, solution, error)
       class(proximal_path_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
+      type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       ! Stiff springs spoil a step more than its residual does. Steps that are solved take about three of Newton's.
@@ -239,38 +244,47 @@ contains
       type(contact_problem_t) :: step
       type(contact_solution_t) :: found, best
       type(newton_t) :: newton
-      real(dp), dimension(2*problem%n_points) :: center, rho
+      real(dp), dimension(problem%matrix%n) :: center, rho
       real(dp) :: share, factor
       integer :: i
-      logical :: may_continue
+      logical :: may_continue, is_dual
       ! Chosen on twenty-five bodies that Newton's steps alone do not solve.
       real(dp), parameter :: softest = 1.0e-14_dp, back = 10.0_dp, most = 100.0_dp, change = 1.5_dp
       integer, parameter :: few = 3
 
       call solution%reset()
-      call problem%matrix%copy_stiffness(matrix, error)
+      is_dual = .not. problem%matrix%has_stiffness()
+      if (.not. is_dual) call problem%matrix%copy_stiffness(matrix, error)
       if (allocated(error)) return
       rho = problem%augmentation()
+      if (is_dual) call solution%measure(problem)
       best = solution
       found = solution
-      center = solution%displacement
+      center = merge(solution%force, solution%displacement, is_dual)
       share = 1.0_dp
       factor = first_factor
       may_continue = .true.
       do while (may_continue .and. solution%n_iterations < self%max_iterations .and. share <= stiffest)
          step = problem
-         call step%count_from(center)
-         call matrix%set_springs(problem%matrix, share*rho)
+         if (is_dual) then
+            step%free_displacement = problem%free_displacement + share/rho*center
+            call new_softened_operator(matrix, problem%matrix, share/rho)
+            found%force = center
+            found%displacement = problem%displacement(problem%dual_load(center), center)
+         else
+            call step%count_from(center)
+            call matrix%set_springs(problem%matrix, share*rho)
+            found%displacement = 0.0_dp
+         end if
          step%matrix => matrix
          newton%tolerance = max(self%tolerance, min(coarse, share))
          newton%max_iterations = min(steps_of_one, self%max_iterations - solution%n_iterations)
-         found%displacement = 0.0_dp
          call newton%solve(step, found, error)
          if (allocated(error)) return
          call solution%effort%add(found%effort)
          ! The last iteration of a step that is solved is recorded with the pair that it leads to.
          do i = 1, found%n_iterations - merge(1, 0, found%is_converged)
-            call solution%record_residual(found%history(i))
+            call solution%record_residual(max(found%history(i), merge(best%residual, 0.0_dp, is_dual)))
          end do
          if (found%is_converged) then
             share = max(softest, share/factor)
@@ -279,7 +293,12 @@ contains
             share = back*share
             factor = change
          end if
-         if (found%is_converged) then
+         if (is_dual) then
+            if (found%is_converged .or. found%residual <= coarse) center = found%force
+            if (found%is_converged) call solution%record(problem, problem%displacement(problem%dual_load(center), &
+               center), center, self%tolerance, may_continue)
+            if (found%is_converged) call best%take_better(solution)
+         else if (found%is_converged) then
             center = center + found%displacement
             call solution%record(problem, center, found%force, self%tolerance, may_continue)
             call best%take_better(solution)

@@ -11,16 +11,21 @@
 !> where a step would leave the box, it ends on the face it meets and a projected gradient step of fixed length follows;
 !> where the gradient of the components held by their bounds outweighs that of the others, these are let go. The
 !> variables are scaled to a unit diagonal, so that no unit matters.
+!>
+!> In space the tangential forces of a point lie in a disc. Newton's steps are then those on the face that a step down
+!> the own parabolas of the components leads to: the normal forces at their bound and the lengths of the tangential
+!> forces on the edges of their discs stay, and the force of the edge, over its radius, adds to the curvature along it.
 module amontons_box_program
    use amontons_contact_solution, only: effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: cut_to_bound
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: box_names, box_violation, solve_box_program
+   public :: box_names, box_violation, solve_box_program, solve_disc_program
 
    !> The solvers, as a deck writes them.
    character(6), parameter :: box_names(3) = [character(6) :: 'auto', 'newton', 'mprgp']
@@ -60,6 +65,125 @@ contains
          call projected_newton(a, rows, rho, b, lower, upper, reachable, x, effort, error)
       end if
    end subroutine solve_box_program
+
+   !> Solves min 1/2 x^T A x - b^T x for changes x of forces that stay in their bounds, for the last rows of a matrix:
+   !> of all forces, or of the tangential ones alone.
+   ! allow(S902): a program alone has six parts
+   pure subroutine solve_disc_program(kind, a, rows, b, force, radius, accuracy, x, effort, error)
+      character(*), intent(in) :: kind !! one of `box_names`
+      type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite, its last rows in pairs
+      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
+      real(dp), intent(in) :: b(:) !! the linear term (n)
+      real(dp), intent(in) :: force(:) !! the forces that x is added to (n) [F]
+      real(dp), intent(in) :: radius(:) !! longest tangential force of each point, at least 0 (m) [F]
+      real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
+      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
+      type(effort_t), intent(inout) :: effort !! gains that of the descent
+      type(error_t), allocatable, intent(out) :: error !! the solver is one for boxes, or memory ran out
+      real(dp), parameter :: sufficient = 1.0e-4_dp, enough = 4.0_dp*epsilon(1.0_dp)
+      integer, parameter :: most_trials = 30
+      type(symmetric_matrix_t) :: turned
+      real(dp), dimension(size(b)) :: rho, gradient, goal, step, hold, move, image
+      real(dp) :: axes(2, size(radius)), share, length, slope
+      logical :: is_free(size(b)), is_soft
+      real(dp), allocatable :: block(:, :), right(:)
+      integer, allocatable :: free(:)
+      integer :: i, k, n_trials, first, second
+
+      if (kind == 'mprgp') then
+         call new_error(error, input_refused, "box = 'mprgp' is for the plane: it solves programs on intervals, "// &
+            "not on discs; take 'newton'")
+         return
+      end if
+      associate (m => size(radius), all_rho => a%reciprocal_diagonal())
+         rho = all_rho(rows(1):rows(2))
+         first = size(b) - 2*m
+         second = size(b) - m
+      end associate
+      share = (real(size(b), dp)/a%n)**2
+      x = projection(force + x) - force
+      do i = 1, max_steps
+         call a%part_multiply(rows, rows, x, gradient)
+         call effort%multiply(share)
+         gradient = gradient - b
+         goal = force + x - rho*gradient
+         is_free(:first) = goal(:first) > 0.0_dp
+         is_free(first + 1:) = .true.
+         move = projection(goal) - force - x
+         length = max(accuracy, enough*maxval(abs([x, rho*b]), mask=[is_free, is_free]))
+         if (maxval(abs(move)) <= length) return
+         ! In axes along the edges of the discs: what a step is known to be, and what holds it besides.
+         axes = spread([1.0_dp, 0.0_dp], 2, size(radius))
+         step = 0.0_dp
+         where (.not. is_free) step = -force - x
+         hold = 0.0_dp
+         do k = 1, size(radius)
+            length = hypot(goal(first + k), goal(second + k))
+            if (.not. length > radius(k)) cycle
+            axes(:, k) = goal([first + k, second + k])/length
+            is_free([first + k, second + k]) = [.false., radius(k) > 0.0_dp]
+            if (radius(k) > 0.0_dp) hold(second + k) = (length/radius(k) - 1.0_dp)/rho(second + k)
+         end do
+         call a%turn(axes, turned)
+         image = turn(force + x, 1)
+         do k = 1, size(radius)
+            if (.not. is_free(first + k)) step(first + k) = radius(k) - image(first + k)
+            if (.not. is_free(second + k)) step(second + k) = -image(second + k)
+         end do
+         right = turn(gradient, 1) + hold*image
+         call turned%part_multiply(rows, rows, step, image)
+         free = pack([(k, k=1, size(b))], is_free)
+         right = -right(free) - image(free)
+         call allocate_matrix(block, size(free), size(free), 'the forces of a half step', error)
+         if (allocated(error)) return
+         call turned%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
+         do k = 1, size(free)
+            block(k, k) = block(k, k) + hold(free(k))
+         end do
+         call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
+         call cholesky_solve(block, right)
+         step(free) = right
+         call effort%factorize(size(free) > 0)
+         step = turn(step, -1)
+         ! Where no part of the step leads down, one down the own parabolas does, if it is short enough.
+         length = 1.0_dp
+         do n_trials = 1, 2*most_trials
+            if (n_trials == most_trials) length = 1.0_dp
+            if (n_trials < most_trials) move = projection(force + x + length*step) - force - x
+            if (n_trials >= most_trials) move = projection(force + x - length*rho*gradient) - force - x
+            call a%part_multiply(rows, rows, move, image)
+            slope = dot_product(gradient, move)
+            if (slope < 0.0_dp .and. slope + 0.5_dp*dot_product(move, image) <= sufficient*slope) exit
+            length = 0.5_dp*length
+         end do
+         call effort%multiply(min(n_trials, 2*most_trials)*share)
+         if (n_trials > 2*most_trials) return
+         x = x + move
+      end do
+
+   contains
+
+      !> The nearest forces within their bounds (n) [F].
+      pure function projection(wanted)
+         real(dp), intent(in) :: wanted(:) !! the forces wanted (n) [F]
+         real(dp) :: projection(size(wanted))
+
+         projection(:first) = max(0.0_dp, wanted(:first))
+         projection(first + 1:) = cut_to_bound(wanted(first + 1:), radius)
+      end function projection
+
+      !> A vector in the axes of the edges, or back (n).
+      pure function turn(vector, sense)
+         real(dp), intent(in) :: vector(:) !! the vector (n)
+         integer, intent(in) :: sense !! 1 to the axes, -1 back
+         real(dp) :: turn(size(vector))
+
+         turn(:first) = vector(:first)
+         turn(first + 1:second) = axes(1, :)*vector(first + 1:second) + sense*axes(2, :)*vector(second + 1:)
+         turn(second + 1:) = axes(1, :)*vector(second + 1:) - sense*axes(2, :)*vector(first + 1:second)
+      end function turn
+
+   end subroutine solve_disc_program
 
    !> The projected Newton method, from a point in the box.
    ! allow(S902): a program alone has six parts

@@ -10,6 +10,7 @@ module amontons_extragradient
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
    use amontons_error, only: error_t
+   use amontons_friction_law, only: cut_to_bound, tangential_norm
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -31,7 +32,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), dimension(2*problem%n_points) :: force, displacement, center, b, rho
+      real(dp), dimension(problem%matrix%n) :: force, displacement, center, b, rho
       real(dp) :: step, residual, scale
       integer :: iteration
       logical :: may_continue
@@ -105,7 +106,7 @@ contains
 
       m = problem%n_points
       vector = displacement - problem%reference()
-      vector(:m) = vector(:m) - problem%friction*abs(vector(m + 1:))
+      vector(:m) = vector(:m) - problem%friction*tangential_norm(vector(m + 1:), m)
    end function driving_vector
 
    !> The admissible forces next to given ones, in the scaled components (2m) [F].
@@ -114,24 +115,23 @@ contains
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp) :: nearest(size(force))
-      real(dp) :: slope, normal
-      integer :: n, t
+      real(dp) :: slope, length(problem%n_points)
+      integer :: n
 
-      nearest = force
-      do n = 1, problem%n_points
-         t = n + problem%n_points
-         associate (friction => problem%friction(n), bound => problem%slip_bound(n))
-            if (abs(force(t)) > bound + friction*force(n)) then
+      associate (m => problem%n_points)
+         length = tangential_norm(force(m + 1:), m)
+         nearest(:m) = force(:m)
+         do n = 1, m
+            associate (friction => problem%friction(n), bound => problem%slip_bound(n))
+               if (.not. length(n) > bound + friction*force(n)) cycle
                ! The foot on the edge of the cone, in components over the square roots of rho.
-               slope = friction*rho(n)/rho(t)
-               normal = (force(n) + slope*(abs(force(t)) - bound))/(1.0_dp + slope*friction)
-               nearest(n) = max(0.0_dp, normal)
-               nearest(t) = sign(min(abs(force(t)), bound + friction*nearest(n)), force(t))
-            else
-               nearest(n) = max(0.0_dp, force(n))
-            end if
-         end associate
-      end do
+               slope = friction*rho(n)/rho(m + n)
+               nearest(n) = (force(n) + slope*(length(n) - bound))/(1.0_dp + slope*friction)
+            end associate
+         end do
+         nearest(:m) = max(0.0_dp, nearest(:m))
+         nearest(m + 1:) = cut_to_bound(force(m + 1:), problem%bound(nearest(:m)))
+      end associate
    end function projection
 
 end module amontons_extragradient

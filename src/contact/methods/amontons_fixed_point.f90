@@ -4,7 +4,7 @@
 !> Coulomb's solution is a fixed point of the map from the bound phi lambda_N to the normal forces of that problem: the
 !> paper's remark 2 on section 1, with the friction that it leaves out (erratum 3; theory, section 5).
 module amontons_fixed_point
-   use amontons_box_program, only: solve_box_program
+   use amontons_box_program, only: solve_box_program, solve_disc_program
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t
    use amontons_error, only: error_t
@@ -46,10 +46,15 @@ contains
       do iteration = 1, self%max_iterations
          accuracy = share*self%tolerance*problem%force_scale(force)
          bound = problem%bound(force(:m))
-         lower = [spread(0.0_dp, 1, m), -bound]
-         upper = [spread(huge(1.0_dp), 1, m), bound]
-         call solve_box_program(self%box, problem%matrix%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
-            solution%effort, error)
+         if (problem%matrix%n_tangents == 2) then
+            call solve_disc_program(self%box, problem%matrix%compliance, [1, size(b)], b, 0.0_dp*b, bound, accuracy, &
+               force, solution%effort, error)
+         else
+            lower = [spread(0.0_dp, 1, m), -bound]
+            upper = [spread(huge(1.0_dp), 1, m), bound]
+            call solve_box_program(self%box, problem%matrix%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
+               solution%effort, error)
+         end if
          if (allocated(error)) return
          call solution%effort%multiply(1.0_dp)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)

@@ -51,6 +51,11 @@ contains
       real(dp) :: right(3*problem%n_points), z(3*problem%n_points)
       real(dp), allocatable :: matrix(:, :)
 
+      if (problem%matrix%n_tangents == 2) then
+         call new_error(error, input_refused, 'the method lemke is for the plane: friction in space is no linear '// &
+            'complementarity problem')
+         return
+      end if
       if (problem%n_points > max_points) then
          call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
             ' contact points, this problem has '//to_text(problem%n_points))

@@ -92,7 +92,7 @@ contains
       call solution%reset()
       do k = 1, n_components
          points = pack([(i, i=1, problem%n_points)], component == k)
-         rows = [points, problem%n_points + points]
+         rows = [(points + n*problem%n_points, n=0, problem%matrix%n_tangents)]
          call problem%matrix%cut(rows, matrix, error)
          if (allocated(error)) return
          if (allocated(problem%load)) then
@@ -105,9 +105,9 @@ contains
             call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
          end if
          part%gap = problem%gap(points)
-         part%anchor = problem%anchor(points)
+         part%anchor = problem%anchor(rows(size(points) + 1:) - problem%n_points)
          part%slip_bound = problem%slip_bound(points)
-         call new_contact_solution(found, size(points))
+         call new_contact_solution(found, size(points), problem%matrix%n_tangents)
          found%displacement = displacement(rows)
          found%force = force(rows)
          call method%solve(part, found, error)

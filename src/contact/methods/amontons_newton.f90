@@ -22,6 +22,9 @@
 !> sticking point are unknown. A row of `A lambda = B` each, of no distance and of no slip, holds them; the others
 !> follow from the law. On a dense compliance an active set that differs from the factorized one in few rows is solved
 !> by that factorization and a small system of these rows.
+!>
+!> In space all of this is done in turned axes, the first tangent of a sliding point along its slip: that is the plane's
+!> system, with the spring across the slip on the diagonal of the second one, or its reciprocal in the forces.
 module amontons_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_band_matrix, only: band_lu_t, new_band_matrix
@@ -30,9 +33,9 @@ module amontons_newton
    use amontons_dense, only: add_product, allocate_matrix, cholesky_factor, cholesky_solve, lu_factor, lu_solve, &
       lu_solve_transposed, transposed_product
    use amontons_error, only: error_t, new_error, system_failure
-   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp, int64
    use amontons_sparse_lu, only: sparse_lu_t
+   use amontons_symmetric_matrix, only: symmetric_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -75,7 +78,8 @@ module amontons_newton
       type(active_set_t), private :: base !! compliance: the active set that is factorized
       real(dp), private :: regularization = -1.0_dp !! regularization of the factorization; -1 if there is none [-]
       integer, allocatable, private :: unknown(:) !! the forces that are unknown in it
-      real(dp), allocatable, private :: diagonal(:) !! diagonal of A, where it is zero the largest of all (2m) [L/F]
+      real(dp), allocatable, private :: diagonal(:) !! diagonal of A, where it is zero the largest of all (n) [L/F]
+      real(dp), allocatable, private :: softness(:) !! what the factorization has more on its diagonal (n) [L/F]
       integer, private :: n_changed = 0 !! number of rows that have changed since
       integer, allocatable, private :: changed(:) !! these rows
       real(dp), allocatable, private :: response(:, :)
@@ -121,7 +125,7 @@ contains
       type(newton_system_t) :: system
       type(active_set_t) :: active_set, last
       type(visited_sets_t) :: visited
-      real(dp), dimension(2*problem%n_points) :: displacement, force, rho, before
+      real(dp), dimension(problem%matrix%n) :: displacement, force, rho, before
       real(dp) :: scale, regularization, min_regularization, least, residual, previous, imbalance
       integer :: info
       logical :: is_repeated, may_continue
@@ -234,9 +238,7 @@ contains
       high = 1.0_dp
       do i = 1, n_halvings
          middle = 0.5_dp*(low + high)
-         augmented = force + rho*(before + middle*step - problem%reference())
-         augmented(:m) = max(0.0_dp, augmented(:m))
-         augmented(m + 1:) = bounded(augmented(m + 1:), problem%bound(augmented(:m)))
+         augmented = problem%cut(force + rho*(before + middle*step - problem%reference()))
          if (dot_product(step, drive - middle*stiffening - augmented) > 0.0_dp) then
             low = middle
          else
@@ -286,6 +288,8 @@ contains
             trial = last
             trial%is_closed(p) = active_set%is_closed(p)
             trial%slip_direction(p) = active_set%slip_direction(p)
+            if (allocated(active_set%axes)) trial%axes = active_set%axes
+            if (allocated(active_set%axes)) trial%spring = active_set%spring
             if (trial%equals(last)) cycle
             if (all(self%key /= key_of(trial))) exit
             ! The way from one direction of slip to the other leads through sticking.
@@ -323,28 +327,40 @@ contains
       real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
       real(dp), intent(out) :: imbalance !! largest violation of the equilibrium by the pair after the step [F]
       integer, intent(out) :: info !! 0, or nonzero where the system has no finite solution; no step is made then
+      type(symmetric_matrix_t) :: turned
       integer :: m
 
       m = problem%n_points
       imbalance = 0.0_dp
       if (allocated(problem%matrix%band)) then
          call step_on_band()
+      else if (.not. allocated(active_set%axes)) then
+         if (allocated(problem%matrix%stiffness)) then
+            call step_on_stiffness(problem%matrix%stiffness)
+         else
+            call step_on_compliance(self, problem, problem%matrix%compliance, active_set, regularization, &
+               displacement, force, info)
+         end if
       else if (allocated(problem%matrix%stiffness)) then
-         call step_on_stiffness()
+         call problem%matrix%stiffness%turn(active_set%slip_axes(), turned)
+         call step_on_stiffness(turned)
       else
-         call step_on_compliance(self, problem, active_set, regularization, displacement, force, info)
+         call problem%matrix%compliance%turn(active_set%slip_axes(), turned)
+         call step_on_compliance(self, problem, turned, active_set, regularization, displacement, force, info)
       end if
 
    contains
 
       !> Solves for the displacements, then takes the forces from the equilibrium.
-      subroutine step_on_stiffness()
+      subroutine step_on_stiffness(stiffness)
+         type(symmetric_matrix_t), intent(in) :: stiffness !! S in the axes of the slips
          real(dp), allocatable :: matrix(:, :), right(:)
          integer, allocatable :: unknown(:)
-         real(dp) :: load(2*m), slope(m), known(2*m)
+         real(dp) :: slope(m)
+         real(dp), dimension(problem%matrix%n) :: load, known, before
          integer :: n, i, point
 
-         unknown = pack([(i, i=1, 2*m)], .not. active_set%gives_force())
+         unknown = pack([(i, i=1, size(load))], .not. active_set%gives_force())
          n = size(unknown)
          slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
          known = merge(problem%reference(), 0.0_dp, active_set%gives_force())
@@ -354,23 +370,36 @@ contains
             call self%effort%multiply(1.0_dp)
          end if
          load = problem%load - load
-         load(m + 1:) = load(m + 1:) - active_set%slip_direction*problem%slip_bound
+         call active_set%turn(load, 1)
+         load(m + 1:2*m) = load(m + 1:2*m) - active_set%slip_direction*problem%slip_bound
+         before = displacement
+         call active_set%turn(before, 1)
          info = 1
          call allocate_matrix(matrix, n, n, "Newton's unknowns", self%error)
          if (allocated(self%error)) return
          allocate (right(n))
-         call problem%matrix%stiffness%fill_block(unknown, unknown, matrix)
+         call stiffness%fill_block(unknown, unknown, matrix)
          do i = 1, n
             associate (held => regularization*problem%matrix%augmentation(unknown(i)))
                matrix(i, i) = matrix(i, i) + held
-               right(i) = load(unknown(i)) + held*displacement(unknown(i))
+               right(i) = load(unknown(i)) + held*before(unknown(i))
             end associate
          end do
+         if (allocated(active_set%axes)) then
+            known = problem%reference()
+            call active_set%turn(known, 1)
+            do i = 1, n
+               point = unknown(i) - 2*m
+               if (point < 1) cycle
+               matrix(i, i) = matrix(i, i) + active_set%spring(point)
+               right(i) = right(i) + active_set%spring(point)*known(unknown(i))
+            end do
+         end if
          do i = 1, n
             point = unknown(i) - m
-            if (point < 1) cycle
+            if (point < 1 .or. point > m) cycle
             if (.not. abs(slope(point)) > 0.0_dp) cycle
-            matrix(i, :) = matrix(i, :) - slope(point)*problem%matrix%stiffness%values(unknown, point)
+            matrix(i, :) = matrix(i, :) - slope(point)*stiffness%values(unknown, point)
             right(i) = right(i) - slope(point)*load(point)
          end do
          call self%effort%factorize(n > 0)
@@ -379,6 +408,7 @@ contains
          if (info /= 0) return
          displacement = problem%reference()
          displacement(unknown) = right
+         call active_set%turn(displacement, -1)
          call problem%matrix%multiply_stiffness(displacement, force)
          force = problem%load - force
          call active_set%impose(problem, force, imbalance)
@@ -414,9 +444,10 @@ contains
    end subroutine newton_system_solve
 
    !> Solves for the forces, then takes the displacements from them: there is no imbalance.
-   subroutine step_on_compliance(self, problem, active_set, regularization, displacement, force, info)
+   subroutine step_on_compliance(self, problem, compliance, active_set, regularization, displacement, force, info)
       class(newton_system_t), intent(inout) :: self !! the system
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(symmetric_matrix_t), intent(in) :: compliance !! A in the axes of the slips
       type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
       real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
@@ -424,13 +455,13 @@ contains
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), allocatable :: right(:, :)
       real(dp), dimension(size(force)) :: load, solution, known
-      logical :: is_updated
+      logical :: is_unknown(size(force)), is_updated
       integer :: i, m
 
       m = problem%n_points
       if (.not. allocated(self%diagonal)) then
          self%diagonal = 1.0_dp/problem%matrix%augmentation
-         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0))
+         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0), self%softness(size(force)))
       end if
       info = 0
       call take_up_changes(self, problem, active_set, regularization, is_updated)
@@ -439,21 +470,32 @@ contains
          self%n_changed = 0
          self%base = active_set
          self%regularization = regularization
-         self%unknown = pack([(i, i=1, 2*m)], active_set%gives_force())
+         self%softness = regularization*self%diagonal
+         is_unknown = active_set%gives_force()
+         if (allocated(active_set%axes)) then
+            associate (spring => active_set%spring, across => self%softness(2*m + 1:))
+               is_unknown(2*m + 1:) = is_unknown(2*m + 1:) .or. spring > 0.0_dp
+               where (spring > 0.0_dp .and. active_set%slip_direction /= 0) across = across + 1.0_dp/spring
+            end associate
+         end if
+         self%unknown = pack([(i, i=1, size(force))], is_unknown)
          call self%effort%factorize(size(self%unknown) > 0)
-         if (problem%matrix%compliance%is_sparse()) then
-            call factorize_sparse(self, problem, info)
+         if (compliance%is_sparse()) then
+            call factorize_sparse(self, problem, compliance, info)
          else
-            call factorize_dense(self, problem, info)
+            call factorize_dense(self, problem, compliance%values, info)
          end if
          if (info /= 0) self%regularization = -1.0_dp
          if (info /= 0) return
       end if
       load = problem%dual_load(displacement)
-      solution = [spread(0.0_dp, 1, m), self%base%slip_direction*problem%slip_bound]
+      call active_set%turn(load, 1)
+      call active_set%turn(force, 1)
+      solution = 0.0_dp
+      solution(m + 1:2*m) = self%base%slip_direction*problem%slip_bound
       known = 0.0_dp
       if (any(abs(solution) > 0.0_dp)) then
-         call problem%matrix%compliance%multiply(solution, known)
+         call compliance%multiply(solution, known)
          call self%effort%multiply(1.0_dp)
       end if
       associate (unknown => self%unknown)
@@ -462,18 +504,20 @@ contains
          call solve_unknown(self, right, info)
          solution(unknown) = right(:, 1)
       end associate
-      solution(m + 1:) = solution(m + 1:) + self%base%slip_direction*problem%friction*solution(:m)
+      solution(m + 1:2*m) = solution(m + 1:2*m) + self%base%slip_direction*problem%friction*solution(:m)
       if (info == 0 .and. self%n_changed > 0) call correct(self, problem, active_set, load, force, solution, info)
       if (.not. all(ieee_is_finite(solution))) info = 1
+      if (info == 0) force = solution
+      call active_set%turn(force, -1)
       if (info /= 0) return
-      force = solution
+      call active_set%turn(load, -1)
       displacement = problem%displacement(load, force)
       call self%effort%multiply(1.0_dp)
    end subroutine step_on_compliance
 
    !> Takes up the rows in which the active set differs from the factorized one, each with the solution of the
    !> factorized system for a unit in it, unless a new factorization is better, as it always is of a sparse
-   !> compliance.
+   !> compliance, and in space, where all slips turn a little.
    subroutine take_up_changes(self, problem, active_set, regularization, is_updated)
       class(newton_system_t), intent(inout) :: self !! the system; its error tells where memory ran out
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -487,13 +531,14 @@ contains
       real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
       integer, allocatable :: differing(:), new(:)
       real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)
-      integer :: place(2*problem%n_points), i, info, k, m, n, r
+      integer :: place(problem%matrix%n), i, info, k, m, n, r
       logical :: is_sparse
 
       m = problem%n_points
       is_sparse = problem%matrix%compliance%is_sparse()
       is_updated = self%regularization >= regularization .and. &
-         self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization
+         self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization .and. &
+         .not. allocated(active_set%axes)
       if (.not. is_updated) return
       differing = pack([(i, i=1, 2*m)], [self%base%is_closed .neqv. active_set%is_closed, &
          self%base%slip_direction /= active_set%slip_direction])
@@ -592,7 +637,7 @@ contains
       type(newton_system_t) :: system
       type(equations_t) :: equations
       type(active_set_t) :: active_set, last
-      real(dp), dimension(2*problem%n_points) :: rho, force, no_force
+      real(dp), dimension(problem%matrix%n) :: rho, force, no_force
       real(dp), allocatable :: x(:)
       real(dp) :: scale, hardness
       integer :: step, info, m
@@ -627,8 +672,7 @@ contains
          solution%force = hardness*rho*(solution%displacement - problem%reference())
          hardness = factor*hardness
       end do
-      solution%force(:m) = max(0.0_dp, solution%force(:m))
-      solution%force(m + 1:) = bounded(solution%force(m + 1:), problem%bound(solution%force(:m)))
+      solution%force = problem%cut(solution%force)
       solution%effort = system%effort
       call solution%measure(problem)
    end subroutine spring_start_solve
@@ -715,9 +759,10 @@ contains
    end function load_residual
 
    !> Factorizes the system of the base on a dense compliance.
-   subroutine factorize_dense(self, problem, info)
+   subroutine factorize_dense(self, problem, values, info)
       class(newton_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), contiguous, intent(in) :: values(:, :) !! A in the axes of the slips (n, n) [L/F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), allocatable :: entries(:)
       integer :: n
@@ -737,14 +782,15 @@ contains
          .and. problem%friction > 0.0_dp)
       ! No argument may hold what another one writes.
       call move_alloc(self%entries, entries)
-      call factorize_entries(self, problem, n, entries, info)
+      call factorize_entries(self, problem, values, n, entries, info)
       call move_alloc(entries, self%entries)
    end subroutine factorize_dense
 
    !> Writes the transposed matrix of the active set to the first of its entries, and makes its factor of it.
-   subroutine factorize_entries(self, problem, n, factor, info)
+   subroutine factorize_entries(self, problem, a, n, factor, info)
       class(newton_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
       type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), contiguous, intent(in) :: a(:, :) !! A in the axes of the slips (n, n) [L/F]
       integer, intent(in) :: n !! order of the matrix
       real(dp), intent(out) :: factor(n, n) !! the factor
       integer, intent(out) :: info !! 0, or nonzero where the matrix is singular
@@ -752,7 +798,7 @@ contains
       integer :: i, j
 
       slopes = self%base%slip_direction*problem%friction
-      associate (a => problem%matrix%compliance%values, unknown => self%unknown, m => problem%n_points)
+      associate (unknown => self%unknown, m => problem%n_points)
          do i = 1, n
             do j = 1, n
                factor(j, i) = a(unknown(j), unknown(i))
@@ -760,7 +806,7 @@ contains
             do j = 1, count(unknown <= m)
                factor(j, i) = factor(j, i) + slopes(unknown(j))*a(m + unknown(j), unknown(i))
             end do
-            factor(i, i) = factor(i, i) + self%regularization*self%diagonal(unknown(i))
+            factor(i, i) = factor(i, i) + self%softness(unknown(i))
          end do
       end associate
       if (self%is_symmetric) then
@@ -799,43 +845,42 @@ contains
    end subroutine solve_entries
 
    !> Factorizes the system of the base on a sparse compliance, which stays sparse.
-   subroutine factorize_sparse(self, problem, info)
+   subroutine factorize_sparse(self, problem, a, info)
       class(newton_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
+      type(symmetric_matrix_t), intent(in) :: a !! A in the axes of the slips [L/F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       integer, allocatable :: row(:), column(:)
       real(dp), allocatable :: value(:)
-      integer :: place(2*problem%n_points), i, k, m, n, point
+      integer :: place(problem%matrix%n), i, k, m, n, point
       real(dp) :: share
 
       m = problem%n_points
       place = 0
       place(self%unknown) = [(i, i=1, size(self%unknown))]
-      associate (a => problem%matrix%compliance)
-         n = size(a%row) + size(self%unknown)
-         allocate (row(n), column(n), value(n))
-         n = 0
-         do i = 1, size(self%unknown)
+      n = size(a%row) + size(self%unknown)
+      allocate (row(n), column(n), value(n))
+      n = 0
+      do i = 1, size(self%unknown)
+         n = n + 1
+         row(n) = i
+         column(n) = i
+         value(n) = self%softness(self%unknown(i))
+         do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
+            point = a%row(k)
+            share = 1.0_dp
+            ! The entries of a sliding point's tangential row go where its normal force stands.
+            if (place(point) == 0 .and. point > m .and. point <= 2*m) then
+               point = point - m
+               share = self%base%slip_direction(point)*problem%friction(point)
+            end if
+            if (place(point) == 0) cycle
             n = n + 1
-            row(n) = i
+            row(n) = place(point)
             column(n) = i
-            value(n) = self%regularization*self%diagonal(self%unknown(i))
-            do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
-               point = a%row(k)
-               share = 1.0_dp
-               ! The entries of a sliding point's tangential row go where its normal force stands.
-               if (place(point) == 0 .and. point > m) then
-                  point = point - m
-                  share = self%base%slip_direction(point)*problem%friction(point)
-               end if
-               if (place(point) == 0) cycle
-               n = n + 1
-               row(n) = place(point)
-               column(n) = i
-               value(n) = share*a%entry(k)
-            end do
+            value(n) = share*a%entry(k)
          end do
-      end associate
+      end do
       info = 0
       if (size(self%unknown) > 0) call self%sparse_factors%factorize(size(self%unknown), row(:n), column(:n), &
          value(:n), info)

@@ -7,14 +7,14 @@
 !> A sweep carries what its equations still lack, distance and slip in the dual space, forces in the primal one, and
 !> updates that by a column of the matrix for each component that changes: the matrix is read once, less what stays, and
 !> the residual after the sweep is known without another product. A point is relaxed component by component, or solved
-!> as a whole.
+!> as a whole. In space a component is the normal one or both tangential ones together.
 module amontons_psor
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_acceleration, only: acceleration_t, new_acceleration
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
    use amontons_error, only: error_t
-   use amontons_friction_law, only: bounded, solve_point
+   use amontons_friction_law, only: bounded, cut_to_bound, solve_point, solve_point_in_space
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -38,7 +38,7 @@ module amontons_psor
       type(effort_t) :: effort !! what the sweeps took
       real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
-      real(dp), allocatable, private :: coupling(:) !! its element between the components of each point (m)
+      real(dp), allocatable, private :: block(:, :, :) !! its block of each point (1 + n_tangents, 1 + n_tangents, m)
       real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal (2m)
    contains
       procedure :: advance => relaxation_advance
@@ -91,7 +91,7 @@ contains
       type(relaxation_t) :: sweep, before
       integer :: i
       logical :: is_dual, may_continue, is_last
-      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
+      real(dp) :: displacement(problem%matrix%n), force(problem%matrix%n), residual
 
       call solution%reset()
       is_dual = is_dual_for(self, problem)
@@ -161,7 +161,7 @@ contains
       logical, intent(in) :: is_block !! whether to solve each point as a whole
       real(dp), intent(in) :: omega !! relaxation [-]
       type(contact_solution_t), intent(in) :: solution !! where to start
-      integer :: i, m
+      integer :: i, j, k, m, n
 
       m = problem%n_points
       sweep%is_dual = is_dual
@@ -173,14 +173,22 @@ contains
          sweep%unknown = solution%force
          sweep%diagonal = problem%matrix%compliance%diagonal()
          sweep%rho = problem%matrix%compliance%reciprocal_diagonal()
-         sweep%coupling = [(problem%matrix%compliance%element(m + i, i), i=1, m)]
       else
          sweep%unknown = solution%displacement
          sweep%unknown(:m) = min(sweep%unknown(:m), problem%gap)
          sweep%diagonal = problem%matrix%stiffness%diagonal()
          sweep%rho = 1.0_dp/sweep%diagonal
-         sweep%coupling = [(problem%matrix%stiffness%element(m + i, i), i=1, m)]
       end if
+      n = problem%matrix%n_tangents
+      allocate (sweep%block(1 + n, 1 + n, m))
+      do i = 1, m
+         do j = 0, n
+            do k = 0, n
+               if (is_dual) sweep%block(j + 1, k + 1, i) = problem%matrix%compliance%element(i + j*m, i + k*m)
+               if (.not. is_dual) sweep%block(j + 1, k + 1, i) = problem%matrix%stiffness%element(i + j*m, i + k*m)
+            end do
+         end do
+      end do
       call sweep%refresh(problem)
    end subroutine new_relaxation
 
@@ -208,13 +216,99 @@ contains
       integer :: point
 
       do point = 1, problem%n_points
-         if (self%is_dual) then
+         if (problem%matrix%n_tangents == 2) then
+            if (self%is_dual) call relax_force_in_space(self, problem, point)
+            if (.not. self%is_dual) call relax_displacement_in_space(self, problem, point)
+         else if (self%is_dual) then
             call relax_force(self, problem, point)
          else
             call relax_displacement(self, problem, point)
          end if
       end do
    end subroutine relaxation_advance
+
+   !> Relaxes the force of one point in space, and cuts it to the contact law.
+   pure subroutine relax_force_in_space(sweep, problem, n)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      integer, intent(in) :: n !! the point
+      real(dp) :: goal(3)
+      integer :: at(3)
+
+      at = n + [0, 1, 2]*problem%n_points
+      associate (x => sweep%unknown, w => sweep%residual, own => sweep%block(:, :, n), omega => sweep%omega)
+         if (sweep%is_block) then
+            goal = solve_point_in_space(own, w(at) + matmul(own, x(at)), problem%friction(n), &
+               problem%slip_bound(n), x(at))
+            goal = x(at) + omega*(goal - x(at))
+            call set_unknown(sweep, problem, n, max(0.0_dp, goal(1)))
+         else
+            call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + omega*sweep%rho(n)*w(n)))
+            goal = x(at) + omega*sweep%rho(at)*w(at)
+         end if
+         call set_tangential(sweep, problem, n, cut_to_bound(goal(2:), &
+            [problem%slip_bound(n) + problem%friction(n)*x(n)]))
+      end associate
+   end subroutine relax_force_in_space
+
+   !> Relaxes the displacement of one point in space: the normal one is cut at the gap, the slip is shrunk by what
+   !> friction holds. As a whole it is solved for its force; a closed point is put on the gap exactly.
+   pure subroutine relax_displacement_in_space(sweep, problem, n)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! the point
+      real(dp), parameter :: singular = 1.0e-12_dp
+      real(dp) :: w(3, 3), det, bound, normal, slip(2), goal(3), force(3)
+      integer :: at(3)
+
+      at = n + [0, 1, 2]*problem%n_points
+      associate (v => sweep%unknown, f => sweep%residual, s => sweep%block(:, :, n), omega => sweep%omega, &
+         reference => [problem%gap(n), problem%anchor(at(:2))])
+         w(:, 1) = cross(s(:, 2), s(:, 3))
+         w(:, 2) = cross(s(:, 3), s(:, 1))
+         w(:, 3) = cross(s(:, 1), s(:, 2))
+         det = dot_product(s(:, 1), w(:, 1))
+         if (sweep%is_block .and. det > singular*s(1, 1)*s(2, 2)*s(3, 3)) then
+            w = w/det
+            goal = v(at) - reference + matmul(w, f(at))
+            force = solve_point_in_space(w, goal, problem%friction(n), problem%slip_bound(n), f(at))
+            goal = v(at) + omega*(reference + goal - matmul(w, force) - v(at))
+            normal = merge(problem%gap(n), min(problem%gap(n), goal(1)), force(1) > 0.0_dp)
+            call set_unknown(sweep, problem, n, normal)
+            call set_tangential(sweep, problem, n, goal(2:))
+         else
+            call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(1, 1), problem%gap(n)))
+            bound = problem%slip_bound(n)
+            if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
+            slip = v(at(2:)) - reference(2:) + omega*sweep%rho(at(2:))*f(at(2:))
+            slip = slip*max(0.0_dp, 1.0_dp - omega*sweep%rho(at(2))*bound/max(norm2(slip), tiny(bound)))
+            call set_tangential(sweep, problem, n, reference(2:) + slip)
+         end if
+      end associate
+
+   contains
+
+      !> The cross product of two vectors.
+      pure function cross(a, b)
+         real(dp), intent(in) :: a(3) !! one vector
+         real(dp), intent(in) :: b(3) !! the other
+         real(dp) :: cross(3)
+
+         cross = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+      end function cross
+
+   end subroutine relax_displacement_in_space
+
+   !> Gives the tangential components of a point in space their values.
+   pure subroutine set_tangential(sweep, problem, n, values)
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! the point
+      real(dp), intent(in) :: values(2) !! the values
+
+      call set_unknown(sweep, problem, n + problem%n_points, values(1))
+      call set_unknown(sweep, problem, n + 2*problem%n_points, values(2))
+   end subroutine set_tangential
 
    !> Gives one component a value, and the residual what this changes.
    pure subroutine set_unknown(sweep, problem, i, value)
@@ -244,7 +338,7 @@ contains
       integer :: t
 
       t = n + problem%n_points
-      associate (x => sweep%unknown, w => sweep%residual, a => sweep%diagonal, a_nt => sweep%coupling(n))
+      associate (x => sweep%unknown, w => sweep%residual, a => sweep%diagonal, a_nt => sweep%block(2, 1, n))
          if (sweep%is_block) then
             solved = solve_point(a(n), a_nt, a(t), [w(n) + a(n)*x(n) + a_nt*x(t), w(t) + a_nt*x(n) + a(t)*x(t)], &
                problem%friction(n), problem%slip_bound(n), [x(n), x(t)])
@@ -271,7 +365,7 @@ contains
 
       t = n + problem%n_points
       associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal, omega => sweep%omega)
-         det = s(n)*s(t) - sweep%coupling(n)**2
+         det = s(n)*s(t) - sweep%block(2, 1, n)**2
          if (sweep%is_block .and. det > singular*s(n)*s(t)) then
             call solve_displacement(sweep, problem, n, det)
             return
@@ -297,7 +391,7 @@ contains
       t = n + problem%n_points
       associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal)
          w_nn = s(t)/det
-         w_nt = -sweep%coupling(n)/det
+         w_nt = -sweep%block(2, 1, n)/det
          w_tt = s(n)/det
          free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
             v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
@@ -332,7 +426,7 @@ contains
          displacement = self%unknown
          force = self%residual
          force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
-         force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
+         force(m + 1:) = cut_to_bound(force(m + 1:), problem%bound(force(:m)))
       end if
    end subroutine relaxation_pair
 
@@ -372,15 +466,20 @@ contains
    pure subroutine relaxation_admit(self, problem, before)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: before(:) !! the unknowns before (2m)
+      real(dp), intent(in) :: before(:) !! the unknowns before (n)
+      real(dp) :: bound
       integer :: n, t
 
       do n = 1, problem%n_points
          t = n + problem%n_points
          if (self%is_dual) then
             call set_unknown(self, problem, n, max(0.0_dp, self%unknown(n)))
-            call set_unknown(self, problem, t, bounded(self%unknown(t), &
-               problem%slip_bound(n) + problem%friction(n)*self%unknown(n)))
+            bound = problem%slip_bound(n) + problem%friction(n)*self%unknown(n)
+            if (problem%matrix%n_tangents == 2) then
+               call set_tangential(self, problem, n, cut_to_bound(self%unknown([t, t + problem%n_points]), [bound]))
+            else
+               call set_unknown(self, problem, t, bounded(self%unknown(t), bound))
+            end if
          else if (before(n) < problem%gap(n)) then
             call set_unknown(self, problem, n, min(self%unknown(n), problem%gap(n)))
          else

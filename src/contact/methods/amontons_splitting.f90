@@ -19,15 +19,16 @@
 !>
 !> Variant `exact` is the right-hand side. `clip` solves the normal half step without its bound and cuts the result at
 !> zero, which is right only if nothing separates. `printed` is the left-hand side to the letter; it comes to rest at a
-!> wrong answer, and says so.
+!> wrong answer, and says so. In space |lambda_T| is the length of a vector, and `exact` the only variant: the printed
+!> lines are those of one tangential direction.
 module amontons_splitting
    use amontons_acceleration, only: accelerate, acceleration_t, new_acceleration, proximal_center_t
-   use amontons_box_program, only: solve_box_program
+   use amontons_box_program, only: solve_box_program, solve_disc_program
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
-   use amontons_error, only: error_t
-   use amontons_friction_law, only: bounded
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: bounded, cut_to_bound
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -74,7 +75,7 @@ contains
       type(proximal_center_t) :: center
       type(acceleration_t) :: acceleration
       type(contact_solution_t) :: best
-      real(dp), dimension(2*problem%n_points) :: force, displacement, product, start, b
+      real(dp), dimension(problem%matrix%n) :: force, displacement, product, start, b
       real(dp), allocatable :: place(:)
       real(dp) :: force_scale, previous, accuracy
       integer :: iteration
@@ -145,7 +146,8 @@ contains
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains theirs
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), dimension(problem%n_points) :: bound, change, coupled
+      real(dp), dimension(problem%n_points) :: bound, coupled
+      real(dp) :: change(size(force) - problem%n_points)
       integer :: m, i
 
       m = problem%n_points
@@ -161,6 +163,13 @@ contains
             tangential = bounded(tangential, bound)
          end associate
          call effort%multiply(quarter)
+      else if (problem%matrix%n_tangents == 2) then
+         ! the same over discs
+         change = 0.0_dp
+         call solve_disc_program(self%box, problem%matrix%compliance, [m + 1, size(force)], distance(m + 1:), &
+            force(m + 1:), bound, accuracy, change, effort, error)
+         force(m + 1:) = cut_to_bound(force(m + 1:) + change, bound)
+         if (allocated(error)) return
       else
          ! lambda_T := arg min  1/2 l.A22 l - l.(B2 - A21 lambda_N)  over |l| <= g + phi lambda_N
          call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
@@ -169,10 +178,10 @@ contains
       end if
       if (self%variant == 'exact') then
          ! lambda_N := arg min  1/2 l.A11 l - l.(B1 - A12 lambda_T)  over l >= 0
-         call problem%matrix%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
-         call effort%multiply(quarter)
+         call problem%matrix%compliance%part_multiply([1, m], [m + 1, size(force)], change, coupled)
+         call effort%multiply(real(m, dp)*size(change)/real(size(force), dp)**2)
          call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
-            spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort, error)
+            spread(huge(1.0_dp), 1, m), accuracy, force(:m), change(:m), effort, error)
       else
          ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
          ! solved without the bound, then cut at zero, which is right where nothing is cut
@@ -214,12 +223,17 @@ contains
       character(*), intent(in) :: variant !! which reading
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       type(effort_t), intent(inout) :: effort !! gains theirs
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      type(error_t), allocatable, intent(out) :: error !! the problem is one in space, or memory ran out
       character(*), parameter :: owner = 'the normal or tangential contact forces'
       real(dp), allocatable :: columns(:, :), block(:, :)
       logical :: is_soft
       integer :: i, m
 
+      if (problem%matrix%n_tangents == 2) then
+         call new_error(error, input_refused, "variant = '"//trim(variant)//"' is for the plane: the paper prints "// &
+            "its algorithm for one tangential direction; take 'exact'")
+         return
+      end if
       m = problem%n_points
       associate (a => problem%matrix%compliance, normal => [(i, i=1, m)], tangential => [(m + i, i=1, m)])
          call allocate_matrix(printed%a11_factor, m, m, owner, error)

@@ -12,17 +12,19 @@ module amontons_contact_operator
    implicit none (type, external)
    private
 
-   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_dense_stiffness, new_stiffness_operator
+   public :: contact_operator_t, new_band_operator, new_compliance_operator, new_dense_stiffness, &
+      new_softened_operator, new_stiffness_operator
 
    !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
    type :: contact_operator_t
-      integer :: n = 0 !! number of its rows
+      integer :: n = 0 !! number of its rows, 1 + n_tangents for each point
+      integer :: n_tangents = 1 !! number of tangential directions of a point: 1 in the plane, 2 in space
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
       logical :: is_loose = .false. !! whether springs of `set_springs` are all that holds the body
       real(dp), allocatable :: augmentation(:)
          !! the stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a
          !! reduced problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the
-         !! others (n) [F/L]
+         !! others; one number for both tangents of a point in space (n) [F/L]
       type(symmetric_matrix_t), allocatable :: stiffness
          !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
@@ -38,6 +40,7 @@ module amontons_contact_operator
       procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
+      procedure :: n_pairs => contact_operator_n_pairs
       procedure :: multiply_stiffness => contact_operator_multiply_stiffness
       procedure :: prepare_compliance => contact_operator_prepare_compliance
       procedure :: prepare_stiffness => contact_operator_prepare_stiffness
@@ -50,15 +53,17 @@ module amontons_contact_operator
 contains
 
    !> Takes over a dense stiffness.
-   pure subroutine new_stiffness_operator(matrix, stiffness, is_held)
+   pure subroutine new_stiffness_operator(matrix, stiffness, is_held, n_tangents)
       type(contact_operator_t), intent(out) :: matrix !! the operator
       real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); not allocated on return [F/L]
       logical, intent(in) :: is_held !! whether S is positive definite
+      integer, intent(in), optional :: n_tangents !! number of tangential directions of a point; 1 if it is not given
 
       matrix%n = size(stiffness, 1)
       matrix%is_held = is_held
+      if (present(n_tangents)) matrix%n_tangents = n_tangents
       allocate (matrix%stiffness)
-      call new_dense_matrix(matrix%stiffness, stiffness)
+      call new_dense_matrix(matrix%stiffness, stiffness, matrix%n_pairs())
       call matrix%find_augmentation()
    end subroutine new_stiffness_operator
 
@@ -77,12 +82,21 @@ contains
    !> Makes the operator of a reduced problem.
    pure subroutine new_compliance_operator(matrix, compliance)
       type(contact_operator_t), intent(out) :: matrix !! the operator
-      type(symmetric_matrix_t), intent(in) :: compliance !! A, positive semidefinite (n, n) [L/F]
+      type(symmetric_matrix_t), intent(in) :: compliance
+         !! A, positive semidefinite; in space with the pairs of tangents (n, n) [L/F]
 
       matrix%n = compliance%n
+      if (compliance%n_pairs > 0) matrix%n_tangents = 2
       matrix%compliance = compliance
       call matrix%find_augmentation()
    end subroutine new_compliance_operator
+
+   !> The number of points whose two tangents are pairs of rows.
+   pure integer function contact_operator_n_pairs(self) result(n_pairs)
+      class(contact_operator_t), intent(in) :: self !! the operator
+
+      n_pairs = merge(0, self%n/3, self%n_tangents == 1)
+   end function contact_operator_n_pairs
 
    !> Whether the stiffness is known, so that forces follow from displacements; else displacements follow from forces.
    pure logical function contact_operator_has_stiffness(self) result(has_stiffness)
@@ -129,7 +143,7 @@ contains
          call new_dense_stiffness(self, dense, error)
          if (.not. allocated(error)) then
             allocate (self%stiffness)
-            call new_dense_matrix(self%stiffness, dense)
+            call new_dense_matrix(self%stiffness, dense, self%n_pairs())
          end if
       end if
       !$omp end critical (amontons_contact_operator)
@@ -163,7 +177,8 @@ contains
       call new_dense_stiffness(matrix, factor, error)
       if (allocated(error)) return
       if (.not. matrix%is_held) then
-         matrix%proximal_parameter = share*sum([(factor(i, i), i=1, matrix%n)])/(matrix%n*(matrix%n/2))
+         matrix%proximal_parameter = share*sum([(factor(i, i), i=1, matrix%n)]) &
+            /(matrix%n*(matrix%n/(1 + matrix%n_tangents)))
          do i = 1, matrix%n
             factor(i, i) = factor(i, i) + matrix%proximal_parameter
          end do
@@ -176,7 +191,7 @@ contains
       end if
       call cholesky_inverse(factor)
       allocate (matrix%compliance)
-      call new_dense_matrix(matrix%compliance, factor)
+      call new_dense_matrix(matrix%compliance, factor, matrix%n_pairs())
    end subroutine invert_stiffness
 
    !> Makes a dense copy of the stiffness.
@@ -202,7 +217,7 @@ contains
       real(dp), allocatable :: dense(:, :)
 
       call new_dense_stiffness(self, dense, error)
-      if (.not. allocated(error)) call new_stiffness_operator(copy, dense, self%is_held)
+      if (.not. allocated(error)) call new_stiffness_operator(copy, dense, self%is_held, self%n_tangents)
    end subroutine contact_operator_copy_dense
 
    !> Makes an operator of its own that has the stiffness in the form in which it is known.
@@ -240,6 +255,29 @@ contains
       self%is_held = .true.
       self%is_loose = body%is_loose .or. .not. body%is_held
    end subroutine contact_operator_set_springs
+
+   !> Makes the operator of a reduced problem and of springs in series with the points.
+   pure subroutine new_softened_operator(matrix, original, springs)
+      type(contact_operator_t), intent(out) :: matrix !! the operator
+      type(contact_operator_t), intent(in) :: original !! that of the reduced problem
+      real(dp), intent(in) :: springs(:) !! diagonal of the springs' compliance, all of it above 0 (n) [L/F]
+      type(symmetric_matrix_t) :: softened
+      integer :: i, j
+
+      softened = original%compliance
+      if (softened%is_sparse()) then
+         associate (a => original%compliance)
+            call new_sparse_matrix(softened, a%n, [a%row, (i, i=1, a%n)], &
+               [((j, i=a%first(j), a%first(j + 1) - 1), j=1, a%n), (i, i=1, a%n)], [a%entry, springs])
+            softened%n_pairs = a%n_pairs
+         end associate
+      else
+         do i = 1, softened%n
+            softened%values(i, i) = softened%values(i, i) + springs(i)
+         end do
+      end if
+      call new_compliance_operator(matrix, softened)
+   end subroutine new_softened_operator
 
    !> Adds the stiffness of a spring that resists one motion of all points.
    pure subroutine contact_operator_add_motion(self, spring, motion)
@@ -322,11 +360,13 @@ contains
       real(dp), allocatable :: values(:, :)
 
       part%n = size(rows)
+      part%n_tangents = self%n_tangents
       part%is_held = self%is_held
       if (.not. allocated(self%stiffness) .and. size(rows) >= least_sparse_rows) then
          if (self%compliance%is_sparse()) then
             allocate (part%compliance)
             call cut_sparse(part%compliance, self%compliance, rows)
+            part%compliance%n_pairs = part%n_pairs()
             call part%find_augmentation()
             return
          end if
@@ -336,11 +376,11 @@ contains
       if (allocated(self%stiffness)) then
          call self%stiffness%fill_block(rows, rows, values)
          allocate (part%stiffness)
-         call new_dense_matrix(part%stiffness, values)
+         call new_dense_matrix(part%stiffness, values, part%n_pairs())
       else
          call self%compliance%fill_block(rows, rows, values)
          allocate (part%compliance)
-         call new_dense_matrix(part%compliance, values)
+         call new_dense_matrix(part%compliance, values, part%n_pairs())
       end if
       call part%find_augmentation()
    end subroutine contact_operator_cut

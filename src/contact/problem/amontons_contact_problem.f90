@@ -5,16 +5,21 @@
 !> distance u_N - d to the obstacle and the slip u_T - a from the anchor; only load histories have anchors. S is
 !> symmetric and positive semidefinite; its kernel are the rigid motions that only contact holds. A reduced problem
 !> comes without S, in the dual form `v = v_free - A lambda` with a compliance A that may be semidefinite. All vectors
-!> list the m normal components first, the m tangential ones after them.
+!> list the m normal components first, the m tangential ones after them: n = 2m. In space the m components along a
+!> second tangent follow, n = 3m; any tangents at right angles will do, since the law knows no axes.
 !>
 !> The active set of a contact problem: an assumption of what every point does, which turns the contact law into
 !> linear equations.
 !>
 !> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = a. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
+!> In space s is a unit vector, that of y = lambda_T + rho_T (u_T - a) where the set is read off. Across s acts a
+!> spring, lambda_T = s (g + phi lambda_N) + k (I - s s^T) (u_T - a), k = c/(1 - c) rho_T, c = (g + phi lambda_N)/|y|:
+!> the derivative of the law (Alart and Curnier). Two active sets are the same if all points do the same, whatever s.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_operator, only: contact_operator_t
-   use amontons_friction_law, only: contact_status, law_violation
+   use amontons_friction_law, only: contact_status, cut_to_bound, disc_violation, law_violation, slip_plus, &
+      slip_point, tangential_norm
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -26,11 +31,11 @@ module amontons_contact_problem
    !> `free_displacement` in the place of `load`.
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
-      type(contact_operator_t), pointer :: matrix => null() !! S, or A of a reduced problem, of 2m rows
-      real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
-      real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (2m) [L]
+      type(contact_operator_t), pointer :: matrix => null() !! S, or A of a reduced problem, of n rows
+      real(dp), allocatable :: load(:) !! condensed load q (n) [F]
+      real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (n) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
-      real(dp), allocatable :: anchor(:) !! tangential displacement a that slips are counted from (m) [L]
+      real(dp), allocatable :: anchor(:) !! tangential displacements a that slips are counted from (n - m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
@@ -40,10 +45,12 @@ module amontons_contact_problem
       procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
       procedure :: count_from => contact_problem_count_from
+      procedure :: cut => contact_problem_cut
       procedure :: displacement => contact_problem_displacement
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
       procedure :: is_unloaded => contact_problem_is_unloaded
+      procedure :: largest => contact_problem_largest
       procedure :: reference => contact_problem_reference
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
@@ -57,13 +64,18 @@ module amontons_contact_problem
    !> What is assumed of every point.
    type :: active_set_t
       logical, allocatable :: is_closed(:) !! whether it touches (m)
-      integer, allocatable :: slip_direction(:) !! sign of its slip, 0 if it sticks (m)
+      integer, allocatable :: slip_direction(:) !! sign of its slip along `axes`, 0 if it sticks (m)
+      real(dp), allocatable :: axes(:, :)
+         !! in space, direction s that each point slides along or would slide along (2, m) [-]
+      real(dp), allocatable :: spring(:) !! in space, stiffness k across it (m) [F/L]
    contains
       procedure :: equals => active_set_equals
       procedure :: gives_force => active_set_gives_force
       procedure :: update => active_set_update
       procedure :: assume_stick => active_set_assume_stick
       procedure :: impose => active_set_impose
+      procedure :: slip_axes => active_set_slip_axes
+      procedure :: turn => active_set_turn
    end type active_set_t
 
 contains
@@ -75,9 +87,11 @@ contains
          !! the operator, with a stiffness; must outlive the problem
 
       problem%matrix => matrix
-      problem%n_points = matrix%n/2
-      allocate (problem%load(matrix%n), problem%gap(problem%n_points), problem%anchor(problem%n_points), &
-         problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
+      associate (m => problem%n_points)
+         m = matrix%n/(1 + matrix%n_tangents)
+         allocate (problem%load(matrix%n), problem%gap(m), problem%anchor(matrix%n - m), problem%friction(m), &
+            problem%slip_bound(m), source=0.0_dp)
+      end associate
    end subroutine new_contact_problem
 
    !> Makes a reduced problem: no gap beyond what the free displacements say, no anchor, no given slip bound.
@@ -85,18 +99,19 @@ contains
       type(contact_problem_t), intent(out) :: problem !! the problem
       type(contact_operator_t), target, intent(inout) :: matrix !! the operator, a compliance; must outlive the problem
       real(dp), intent(in) :: free_displacement(:)
-         !! displacements without contact forces, the normal ones counted from the obstacle on (2m) [L]
+         !! displacements without contact forces, the normal ones counted from the obstacle on (n) [L]
       real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
 
       problem%matrix => matrix
       problem%n_points = size(friction)
       problem%free_displacement = free_displacement
       problem%friction = friction
-      allocate (problem%gap(problem%n_points), problem%anchor(problem%n_points), &
-         problem%slip_bound(problem%n_points), source=0.0_dp)
+      associate (m => problem%n_points)
+         allocate (problem%gap(m), problem%anchor(matrix%n - m), problem%slip_bound(m), source=0.0_dp)
+      end associate
    end subroutine new_reduced_problem
 
-   !> The stiffness rho that turns displacements into forces in the contact law (2m) [F/L].
+   !> The stiffness rho that turns displacements into forces in the contact law (n) [F/L].
    pure function contact_problem_augmentation(self) result(rho)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: rho(:)
@@ -108,8 +123,8 @@ contains
    !> way c.
    pure subroutine contact_problem_count_from(self, center)
       class(contact_problem_t), intent(inout) :: self !! the problem, with a stiffness
-      real(dp), contiguous, intent(in) :: center(:) !! c (2m) [L]
-      real(dp) :: stiffening(2*self%n_points)
+      real(dp), contiguous, intent(in) :: center(:) !! c (n) [L]
+      real(dp) :: stiffening(self%matrix%n)
 
       call self%matrix%multiply_stiffness(center, stiffening)
       self%load = self%load - stiffening
@@ -126,7 +141,31 @@ contains
       bound = self%slip_bound + self%friction*max(0.0_dp, normal_force)
    end function contact_problem_bound
 
-   !> The displacements (d; a) that the contact law counts distances and slips from (2m) [L].
+   !> Forces cut to the contact law: no tension, and no more friction than the bound of the normal force that is left
+   !> (n) [F].
+   pure function contact_problem_cut(self, force) result(cut)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: force(:) !! the forces (n) [F]
+      real(dp) :: cut(size(force))
+
+      cut(:self%n_points) = max(0.0_dp, force(:self%n_points))
+      cut(self%n_points + 1:) = cut_to_bound(force(self%n_points + 1:), self%bound(cut(:self%n_points)))
+   end function contact_problem_cut
+
+   !> The largest normal or tangential part of a vector; 0 if there is none.
+   pure real(dp) function contact_problem_largest(self, vector) result(largest)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: vector(:) !! the vector (n)
+
+      if (self%matrix%n_tangents == 1) then
+         largest = maxval(abs(vector))
+      else
+         largest = max(maxval(abs(vector(:self%n_points))), &
+            maxval(tangential_norm(vector(self%n_points + 1:), self%n_points)))
+      end if
+   end function contact_problem_largest
+
+   !> The displacements (d; a) that the contact law counts distances and slips from (n) [L].
    pure function contact_problem_reference(self) result(reference)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: reference(:)
@@ -135,29 +174,29 @@ contains
    end function contact_problem_reference
 
    !> The dual load of the paper's (2.3), B = v_free - (d; a), where v_free = A (q + alpha v_k) with the proximal center
-   !> v_k unless the problem is a reduced one and gives it (2m) [L].
+   !> v_k unless the problem is a reduced one and gives it (n) [L].
    pure function contact_problem_dual_load(self, center) result(b)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
-      real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (2m) [L]
+      real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (n) [L]
       real(dp), allocatable :: b(:)
 
       if (.not. self%matrix%has_stiffness()) then
          b = self%free_displacement
       else
-         allocate (b(2*self%n_points))
+         allocate (b(self%matrix%n))
          call self%matrix%compliance%multiply(self%load + self%matrix%proximal_parameter*center, b)
       end if
       b = b - self%reference()
    end function contact_problem_dual_load
 
-   !> The displacements v = B - A lambda + (d; a) of given forces (2m) [L].
+   !> The displacements v = B - A lambda + (d; a) of given forces (n) [L].
    pure function contact_problem_displacement(self, dual_load, force) result(displacement)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
-      real(dp), intent(in) :: dual_load(:) !! B (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(in) :: dual_load(:) !! B (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
       real(dp), allocatable :: displacement(:)
 
-      allocate (displacement(2*self%n_points))
+      allocate (displacement(self%matrix%n))
       call self%matrix%compliance%multiply(force, displacement)
       displacement = dual_load - displacement + self%reference()
    end function contact_problem_displacement
@@ -166,13 +205,16 @@ contains
    !> none with a given slip bound has slipped.
    pure logical function contact_problem_is_unloaded(self) result(is_unloaded)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp) :: acting(2*self%n_points)
+      real(dp) :: acting(self%matrix%n)
 
       if (.not. self%matrix%has_stiffness()) then
          acting = self%dual_load(self%free_displacement)
          acting(:self%n_points) = max(0.0_dp, acting(:self%n_points))
       else
-         acting = abs(self%load) + [max(0.0_dp, -self%gap), self%slip_bound*abs(self%anchor)]
+         acting = abs(self%load)
+         associate (m => self%n_points)
+            acting(:m) = acting(:m) + max(max(0.0_dp, -self%gap), self%slip_bound*tangential_norm(self%anchor, m))
+         end associate
       end if
       is_unloaded = .not. any(abs(acting) > 0.0_dp)
    end function contact_problem_is_unloaded
@@ -182,15 +224,15 @@ contains
    !> With v known, it is no less than a small share of rho |v|: what rounding of S v needs. A loose body may flee.
    pure real(dp) function contact_problem_force_scale(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
-      real(dp), intent(in), optional :: displacement(:) !! v (2m) [L]
-      real(dp) :: rho(2*self%n_points)
+      real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
+      real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
+      real(dp) :: rho(self%matrix%n)
 
       rho = self%augmentation()
       scale = acting_force(self, contact_force, displacement)
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
-         scale = max(scale, rounding_share*maxval(rho*abs(displacement)))
+         scale = max(scale, rounding_share*self%largest(rho*displacement))
       end if
       if (scale > 0.0_dp) return
       scale = minval(rho(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
@@ -206,14 +248,14 @@ contains
    !> forces.
    pure real(dp) function acting_force(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
-      real(dp), intent(in), optional :: displacement(:) !! v (2m) [L]
+      real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
+      real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
       real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
       real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
       real(dp), parameter :: least_residual = 1.0e-11_dp ! a tenth of the tolerance is rounding of a loose body's S
       real(dp), parameter :: pressed = 1.0e-9_dp ! forces that are no rounding are a larger share of those of moves
-      real(dp), dimension(2*self%n_points) :: held, force
+      real(dp), dimension(self%matrix%n) :: held, force
       real(dp) :: acting, uncanceled
 
       uncanceled = 0.0_dp
@@ -226,21 +268,21 @@ contains
             call self%matrix%multiply_stiffness(held, force)
             force = self%load - force
          end if
-         uncanceled = maxval(self%augmentation())*(self%prescribed + maxval(abs(held)))
+         uncanceled = maxval(self%augmentation())*(self%prescribed + self%largest(held))
       end if
-      scale = maxval(abs(force))
+      scale = self%largest(force)
       if (scale <= rounding*uncanceled) scale = rounding_share*uncanceled
       if (present(contact_force) .and. self%matrix%has_stiffness()) then
-         acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*maxval(abs(self%load)), &
-            maxval(abs(contact_force)))
+         acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*self%largest(self%load), &
+            self%largest(contact_force))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*uncanceled))
       end if
       if (present(contact_force) .and. present(displacement) .and. &
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%augmentation())*self%prescribed
-         if (maxval(abs(displacement)) <= far*self%prescribed .and. maxval(abs(contact_force)) <= &
+         if (self%largest(displacement) <= far*self%prescribed .and. self%largest(contact_force) <= &
             pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled, &
-            self%rounding/least_residual*maxval(abs(displacement)))
+            self%rounding/least_residual*self%largest(displacement))
       end if
    end function acting_force
 
@@ -250,14 +292,16 @@ contains
    pure function contact_problem_weight(self) result(weight)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: weight(:)
-      real(dp) :: rho(2*self%n_points), length
+      real(dp) :: rho(self%matrix%n), length
 
       allocate (weight(self%n_points), source=1.0_dp)
       if (self%matrix%has_stiffness()) return
-      length = maxval(abs(self%dual_load(self%free_displacement)))
+      length = self%largest(self%dual_load(self%free_displacement))
       if (.not. length > 0.0_dp) return
       rho = self%augmentation()
-      weight = max(1.0_dp, self%force_scale()/(length*min(rho(:self%n_points), rho(self%n_points + 1:))))
+      associate (m => self%n_points)
+         weight = max(1.0_dp, self%force_scale()/(length*min(rho(:m), rho(m + 1:2*m))))
+      end associate
    end function contact_problem_weight
 
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
@@ -265,14 +309,15 @@ contains
    !> and is zero at a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), contiguous, intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp) :: imbalance(2*self%n_points)
+      real(dp), contiguous, intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      real(dp) :: imbalance(self%matrix%n)
+      integer :: i
 
       if (.not. self%matrix%has_stiffness()) then
          call self%matrix%compliance%multiply(force, imbalance)
-         imbalance = [self%weight(), self%weight()]*self%augmentation()*(imbalance - self%free_displacement &
-            + displacement)
+         imbalance = [(self%weight(), i=0, self%matrix%n_tangents)]*self%augmentation()*(imbalance &
+            - self%free_displacement + displacement)
       else
          call self%matrix%multiply_stiffness(displacement, imbalance)
          imbalance = imbalance - self%load + force
@@ -280,20 +325,28 @@ contains
       ! maxval passes over what is not a number.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
-      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/ &
+      residual = max(self%largest(imbalance), self%violation(displacement, force))/ &
          self%force_scale(force, displacement)
    end function contact_problem_residual
 
    !> The largest violation of the contact law by a pair (v, lambda), with its weight [F].
    pure real(dp) function contact_problem_violation(self, displacement, force) result(violation)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp) :: rho(2*self%n_points)
+      real(dp), intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      real(dp) :: rho(self%matrix%n), at_points(self%n_points)
       integer :: m
 
       m = self%n_points
       rho = self%augmentation()
+      if (self%matrix%n_tangents == 2) then
+         associate (slip => displacement(m + 1:) - self%anchor)
+            at_points = max(abs(min(force(:m), rho(:m)*(self%gap - displacement(:m)))), disc_violation( &
+               force(m + 1:2*m), force(2*m + 1:), slip(:m), slip(m + 1:), self%bound(force(:m)), rho(m + 1:2*m)))
+         end associate
+         violation = maxval(self%weight()*at_points)
+         return
+      end if
       violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, &
          force(m + 1:), displacement(m + 1:) - self%anchor, self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
@@ -301,15 +354,20 @@ contains
    !> Status of every point of a pair (v, lambda): which bound of the law is active (m).
    pure function contact_problem_status(self, displacement, force) result(status)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
       integer, allocatable :: status(:)
-      real(dp) :: augmented(2*self%n_points)
+      real(dp) :: augmented(self%matrix%n)
       integer :: m
 
       m = self%n_points
       augmented = force + self%augmentation()*(displacement - self%reference())
-      status = contact_status(augmented(:m), augmented(m + 1:), self%friction, self%slip_bound)
+      if (self%matrix%n_tangents == 1) then
+         status = contact_status(augmented(:m), augmented(m + 1:), self%friction, self%slip_bound)
+      else
+         status = contact_status(augmented(:m), tangential_norm(augmented(m + 1:), m), self%friction, self%slip_bound)
+         where (status == slip_plus) status = slip_point
+      end if
    end function contact_problem_status
 
    !> Assumes that every point touches and sticks, but for those so far off that to pull them to the nearest point's gap
@@ -317,27 +375,44 @@ contains
    pure subroutine active_set_assume_stick(self, problem, rho, force_scale)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
+      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (n) [F/L]
       real(dp), intent(in) :: force_scale !! the force that residuals are measured by [F]
 
       self%is_closed = rho(:problem%n_points)*(problem%gap - minval(problem%gap)) <= problem%n_points*force_scale
       self%slip_direction = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
+      if (problem%matrix%n_tangents == 1) return
+      self%axes = spread([1.0_dp, 0.0_dp], 2, problem%n_points)
+      self%spring = spread(0.0_dp, 1, problem%n_points)
    end subroutine active_set_assume_stick
 
    !> Makes it that of a pair (v, lambda), by the side of the law that its augmented forces lie on.
    pure subroutine active_set_update(self, problem, rho, displacement, force)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp) :: augmented(2*problem%n_points), bound(problem%n_points)
+      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (n) [F/L]
+      real(dp), intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      ! Where a point hardly slides the spring across is as stiff as sticking.
+      real(dp), parameter :: most_share = 0.99_dp
+      real(dp) :: augmented(problem%matrix%n), bound(problem%n_points), length(problem%n_points)
+      integer :: i
 
       augmented = force + rho*(displacement - problem%reference())
       associate (m => problem%n_points)
          bound = problem%bound(augmented(:m))
          self%is_closed = augmented(:m) > 0.0_dp
-         self%slip_direction = merge(nint(sign(1.0_dp, augmented(m + 1:))), 0, abs(augmented(m + 1:)) > bound)
+         if (problem%matrix%n_tangents == 1) then
+            self%slip_direction = merge(nint(sign(1.0_dp, augmented(m + 1:))), 0, abs(augmented(m + 1:)) > bound)
+         else
+            length = tangential_norm(augmented(m + 1:), m)
+            self%slip_direction = merge(1, 0, length > bound)
+            self%axes = spread([1.0_dp, 0.0_dp], 2, m)
+            do i = 1, m
+               if (length(i) > 0.0_dp) self%axes(:, i) = augmented([m + i, 2*m + i])/length(i)
+            end do
+            length = min(most_share, bound/max(length, bound, tiny(1.0_dp)))
+            self%spring = length/(1.0_dp - length)*rho(m + 1:2*m)
+         end if
          where (.not. bound > 0.0_dp) self%slip_direction = 1
       end associate
    end subroutine active_set_update
@@ -346,7 +421,7 @@ contains
    pure subroutine active_set_impose(self, problem, force, imbalance)
       class(active_set_t), intent(in) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(inout) :: force(:) !! q - S v, and then lambda (2m) [F]
+      real(dp), intent(inout) :: force(:) !! q - S v, and then lambda (n) [F]
       real(dp), intent(out) :: imbalance !! the largest change by that [F]
       real(dp) :: balanced(size(force))
       integer :: m
@@ -354,20 +429,51 @@ contains
       m = problem%n_points
       balanced = force
       where (.not. self%is_closed) force(:m) = 0.0_dp
+      call self%turn(force, 1)
       associate (direction => self%slip_direction)
-         where (direction /= 0) force(m + 1:) = direction*(problem%slip_bound + problem%friction*force(:m))
+         where (direction /= 0) force(m + 1:2*m) = direction*(problem%slip_bound + problem%friction*force(:m))
       end associate
-      imbalance = max(0.0_dp, maxval(abs(force - balanced)))
+      call self%turn(force, -1)
+      imbalance = max(0.0_dp, problem%largest(force - balanced))
    end subroutine active_set_impose
 
    !> Of which components the force is unknown and the displacement given: the normal ones of closed points, the
-   !> tangential ones of sticking points; of the others it is the displacement that is unknown (2m).
+   !> tangential ones of sticking points; of the others it is the displacement that is unknown (n).
    pure function active_set_gives_force(self) result(gives_force)
       class(active_set_t), intent(in) :: self !! the active set
       logical, allocatable :: gives_force(:)
 
       gives_force = [self%is_closed, self%slip_direction == 0]
+      if (allocated(self%axes)) gives_force = [gives_force, self%slip_direction == 0]
    end function active_set_gives_force
+
+   !> In space the axes of the tangents that have the first one along the slip, where a point slides (2, m) [-].
+   pure function active_set_slip_axes(self) result(axes)
+      class(active_set_t), intent(in) :: self !! the active set
+      real(dp) :: axes(2, size(self%slip_direction))
+      integer :: p
+
+      do p = 1, size(self%slip_direction)
+         axes(:, p) = merge([1.0_dp, 0.0_dp], self%axes(:, p), self%slip_direction(p) == 0)
+      end do
+   end function active_set_slip_axes
+
+   !> Turns a vector to these axes or back. In the plane there is nothing to turn.
+   pure subroutine active_set_turn(self, vector, sense)
+      class(active_set_t), intent(in) :: self !! the active set
+      real(dp), intent(inout) :: vector(:) !! the vector (n)
+      integer, intent(in) :: sense !! 1 to the axes, -1 back
+      real(dp) :: axes(2, size(self%slip_direction)), first(size(self%slip_direction))
+
+      if (.not. allocated(self%axes)) return
+      axes = self%slip_axes()
+      axes(2, :) = sense*axes(2, :)
+      associate (m => size(first))
+         first = vector(m + 1:2*m)
+         vector(m + 1:2*m) = axes(1, :)*first + axes(2, :)*vector(2*m + 1:)
+         vector(2*m + 1:) = axes(1, :)*vector(2*m + 1:) - axes(2, :)*first
+      end associate
+   end subroutine active_set_turn
 
    !> Whether two active sets are the same.
    pure logical function active_set_equals(self, other) result(equals)

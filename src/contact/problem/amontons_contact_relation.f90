@@ -65,9 +65,9 @@ contains
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp) :: force(2*problem%n_points)
+      real(dp) :: force(problem%matrix%n)
       integer :: i, j, m
-      real(dp) :: unit(2*problem%n_points), amount
+      real(dp) :: unit(problem%matrix%n), amount
 
       relation%is_dual = .not. problem%matrix%has_stiffness()
       if (relation%is_dual) then
@@ -85,6 +85,8 @@ contains
       end if
       ! Where the diagonal is not positive, its largest entry scales, or 1 if there is none.
       unit = [(relation%matrix(i, i), i=1, size(unit))]
+      if (problem%matrix%n_tangents == 2) unit = merge(1.0_dp/problem%augmentation(), problem%augmentation(), &
+         relation%is_dual)
       if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
       unit = sqrt(merge(unit, maxval(unit), unit > 0.0_dp))
       amount = maxval(abs(relation%vector/unit))
@@ -94,11 +96,11 @@ contains
       relation%vector = relation%vector/(amount*unit)
       m = size(problem%friction)
       relation%n_points = m
-      do j = 1, 2*m
+      do j = 1, size(unit)
          relation%matrix(:, j) = relation%matrix(:, j)/(unit*unit(j))
       end do
-      relation%friction = problem%friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
-      relation%slip_bound = problem%slip_bound/relation%force_unit(m + 1:)
+      relation%friction = problem%friction*relation%force_unit(:m)/relation%force_unit(m + 1:2*m)
+      relation%slip_bound = problem%slip_bound/relation%force_unit(m + 1:2*m)
    end subroutine new_contact_relation
 
    !> The inverse of the symmetric part of H, if that is positive definite beyond rounding.

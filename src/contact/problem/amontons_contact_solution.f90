@@ -25,8 +25,8 @@ module amontons_contact_solution
    !> Forces, displacements and statuses of the contact points. A method starts from the forces and displacements it
    !> finds here, and leaves its result.
    type :: contact_solution_t
-      real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (2m) [F]
-      real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (2m) [L]
+      real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (n) [F]
+      real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (n) [L]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
@@ -87,11 +87,15 @@ module amontons_contact_solution
 contains
 
    !> A solution at rest: no force, no displacement.
-   pure subroutine new_contact_solution(solution, n_points)
+   pure subroutine new_contact_solution(solution, n_points, n_tangents)
       type(contact_solution_t), intent(out) :: solution !! the solution
       integer, intent(in) :: n_points !! number of contact points
+      integer, intent(in), optional :: n_tangents !! number of tangential directions of a point; 1 if it is not given
+      integer :: n
 
-      allocate (solution%force(2*n_points), solution%displacement(2*n_points), source=0.0_dp)
+      n = 2*n_points
+      if (present(n_tangents)) n = (1 + n_tangents)*n_points
+      allocate (solution%force(n), solution%displacement(n), source=0.0_dp)
       allocate (solution%status(n_points), source=open_point)
       allocate (solution%history(0))
    end subroutine new_contact_solution
@@ -113,8 +117,8 @@ contains
    pure subroutine contact_solution_record(self, problem, displacement, force, tolerance, may_continue)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
       real(dp), intent(in) :: tolerance !! the residual that counts as solved [-]
       logical, intent(out) :: may_continue !! false when solved, or when the numbers have left the finite range
 

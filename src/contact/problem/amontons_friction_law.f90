@@ -6,6 +6,9 @@
 !> For a given bound this is the inequality (2.2) of the paper, and the maximum over the multipliers in its saddle point
 !> (P3); Coulomb's part makes b depend on the solution (its remark 1 on section 1).
 !>
+!> In space slip and lambda_T have two components, and the law says `|lambda_T| <= b`, a disc in the place of the
+!> interval, and `s /= 0 => lambda_T = b s/|s|`. It knows no axes.
+!>
 !> The problem of a point alone is solved exactly by looking at each status in turn. With the compliance W = [w_nn w_nt;
 !> w_nt w_tt] and the distance and slip c that the point has without its force x, distance and slip are c - W x. W may
 !> be semidefinite, and there may be several solutions or none.
@@ -14,8 +17,9 @@ module amontons_friction_law
    implicit none (type, external)
    private
 
-   public :: bounded, contact_status, law_violation, open_point, point_violations, point_violations_t, slip_minus, &
-      slip_plus, solve_point, status_names, stick_point
+   public :: bounded, contact_status, cut_to_bound, disc_violation, law_violation, open_point, point_violations, &
+      point_violations_t, slip_minus, slip_plus, slip_point, solve_point, solve_point_in_space, status_names, &
+      stick_point, tangential_norm
 
    !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
@@ -25,8 +29,10 @@ module amontons_friction_law
    integer, parameter :: slip_plus = 3
    !> Status of a closed point that slides along -t.
    integer, parameter :: slip_minus = 4
+   !> Status of a closed point that slides in space.
+   integer, parameter :: slip_point = 5
    !> Names of the statuses, as the result files write them.
-   character(5), parameter :: status_names(4) = [character(5) :: 'open', 'stick', 'slip+', 'slip-']
+   character(5), parameter :: status_names(slip_point) = [character(5) :: 'open', 'stick', 'slip+', 'slip-', 'slip']
 
    !> How far a point is from the conditions of the law, each by itself.
    type :: point_violations_t
@@ -49,6 +55,35 @@ contains
 
       bounded = min(max(value, -bound), bound)
    end function bounded
+
+   !> The lengths of tangential vectors, of one component or of two (m).
+   pure function tangential_norm(vector, n_points) result(norm)
+      real(dp), intent(in) :: vector(:) !! the vectors, all first components before the second ones (n_tangents m)
+      integer, intent(in) :: n_points !! number m of points
+      real(dp) :: norm(n_points)
+
+      if (size(vector) == n_points) then
+         norm = abs(vector)
+      else
+         norm = hypot(vector(:n_points), vector(n_points + 1:))
+      end if
+   end function tangential_norm
+
+   !> Tangential vectors cut to their bounds, along themselves (n_tangents m).
+   pure function cut_to_bound(vector, bound) result(cut)
+      real(dp), intent(in) :: vector(:) !! the vectors (n_tangents m)
+      real(dp), intent(in) :: bound(:) !! longest that each may be, at least 0 (m)
+      real(dp) :: cut(size(vector))
+      real(dp) :: share(size(bound))
+
+      if (size(vector) == size(bound)) then
+         cut = bounded(vector, bound)
+      else
+         share = tangential_norm(vector, size(bound))
+         share = merge(bound/max(share, tiny(share)), 1.0_dp, share > bound)
+         cut = vector*[share, share]
+      end if
+   end function cut_to_bound
 
    !> Status of a point from its augmented forces force + stiffness * displacement, as in Alart and Curnier's
    !> formulation: which bound of the law is active.
@@ -90,6 +125,26 @@ contains
       violation = max(abs(min(normal_force, -rho_normal*distance)), &
          abs(max(min(-rho_tangential*slip, tangential_force + bound), tangential_force - bound)))
    end function law_violation
+
+   !> The same of a point in space for its tangential force alone, of given bound:
+   !> the length of lambda_T less lambda_T + rho_T s cut to the bound [F].
+   elemental real(dp) function disc_violation(force, other_force, slip, other_slip, bound, rho) result(violation)
+      real(dp), intent(in) :: force !! first component of lambda_T [F]
+      real(dp), intent(in) :: other_force !! its second component [F]
+      real(dp), intent(in) :: slip !! first component of the slip s [L]
+      real(dp), intent(in) :: other_slip !! its second component [L]
+      real(dp), intent(in) :: bound !! slip bound [F]
+      real(dp), intent(in) :: rho !! stiffness that turns the slip into a force, positive [F/L]
+      real(dp) :: length
+
+      length = hypot(force + rho*slip, other_force + rho*other_slip)
+      if (length > bound) then
+         length = bound/length
+         violation = hypot(force - length*(force + rho*slip), other_force - length*(other_force + rho*other_slip))
+      else
+         violation = rho*hypot(slip, other_slip)
+      end if
+   end function disc_violation
 
    !> How far a point is from the conditions of the law, lengths over one length and forces over one force.
    elemental function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
@@ -170,5 +225,132 @@ contains
       end function sliding
 
    end function solve_point
+
+   !> The force on a point in space that fulfills the contact law best; of several that do, the one next to a given
+   !> force. Where the point slides, the angle of its slip is a zero of a function of one variable.
+   pure function solve_point_in_space(w, free, friction, slip_bound, force) result(best)
+      real(dp), intent(in) :: w(3, 3) !! compliance in (n, t1, t2), positive semidefinite [L/F]
+      real(dp), intent(in) :: free(3) !! distance u_N - d and slip u_T without force [L]
+      real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
+      real(dp), intent(in) :: slip_bound !! given slip bound g [F]
+      real(dp), intent(in) :: force(3) !! a force (lambda_N, lambda_T) to stay near [F]
+      real(dp) :: best(3)
+      ! What two evaluations of one solution differ by; determinants that are none; steps of a full turn, in each of
+      ! which there is at most one zero but where two of them nearly meet.
+      real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp, full_turn = 8.0_dp*atan(1.0_dp)
+      integer, parameter :: n_steps = 32, most_steps = 60
+      real(dp) :: rho(2), least, angle, last_angle, value, last, low, high, low_value, high_value
+      integer :: i, k
+
+      rho = [w(1, 1), 0.5_dp*(w(2, 2) + w(3, 3)) + hypot(0.5_dp*(w(2, 2) - w(3, 3)), w(2, 3))]
+      rho = 1.0_dp/merge(rho, merge(maxval(rho), 1.0_dp, any(rho > 0.0_dp)), rho > 0.0_dp)
+      least = huge(least)
+      best = force
+      ! One component after the other; open, and held by a given bound; sticking; sliding.
+      associate (normal => max(0.0_dp, rho(1)*(free(1) - dot_product(w(1, 2:), force(2:)))))
+         call try([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), [slip_bound + friction*normal])], best, &
+            least)
+      end associate
+      call try([0.0_dp, cut_to_bound(pair_force(free(2:)), [slip_bound])], best, least)
+      associate (coupling => pair_force(w(2:, 1)), alone => pair_force(free(2:)))
+         value = w(1, 1) - dot_product(w(1, 2:), coupling)
+         if (value > singular*w(1, 1)) then
+            value = (free(1) - dot_product(w(1, 2:), alone))/value
+            call try([value, alone - coupling*value], best, least)
+         end if
+      end associate
+      if (friction + slip_bound > 0.0_dp) then
+         last_angle = 0.0_dp
+         last = turning(last_angle)
+         do i = 1, n_steps
+            angle = full_turn*i/n_steps
+            value = turning(angle)
+            if (last*value <= 0.0_dp) then
+               ! The secant through values of both signs; the older one is halved where it stays (Illinois).
+               low = last_angle
+               high = angle
+               low_value = last
+               high_value = value
+               do k = 1, most_steps
+                  if (.not. abs(high_value - low_value) > 0.0_dp) exit
+                  associate (middle => (low*high_value - high*low_value)/(high_value - low_value))
+                     if (abs(middle - high) <= epsilon(high)*full_turn) exit
+                     associate (middle_value => turning(middle))
+                        if (middle_value*high_value > 0.0_dp) then
+                           low_value = 0.5_dp*low_value
+                        else
+                           low = high
+                           low_value = high_value
+                        end if
+                        high = middle
+                        high_value = middle_value
+                     end associate
+                  end associate
+               end do
+               call try(sliding(high), best, least)
+            end if
+            last_angle = angle
+            last = value
+         end do
+      end if
+      best(1) = max(0.0_dp, best(1))
+      best(2:) = cut_to_bound(best(2:), [slip_bound + friction*best(1)])
+
+   contains
+
+      !> Takes a force if it is better than the best so far.
+      pure subroutine try(trial, best, least)
+         real(dp), intent(in) :: trial(3) !! the force [F]
+         real(dp), intent(inout) :: best(3) !! the best force so far [F]
+         real(dp), intent(inout) :: least !! its violation of the law [F]
+         real(dp) :: distance(3), cost
+
+         distance = free - matmul(w, trial)
+         cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
+            distance(3), slip_bound + friction*max(0.0_dp, trial(1)), rho(2)), rounding*maxval(abs(trial - force)))
+         if (.not. cost < least) return
+         least = cost
+         best = trial
+      end subroutine try
+
+      !> The tangential force that a slip alone needs; cut down where the block of the tangents is singular.
+      pure function pair_force(slip) result(pair)
+         real(dp), intent(in) :: slip(2) !! the slip [L]
+         real(dp) :: pair(2)
+
+         associate (det => w(2, 2)*w(3, 3) - w(2, 3)*w(3, 2))
+            if (det > singular*w(2, 2)*w(3, 3)) then
+               pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), w(2, 2)*slip(2) - w(3, 2)*slip(1)]/det
+            else
+               pair = rho(2)*slip
+            end if
+         end associate
+      end function pair_force
+
+      !> The force on a point that slides along an angle: closed if that presses, else open.
+      pure function sliding(angle) result(trial)
+         real(dp), intent(in) :: angle !! the angle [rad]
+         real(dp) :: trial(3)
+
+         associate (axis => [cos(angle), sin(angle)])
+            associate (coupling => dot_product(w(1, 2:), axis))
+               trial(1) = 0.0_dp
+               if (abs(w(1, 1) + friction*coupling) > singular*w(1, 1)) trial(1) = max(0.0_dp, &
+                  (free(1) - coupling*slip_bound)/(w(1, 1) + friction*coupling))
+               trial(2:) = (slip_bound + friction*trial(1))*axis
+            end associate
+         end associate
+      end function sliding
+
+      !> How far the slip under the force along an angle points to its left [L].
+      pure real(dp) function turning(angle)
+         real(dp), intent(in) :: angle !! the angle [rad]
+
+         associate (slip => free(2:) - matmul(w(2:, :), sliding(angle)))
+            turning = cos(angle)*slip(2) - sin(angle)*slip(1)
+         end associate
+      end function turning
+
+   end function solve_point_in_space
 
 end module amontons_friction_law

@@ -67,6 +67,11 @@ contains
       integer :: j, most, i, m
       real(dp), allocatable :: rows(:, :)
 
+      if (problem%matrix%n_tangents == 2) then
+         call new_error(error, input_refused, 'all solutions can be found in the plane only: friction in space is '// &
+            'no linear complementarity problem')
+         return
+      end if
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (problem%n_points > most) then
          call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &

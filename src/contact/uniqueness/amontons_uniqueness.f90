@@ -42,7 +42,7 @@ contains
       type(uniqueness_t), intent(in), optional :: known
          !! the bound of another load case of the same body, which may serve again, or none
       ! Cholesky factors of so many rows take about a second together.
-      integer, parameter :: most_points = 500
+      integer, parameter :: most_rows = 1000
       real(dp) :: ratio(problem%n_points)
       logical :: is_known
 
@@ -57,7 +57,7 @@ contains
          .and. all(known%has_slip_bound .eqv. uniqueness%has_slip_bound)
       if (is_known) then
          uniqueness = known
-      else if (problem%n_points > 0 .and. problem%n_points <= most_points) then
+      else if (problem%n_points > 0 .and. problem%matrix%n <= most_rows) then
          call bound_friction(uniqueness, problem)
       end if
       ! Without Coulomb friction the problem is a convex program, and S determines the forces.
@@ -66,7 +66,7 @@ contains
          .or. maxval(problem%friction) < uniqueness%friction
    end subroutine new_uniqueness
 
-   !> Finds the exact bound where there are few points, else the estimate.
+   !> Finds the exact bound where there are few points in the plane, else the estimate.
    subroutine bound_friction(uniqueness, problem)
       type(uniqueness_t), intent(inout) :: uniqueness !! the ratios; gains the bound
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -80,9 +80,12 @@ contains
       ! Memory has room for the few points.
       call new_contact_relation(relation, problem, error)
       if (allocated(error)) return
-      friction = uniqueness%ratio*relation%force_unit(:problem%n_points)/relation%force_unit(problem%n_points + 1:)
+      associate (m => problem%n_points)
+         friction = uniqueness%ratio*relation%force_unit(:m)/relation%force_unit(m + 1:2*m)
+      end associate
       call relation%invert(inverse, is_definite)
-      uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact
+      uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact .and. &
+         problem%matrix%n_tangents == 1
       if (uniqueness%is_exact) then
          if (relation%is_dual) inverse = relation%matrix
          uniqueness%friction = exact_bound(inverse, friction, uniqueness%has_slip_bound)
@@ -175,7 +178,7 @@ contains
    !> A multiple of given coefficients below which the solution is unique, from norms; 0 if rigid motions with slip are
    !> free. With kappa and gamma of section 5 of doc/theory.md, kappa < gamma + 1/gamma (2 if gamma > 1).
    pure real(dp) function estimated_bound(s, friction) result(bound)
-      real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m) [-]
+      real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m), in space (3m, 3m) [-]
       real(dp), intent(in) :: friction(:) !! phi (m) [-]
       ! What rounding may have added to the estimate, and what it makes of no coupling.
       real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
@@ -183,12 +186,15 @@ contains
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
       real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :), difference(:, :)
-      real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:)
-      integer :: i, info, m
+      real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:), weights(:)
+      integer, allocatable :: rows(:)
+      integer :: k
+      integer :: i, info, m, n
 
       bound = 0.0_dp
       ! The normal displacements are eliminated: S_T = S_22 - S_21 S_11^+ S_12.
-      m = size(s, 1)/2
+      m = size(friction)
+      n = size(s, 1) - m
       factor = s(:m, :m)
       do i = 1, m
          factor(i, i) = (1.0_dp + hold)*factor(i, i)
@@ -198,12 +204,12 @@ contains
       cross = s(:m, m + 1:)
       mixed = cross
       call cholesky_solve(factor, mixed)
-      allocate (difference(m, m))
+      allocate (difference(n, n))
       call transposed_product(cross, mixed, difference)
       factor = s(m + 1:, m + 1:) - difference
       call cholesky_factor(factor, info)
       if (info /= 0) return
-      if (.not. all([(factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])) return
+      if (.not. all([(factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, n)])) return
       ! L^-1 S_21 S_11^+ S_12 L^-T
       call triangular_solve(factor, difference)
       difference = transpose(difference)
@@ -211,14 +217,19 @@ contains
       gamma = sqrt(largest_eigenvalue(difference))
       gamma = max(gamma, rounding)
       ! kappa is the square root of the product of the largest eigenvalues of D A_22 D and of D^-1 Phi S_11 Phi D^-1,
-      ! A_22 = S_T^-1, on the points with friction. The diagonal D balances the two.
+      ! A_22 = S_T^-1, on the points with friction. The diagonal D, one number for each point, balances the two.
       call cholesky_inverse(factor)
       associate (rough => pack([(i, i=1, m)], friction > 0.0_dp))
-         compliance = factor(rough, rough)
+         rows = [(rough + i, i=0, n - m, m)]
+         compliance = factor(rows, rows)
          stiffness = s(rough, rough)
-         weight = [(friction(rough(i))*sqrt(stiffness(i, i)/compliance(i, i)), i=1, size(rough))]
+         weight = [(friction(rough(i))*sqrt(stiffness(i, i)*(n/m)/sum([(factor(k, k), k=rough(i), n, m)])), &
+            i=1, size(rough))]
+         weights = [(weight, i=0, n - m, m)]
+         do i = 1, size(rows)
+            compliance(:, i) = compliance(:, i)*sqrt(weights)*sqrt(weights(i))
+         end do
          do i = 1, size(rough)
-            compliance(:, i) = compliance(:, i)*sqrt(weight)*sqrt(weight(i))
             stiffness(:, i) = stiffness(:, i)*friction(rough)/sqrt(weight)*friction(rough(i))/sqrt(weight(i))
          end do
       end associate
