@@ -2,7 +2,7 @@
 
 Usage: python -m amontons fclib [--solution TABLE] SOURCE TARGET
 
-    SOURCE    an FCLIB file (group /fclib_local, dimension 2) or a text file; its first bytes tell which
+    SOURCE    an FCLIB file (group /fclib_local, dimension 2 or 3) or a text file; its first bytes tell which
     TARGET    a file of the other kind: text with W in CSparse's columns, or an FCLIB file with W in compressed columns
     TABLE     the NAME.contact.csv of `amontons --reduced`; its forces r, and u = W r + q, go to /solution of the FCLIB
               file
@@ -36,6 +36,7 @@ HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 DENSE, BLOCKS, CSPARSE = 0, 1, 2  # storages of W in a text
 TRIPLETS, COLUMNS = 1, 2  # forms of CSparse
 COMPRESSED_COLUMNS, COMPRESSED_ROWS = -1, -2
+UNKNOWNS = {2: "an even number, two", 3: "a multiple of three, three"}  # of a contact, by the dimension
 LARGEST_NUMBER = 16  # bytes that a number of a data set may take
 CONSISTENT = 1e-6    # how well a table must fulfill u = W r + q, beside the largest displacement
 
@@ -50,9 +51,10 @@ class Problem:
     row: Array      # row of each entry of W, from 0; entries of one place add up
     column: Array   # column of each entry, from 0
     value: Array    # the entries
-    q: Array        # u without forces (2m)
+    q: Array        # u without forces (dm)
     mu: Array       # coefficients of friction (m)
-    r: Optional[Array] = None  # forces of a solution (2m)
+    r: Optional[Array] = None  # forces of a solution (dm)
+    dimension: int = 2         # number d of unknowns of a contact: 2 in the plane, 3 in space
 
     def displacements(self) -> Array:
         """u = W r + q, of a problem with forces."""
@@ -183,25 +185,25 @@ def read_fclib(path: Path) -> Problem:
             raise FileFault(f"{path}: /fclib_local has equality constraints (R): expected a problem u = W r + q alone")
         group = _Group(path, file, "/fclib_local")
         dimension = group.count("spacedim")
-        if dimension != 2:
-            raise group.fault("spacedim", f" is {dimension}: expected 2")
+        if dimension not in UNKNOWNS:
+            raise group.fault("spacedim", f" is {dimension}: expected 2 or 3")
         n = group.count("W/n")
-        if n % 2:
-            raise group.fault("W/n", f" is {n}: expected an even number, two for each contact")
+        if n % dimension:
+            raise group.fault("W/n", f" is {n}: expected {UNKNOWNS[dimension]} for each contact")
         row, column, value = group.matrix(n)
-        q, mu = group.vector("vectors/q", n), group.vector("vectors/mu", n//2)
+        q, mu = group.vector("vectors/q", n), group.vector("vectors/mu", n//dimension)
         if (mu < 0).any():
             raise group.fault("vectors/mu", f": expected numbers that are not negative, found {mu.min()} of contact "
                                             f"{mu.argmin() + 1}")
-    return Problem(row, column, value, q, mu)
+    return Problem(row, column, value, q, mu, dimension=dimension)
 
 
 def write_fclib(path: Path, problem: Problem, title: str) -> None:
     """Writes an FCLIB file, W in compressed columns, with the solution if the problem has one."""
     pointers, rows, values = problem.columns()
     n = len(problem.q)
-    data = {"spacedim": [2], "W/m": [n], "W/n": [n], "W/nzmax": [len(values)], "W/nz": [COMPRESSED_COLUMNS],
-            "W/p": pointers, "W/i": rows}
+    data = {"spacedim": [problem.dimension], "W/m": [n], "W/n": [n], "W/nzmax": [len(values)],
+            "W/nz": [COMPRESSED_COLUMNS], "W/p": pointers, "W/i": rows}
 
     def fill(name: str) -> None:
         with h5py.File(name, "w") as file:
@@ -210,7 +212,8 @@ def write_fclib(path: Path, problem: Problem, title: str) -> None:
                 group[key] = np.asarray(numbers, dtype=np.int32)
             group["W/x"], group["vectors/q"], group["vectors/mu"] = values, problem.q, problem.mu
             group["info/title"] = np.bytes_(title.encode() or b"reduced problem")
-            group["info/description"] = np.bytes_("plane contact with Coulomb friction, u = W r + q")
+            kind = "plane contact" if problem.dimension == 2 else "contact in space"
+            group["info/description"] = np.bytes_(f"{kind} with Coulomb friction, u = W r + q")
             group["info/math_info"] = np.bytes_("written by Amontons")
             if problem.r is not None:
                 file["solution/u"], file["solution/r"] = problem.displacements(), problem.r
@@ -219,7 +222,7 @@ def write_fclib(path: Path, problem: Problem, title: str) -> None:
 
 
 def read_text(path: Path) -> Problem:
-    """Reads a text file of Siconos (FrictionContactProblem, dimension 2), in any of its storages."""
+    """Reads a text file of Siconos (FrictionContactProblem, dimension 2 or 3), in any of its storages."""
     try:
         return _problem_of(Path(path).read_text(encoding="utf-8"))
     except (ValueError, LookupError, StopIteration):
@@ -231,20 +234,21 @@ def _problem_of(text: str) -> Problem:
     """The reduced problem of a text; an exception where it is none."""
     words = iter(text.split())
     dimension, m, storage, *size = _whole_numbers(words, 5)
-    if dimension != 2 or m < 0 or size != [2*m, 2*m]:
+    n = dimension*m
+    if dimension not in UNKNOWNS or m < 0 or size != [n, n]:
         raise ValueError
     if storage == CSPARSE:
-        entries, rest = _read_csparse(text.split("\n"), 2*m)
+        entries, rest = _read_csparse(text.split("\n"), n)
         words = iter(rest.split())
     else:
-        entries = {DENSE: _read_dense, BLOCKS: _read_blocks}[storage](words, 2*m)
+        entries = {DENSE: _read_dense, BLOCKS: _read_blocks}[storage](words, n)
     row, column, value = entries
-    numbers = _numbers(words, 3*m)
+    numbers = _numbers(words, n + m)
     # Siconos writes a whole number behind mu.
-    if len([int(word) for word in words]) > 1 or not np.isfinite(value).all() or (numbers[2*m:] < 0).any() or (
-            len(row) and not 0 <= min(row.min(), column.min()) <= max(row.max(), column.max()) < 2*m):
+    if len([int(word) for word in words]) > 1 or not np.isfinite(value).all() or (numbers[n:] < 0).any() or (
+            len(row) and not 0 <= min(row.min(), column.min()) <= max(row.max(), column.max()) < n):
         raise ValueError
-    return Problem(row, column, value, numbers[:2*m], numbers[2*m:])
+    return Problem(row, column, value, numbers[:n], numbers[n:], dimension=dimension)
 
 
 def _whole_numbers(words: Iterator[str], n: int) -> Any:
@@ -321,7 +325,7 @@ def write_text(path: Path, problem: Problem) -> None:
     pointers, rows, values = (numbers.tolist() for numbers in problem.columns())
     n, m = len(problem.q), len(problem.mu)
     norm = max((sum(map(abs, values[first:end])) for first, end in zip(pointers, pointers[1:])), default=0.0)
-    lines = [2, m, CSPARSE, n, n, COLUMNS, "CSparse Version 3",
+    lines = [problem.dimension, m, CSPARSE, n, n, COLUMNS, "CSparse Version 3",
              f"{n}-by-{n}, nzmax: {len(values)} nnz: {len(values)}, 1-norm: {norm}"]
     for j in range(n):
         lines.append(f"    col {j} : locations {pointers[j]} to {pointers[j + 1] - 1}")
@@ -350,9 +354,12 @@ def read_solution(path: Path, problem: Problem) -> Any:
     """The problem with the forces of a contact table of its own, in which u = W r + q."""
     with open(path, newline="", encoding="utf-8") as table:
         rows = list(csv.DictReader(table))
+    tangents = [""] if problem.dimension == 2 else ["_1", "_2"]
+    motion = ["gap", *(f"slip{tangent}" for tangent in tangents)]
+    forces = ["normal_force", *(f"tangential_force{tangent}" for tangent in tangents)]
     try:
-        r = np.array([[row["normal_force"], row["tangential_force"]] for row in rows], dtype=np.float64).ravel()
-        u = np.array([[row["gap"], row["slip"]] for row in rows], dtype=np.float64).ravel()
+        r, u = (np.array([[row[key] for key in keys] for row in rows], dtype=np.float64).ravel()
+                for keys in (forces, motion))
         if len(r) != len(problem.q):
             raise FileFault(f"{path}: expected a row for each of {len(problem.mu)} contacts, found {len(rows)}")
         solved = replace(problem, r=r)
@@ -360,7 +367,7 @@ def read_solution(path: Path, problem: Problem) -> Any:
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, FileFault):
             raise
-        raise FileFault(f"{path}: expected the columns gap, slip, normal_force and tangential_force of "
+        raise FileFault(f"{path}: expected the columns {', '.join([*motion, *forces[:-1]])} and {forces[-1]} of "
                         "numbers") from None
     if len(u) and not np.abs(difference).max() <= CONSISTENT*max(np.abs(u).max(), np.abs(problem.q).max()):
         raise FileFault(f"{path}: gap and slip are not W r + q: not the table of amontons --reduced for this problem")

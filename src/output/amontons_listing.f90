@@ -14,7 +14,7 @@ module amontons_listing
    use amontons_document, only: document_t
    use amontons_element, only: quad4
    use amontons_error, only: error_t, warning_list_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
@@ -646,10 +646,18 @@ contains
    end function residual_text
 
    !> How many points have each status.
-   pure function status_counts(status) result(text)
+   pure function status_counts(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
+      integer, intent(in), optional :: dimension !! of the problem; 2 if it is not given
       character(:), allocatable :: text
 
+      if (present(dimension)) then
+         if (dimension == 3) then
+            text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_point))//' slip, '// &
+               to_text(count(status == stick_point))//' stick'
+            return
+         end if
+      end if
       text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_plus))//' slip+, '// &
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts

@@ -9,7 +9,7 @@ module amontons_report
    use amontons_document, only: document_t, field, json_logical, json_number, json_numbers, json_string, &
       quantity_members
    use amontons_error, only: error_t, warning_list_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
+   use amontons_friction_law, only: open_point, stick_point
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp, int64
    use amontons_listing, only: new_listing, solutions_table_text
@@ -110,7 +110,7 @@ contains
       character(:), allocatable :: text
 
       text = '"open": '//to_text(count(status == open_point))//', "stick": '//to_text(count(status == stick_point)) &
-         //', "slip": '//to_text(count(status == slip_plus .or. status == slip_minus))
+         //', "slip": '//to_text(count(status /= open_point .and. status /= stick_point))
    end function status_members
 
    !> Quantities as a member.

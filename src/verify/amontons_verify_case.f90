@@ -12,7 +12,8 @@ module amontons_verify_case
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, new_vtk_check, read_array, verified_case_t, vtk_check_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point, &
+      tangential_norm
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
    use amontons_reduced_study, only: new_reduced_summary, reduced_documents
@@ -88,7 +89,7 @@ contains
       character(:), allocatable :: fault
 
       call new_contact_solution(result%solution, body%zone%n_points)
-      call read_points(case%stem//'.contact.csv', body%zone%n_points, result%solution%force, &
+      call read_points(case%stem//'.contact.csv', body%zone%n_points, 2, result%solution%force, &
          result%solution%status, fault)
       call case%fault('.contact.csv', fault)
       if (len(fault) > 0) return
@@ -112,30 +113,35 @@ contains
    end subroutine verify_result
 
    !> Reads forces and statuses from a table of contact points.
-   subroutine read_points(path, n_points, force, status, fault)
+   subroutine read_points(path, n_points, dimension, force, status, fault)
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_points !! number of contact points
-      real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (2 n_points) [F]
+      integer, intent(in) :: dimension !! components of their forces, 2 or 3
+      real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (dimension n_points) [F]
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
       type(csv_table_t) :: rows
-      integer :: p, columns(3)
+      integer :: p, k, columns(0:dimension)
 
-      allocate (force(2*n_points), status(n_points))
+      allocate (force(dimension*n_points), status(n_points))
       call read_csv_table(rows, path, fault=fault)
       if (len(fault) == 0 .and. rows%n_rows /= n_points) fault = to_text(rows%n_rows)//' rows, but there are '// &
          to_text(n_points)//' contact points'
       if (len(fault) > 0) return
-      columns = [rows%column('normal_force'), rows%column('tangential_force'), rows%column('status')]
+      columns(:1) = [rows%column('status'), rows%column('normal_force')]
+      if (dimension == 2) columns(2) = rows%column('tangential_force')
+      if (dimension == 3) columns(2:) = [rows%column('tangential_force_1'), rows%column('tangential_force_2')]
       if (any(columns == 0)) fault = 'the first line is not the header of this table'
       do p = 1, n_points
          if (len(fault) > 0) return
-         call rows%get_number(p, columns(1), force(p), fault)
-         call rows%get_number(p, columns(2), force(n_points + p), fault)
-         ! Each status is one of the known names.
-         status(p) = findloc(status_names == rows%field(p, columns(3)), .true., dim=1)
+         do k = 1, dimension
+            call rows%get_number(p, columns(k), force((k - 1)*n_points + p), fault)
+         end do
+         ! Each status is one of the known names, those of the plane or those of space.
+         status(p) = findloc(status_names == rows%field(p, columns(0)), .true., dim=1)
+         if (status(p) > stick_point .and. (status(p) == slip_point .neqv. dimension == 3)) status(p) = 0
          if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
-            rows%field(p, columns(3))//"'"
+            rows%field(p, columns(0))//"'"
       end do
    end subroutine read_points
 
@@ -242,7 +248,8 @@ contains
             tangential => points%force(size(points%status) + p))
             bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
             slip = merge(0.0_dp, points%slip(p), is_tangent_fixed(p))
-            direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus)
+            direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus .or. &
+               status == slip_point)
             ! Conditions on the gap and the normal force come before those on the slip.
             wrong = ''
             if (abs(tangential) > bound + scales%force) wrong = 'the tangential force is above its bound'
@@ -300,8 +307,9 @@ contains
       end if
       associate (system => result%system, solution => result%solution, limit => certificate_limit( &
          case%config%method%tolerance))
-         call new_contact_solution(solution, system%n_contacts)
-         call read_points(case%stem//'.contact.csv', system%n_contacts, solution%force, solution%status, fault)
+         call new_contact_solution(solution, system%n_contacts, system%dimension - 1)
+         call read_points(case%stem//'.contact.csv', system%n_contacts, system%dimension, solution%force, &
+            solution%status, fault)
          call case%fault('.contact.csv', fault)
          if (len(fault) > 0) return
          ! The tangential forces turn to the direction of the slip.
@@ -309,14 +317,23 @@ contains
          solution%is_converged = case%value('', 'converged') == 'true'
          call system%set_solution(solution%force, 1.0_dp)
          call new_reduced_check(result%check, system)
-         points%gap = system%u(1::2)
-         points%slip = system%u(2::2)
-         points%force = solution%force
          points%status = solution%status
+         associate (m => system%n_contacts, v => system%by_component(system%u), f => solution%force)
+            points%gap = -v(:m)
+            if (system%dimension == 2) then
+               points%slip = v(m + 1:)
+               points%force = f
+            else
+               ! Lengths; of a sliding contact the slip along its force.
+               points%force = [f(:m), tangential_norm(f(m + 1:), m)]
+               points%slip = merge((v(m + 1:2*m)*f(m + 1:2*m) + v(2*m + 1:)*f(2*m + 1:)) &
+                  /max(points%force(m + 1:), tiny(1.0_dp)), tangential_norm(v(m + 1:), m), points%status == slip_point)
+            end if
+         end associate
          if (solution%is_converged .and. system%n_contacts > 0) call check_statuses(case%faults, &
             case%stem//'.contact.csv', .true., points, system%friction, spread(0.0_dp, 1, system%n_contacts), &
-            spread(.false., 1, system%n_contacts), law_scales_t(limit*maxval(abs([system%u, system%q])), &
-            limit*maxval(abs(system%r))))
+            spread(.false., 1, system%n_contacts), law_scales_t(limit*max(system%largest_part(system%u), &
+            system%largest_part(system%q)), limit*system%largest_part(system%r)))
          call new_reduced_summary(summary, case%config, result)
          call reduced_documents(documents, case%config, result)
          call case%compare(documents, summary)

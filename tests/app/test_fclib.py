@@ -117,6 +117,29 @@ class Conversion(FclibTest):
                                                [0, 0.25, -0.5, 3]])
                 self.assertEqual((found.q.tolist(), found.mu.tolist()), ([-1, 0.5, -2, -4], [0.25, 0.5]))
 
+    def test_contacts_in_space_go_both_ways(self):
+        expected = fclib.read_text(SAMPLES / "space/dense.dat")
+        self.assertEqual(expected.dimension, 3)
+        self.run_program("--output", "solved", "--reduced", SAMPLES / "space/dense.dat")
+        for name in ("dense", "blocks", "columns", "triplets"):
+            with self.subTest(name):
+                self.convert("--solution", "solved/dense.contact.csv", SAMPLES / f"space/{name}.dat", "out.hdf5")
+                found = fclib.read_fclib(self.directory / "out.hdf5")
+                self.convert("out.hdf5", "back.dat")
+                for problem in (found, fclib.read_text(self.directory / "back.dat")):
+                    self.assertEqual((problem.dimension, full(problem)), (3, full(expected)))
+                    self.assertEqual((problem.q.tolist(), problem.mu.tolist()),
+                                     (expected.q.tolist(), expected.mu.tolist()))
+        with h5py.File(self.directory / "out.hdf5") as file:
+            self.assertEqual(file["/fclib_local/spacedim"][0], 3)
+            u, r = file["/solution/u"][:], file["/solution/r"][:]
+        with open(self.directory / "solved/dense.contact.csv", newline="", encoding="utf-8") as table:
+            rows = list(csv.DictReader(table))
+        for values, keys in ((r, ("normal_force", "tangential_force_1", "tangential_force_2")),
+                             (u, ("gap", "slip_1", "slip_2"))):
+            # u is computed from r as by the program, by sums in another order.
+            self.assert_close(values, [float(row[key]) for row in rows for key in keys], 1e-14)
+
     def test_written_file_has_the_layout_of_fclib_and_the_solution(self):
         self.run_program("--write-reduced", self.write("held.nml", HELD))
         self.run_program("--output", "solved", "--reduced", "held.reduced.dat")
@@ -155,7 +178,8 @@ class Refusals(FclibTest):
 
     def test_bad_numbers_are_refused_with_the_data_set(self):
         w = "/fclib_local/W"
-        self.refuse_with("/fclib_local/spacedim is 3: expected 2", spacedim=3)
+        self.refuse_with("/fclib_local/spacedim is 4: expected 2 or 3", spacedim=4)
+        self.refuse_with(f"{w}/n is 2: expected a multiple of three, three for each contact", spacedim=3)
         self.refuse_with("/fclib_local/spacedim: expected integers", spacedim=2.0)
         self.refuse_with("/fclib_local/spacedim: expected one number, found 2", spacedim=(2, 2))
         self.refuse_with(f"{w}/n is -2: expected a number that is not negative", W_n=-2)

@@ -134,6 +134,23 @@ class Reduced(unittest.TestCase):
             with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
                 amontons.solve_reduced(*arguments)
 
+    def test_contacts_in_space(self):
+        # Open, sticking, and sliding along its load.
+        q = np.array([1, -2, 0, -1, -0.1, 0.1, -2, -3, 4])
+        w = np.diag(np.tile([2.0, 1.0, 1.0], 3))
+        result = amontons.solve_reduced(w, q, [0.5, 0.5, 0.5])
+        self.assertEqual(list(result.status), ["open", "stick", "slip"])
+        np.testing.assert_allclose(result.r, [0, 0, 0, 0.5, 0.1, -0.1, 1, 0.3, -0.4], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(result.u, w @ result.r + q, rtol=0, atol=1e-14)
+        # Nine numbers and one mu are no contacts of the plane.
+        with self.assertRaisesRegex(amontons.InputRefused, r"^expected W of 2m x 2m numbers and q of 2m, found"):
+            amontons.solve_reduced(w, q, 0.5)
+        self.assertEqual(amontons.solve_reduced(w, q, 0.5, dimension=3).r.tolist(), result.r.tolist())
+        with self.assertRaisesRegex(amontons.InputRefused, "^expected dimension = 2 or 3, found 4"):
+            amontons.solve_reduced(w, q, 0.5, dimension=4)
+        with self.assertRaisesRegex(amontons.InputRefused, "^the method lemke is for the plane: "):
+            amontons.solve_reduced(w, q, [0.5, 0.5, 0.5], method="lemke")
+
     def test_threads_do_not_disturb_each_other(self):
         problems = [chain(30, seed) for seed in range(16)]
 

@@ -5,6 +5,7 @@ module amontons_reduced_study
    use amontons_contact_table, only: add_point_table, column_t, points_text
    use amontons_document, only: document_t, json_number, json_string
    use amontons_error, only: error_t
+   use amontons_friction_law, only: slip_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
@@ -122,28 +123,49 @@ contains
       character(0) :: no_names(0)
       character(:), allocatable :: text
       real(dp) :: length, force
+      integer :: k
 
       allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
       ! Gap, slip and forces of the contacts, a column each.
       associate (u => result%system%u, r => result%system%r)
          length = maxval(abs([u, result%system%q]))
          force = maxval(abs(r))
-         allocate (columns(4))
-         columns%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
-         columns%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
-         columns%dimension = [character(9) :: 'L', 'L', 'F', 'F']
-         columns%scale = [length, length, force, force]
-         columns(1)%values = u(1::2)
-         columns(2)%values = u(2::2)
-         columns(3)%values = r(1::2)
-         columns(4)%values = r(2::2)
+         if (result%system%dimension == 2) then
+            allocate (columns(4))
+            columns%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
+            columns%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         else
+            allocate (columns(8))
+            columns%key = [character(18) :: 'gap', 'slip_1', 'slip_2', 'normal_force', 'tangential_force_1', &
+               'tangential_force_2', 'direction_1', 'direction_2']
+            columns%label = [character(12) :: 'gap', 'slip 1', 'slip 2', 'normal force', 'tang. force1', &
+               'tang. force2', 'direction 1', 'direction 2']
+            ! The unit vector of the slip of a contact that slides.
+            do k = 1, 2
+               columns(6 + k)%values = merge(u(k + 1::3)/max(hypot(u(2::3), u(3::3)), tiny(length)), 0.0_dp, &
+                  result%solution%status == slip_point)
+            end do
+            columns(7:)%dimension = '-'
+            columns(7:)%scale = 1.0_dp
+         end if
+         do k = 1, result%system%dimension
+            associate (motion => columns(k), load => columns(result%system%dimension + k))
+               motion%dimension = 'L'
+               motion%scale = length
+               motion%values = u(k::result%system%dimension)
+               load%dimension = 'F'
+               load%scale = force
+               load%values = r(k::result%system%dimension)
+            end associate
+         end do
       end associate
       documents(1)%ending = '.lst'
       call documents(1)%record(head_text(config))
       call documents(1)%add(warnings_text(result%warnings))
       ! The section of the listing on the problem in the file.
       text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
-         result%system%form)//labeled('Contacts', to_text(result%system%n_contacts))
+         result%system%form)//labeled('Contacts', to_text(result%system%n_contacts)// &
+         trim(merge('         ', ' in space', result%system%dimension == 2)))
       if (result%system%n_contacts /= 0) then
          text = text//labeled('Matrix W', to_text(size(result%system%entry))//' entries, '// &
             trim(merge('used as dense ', 'used as sparse', result%system%is_dense())))// &
@@ -165,9 +187,14 @@ contains
          text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
             residual_text(solution, config%method%tolerance)// &
             uniqueness_text(result%uniqueness, result%system%friction)// &
-            labeled('Contacts', status_counts(solution%status))// &
-            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
-            short_text(sum(result%system%r(2::2))))
+            labeled('Contacts', status_counts(solution%status, result%system%dimension))
+         ! Each contact in space has tangents of its own.
+         if (result%system%dimension == 2) then
+            text = text//labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
+               short_text(sum(result%system%r(2::2))))
+         else
+            text = text//labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::3))))
+         end if
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
             [result%system%r(1::2), result%system%r(2::2)])
       end associate
@@ -190,15 +217,18 @@ contains
       type(document_t), intent(out) :: summary !! the summary
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
-      type(quantity_t) :: no_quantities(0), sums(2)
+      type(quantity_t) :: no_quantities(0)
+      type(quantity_t), allocatable :: sums(:)
 
       associate (solution => result%solution, system => result%system)
-         sums = resultants([system%r(1::2), system%r(2::2)])
+         sums = resultants([system%r(1::system%dimension), system%r(2::system%dimension)])
+         if (system%dimension == 3) sums = sums(:1)
          call add_head(summary, config, config%method%method, solution_word(solution%is_converged, &
             result%check%largest() <= certificate_limit(config%method%tolerance)), result%warnings)
          call summary%record(effort_members(solution))
          call summary%add(member('problem', '{"file": '//json_string(config%reduced%path)//', "form": '// &
-            json_string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
+            json_string(system%form)//', "dimension": '//to_text(system%dimension)//', "entries": '// &
+            to_text(size(system%entry))//', "largest_compliance": '// &
             json_number(system%largest)//', "asymmetry": '//json_number(system%asymmetry)//'}'), [system%largest])
          call summary%add(certificate_member(result%check%violations(), certificate_limit(config%method%tolerance), &
             no_quantities), [1.0_dp])

@@ -1,15 +1,17 @@
 !> Reduced problems as others write them: `u = W r + q`, the forces r in Coulomb's cones.
 !>
-!> The unknowns of a contact stand together, normal before tangential: `u_N >= 0 _|_ r_N >= 0`, `|r_T| <= mu r_N`, and
-!> r_T opposes u_T. With lambda = (r_N; -r_T) this is the dual form of the contact problem: W_NN = A11, W_NT = -A12,
-!> W_TT = A22, q_N = -B1, q_T = B2 (theory, section 2). W may differ from its transpose by rounding: the contact problem
-!> has the mean of both, and `set_free_displacement` puts what is left over on the other side.
+!> The unknowns of a contact stand together, normal before tangential, two of them in the plane and three in space:
+!> `u_N >= 0 _|_ r_N >= 0`, `|r_T| <= mu r_N`, and r_T opposes u_T. With lambda = (r_N; -r_T) this is the dual form of
+!> the contact problem: W_NN = A11, W_NT = -A12, W_TT = A22, q_N = -B1, q_T = B2 (theory, section 2); n is the number of
+!> unknowns. W may differ from its transpose by rounding: the contact problem has the mean of both, and
+!> `set_free_displacement` puts what is left over on the other side.
 module amontons_reduced_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_operator, only: contact_operator_t, new_compliance_operator
    use amontons_contact_problem, only: contact_problem_t, new_reduced_problem
    use amontons_dense, only: allocate_matrix
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_text, only: to_text
@@ -20,6 +22,8 @@ module amontons_reduced_system
 
    !> Entries of W may be off by this part of the root of their two diagonal entries: files have six digits or more.
    real(dp), parameter :: rounding = 1.0e-3_dp
+   !> The same in space, where turning bodies add a skew part to W that is no rounding.
+   real(dp), parameter :: gyroscopic = 5.0e-2_dp
    !> Entries of W may be off by this part of its largest diagonal entry: they are differences of numbers as large.
    real(dp), parameter :: noise = 1.0e-12_dp
    !> A positive diagonal entry of a smaller part of the largest one vanishes in squares beside it.
@@ -42,21 +46,25 @@ module amontons_reduced_system
    !> A reduced problem. W is stored column by column, without its zeros.
    type :: reduced_system_t
       integer :: n_contacts = 0 !! number m of contacts
-      integer, allocatable :: first(:) !! where each column begins in `row` and `entry`, and the end (2m + 1)
+      integer :: dimension = 2 !! number of unknowns of a contact: 2 in the plane, 3 in space
+      integer, allocatable :: first(:) !! where each column begins in `row` and `entry`, and the end (n + 1)
       integer, allocatable :: row(:) !! rows of the entries, ascending within a column
       real(dp), allocatable :: entry(:) !! the entries [L/F]
-      real(dp), allocatable :: q(:) !! u without forces (2m) [L]
+      real(dp), allocatable :: q(:) !! u without forces (n) [L]
       real(dp), allocatable :: friction(:) !! mu (m) [-]
       real(dp) :: asymmetry = 0.0_dp !! largest difference of W from its transpose [L/F]
       real(dp) :: largest = 0.0_dp !! largest diagonal entry of W [L/F]
       character(:), allocatable :: form !! how it came, for the listing: 'Siconos text, dense'
-      real(dp), allocatable :: u(:) !! displacements of a solution, if there is one (2m) [L]
-      real(dp), allocatable :: r(:) !! forces of that solution (2m) [F]
+      real(dp), allocatable :: u(:) !! displacements of a solution, if there is one (n) [L]
+      real(dp), allocatable :: r(:) !! forces of that solution (n) [F]
    contains
+      procedure :: by_component => reduced_system_by_component
+      procedure :: by_contact => reduced_system_by_contact
       procedure :: compliance_unit => reduced_system_compliance_unit
       procedure :: contact_problem => reduced_system_contact_problem
       procedure :: diagonal => reduced_system_diagonal
       procedure :: is_dense => reduced_system_is_dense
+      procedure :: largest_part => reduced_system_largest_part
       procedure :: length_unit => reduced_system_length_unit
       procedure :: multiply => reduced_system_multiply
       procedure :: set_solution => reduced_system_set_solution
@@ -94,7 +102,7 @@ contains
    pure subroutine new_reduced_system(system, entries, q, friction, sentence, place)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       type(entries_t), intent(in) :: entries !! W, rows and columns within range
-      real(dp), intent(in) :: q(:) !! u without forces (2m) [L]
+      real(dp), intent(in) :: q(:) !! u without forces (n) [L]
       real(dp), intent(in) :: friction(:) !! mu, not negative (m) [-]
       character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
       integer, intent(out) :: place !! the place of the entry that it is about
@@ -107,6 +115,7 @@ contains
          call new_sparse_matrix(transposed, size(q), entries%column(:n), entries%row(:n), entries%value(:n))
       end associate
       system%n_contacts = size(friction)
+      if (size(q) > 2*size(friction)) system%dimension = 3
       system%q = q
       system%friction = friction
       call move_alloc(w%first, system%first)
@@ -136,12 +145,13 @@ contains
    pure subroutine check_entries(system, transposed, diagonal, sentence, fault)
       type(reduced_system_t), intent(inout) :: system !! the reduced problem; gains its asymmetry
       type(symmetric_matrix_t), intent(in) :: transposed !! the transpose of W, column by column
-      real(dp), intent(in) :: diagonal(:) !! the diagonal of W (2m) [L/F]
+      real(dp), intent(in) :: diagonal(:) !! the diagonal of W (n) [L/F]
       character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
       integer, intent(out) :: fault(2) !! row and column of the entry that it is about
-      real(dp) :: column(size(diagonal)), mirrored(size(diagonal)), scale, difference
+      real(dp) :: column(size(diagonal)), mirrored(size(diagonal)), scale, difference, off
       integer :: j, k
 
+      off = merge(rounding, gyroscopic, system%dimension == 2)
       column = 0.0_dp
       mirrored = 0.0_dp
       fault = 0
@@ -155,13 +165,13 @@ contains
                scale = sqrt(max(0.0_dp, diagonal(fault(1))))*sqrt(max(0.0_dp, diagonal(j)))
                difference = abs(column(fault(1)) - mirrored(fault(1)))
                system%asymmetry = max(system%asymmetry, difference)
-               if (abs(column(fault(1))) > (1.0_dp + rounding)*scale + noise*system%largest) then
+               if (abs(column(fault(1))) > (1.0_dp + off)*scale + noise*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' beside the diagonal entries '// &
                      to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))//': expected a positive '// &
                      'semidefinite W, no entry of which exceeds the root of their product'
                   return
                end if
-               if (difference > rounding*scale + noise*system%largest) then
+               if (difference > off*scale + noise*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' and '//entry_name(fault(2:1:-1))// &
                      ' = '//to_text(mirrored(fault(1)))//' differ by more than rounding: expected a symmetric W'
                   return
@@ -201,21 +211,22 @@ contains
          call problem%matrix%prepare_compliance(error)
       end if
       if (allocated(error)) return
-      order = [(i, m + i, i=1, m)]
-      sign = [(1.0_dp, -1.0_dp, i=1, m)]
+      system%dimension = 1 + problem%matrix%n_tangents
+      order = [((i + j*m, j=0, problem%matrix%n_tangents), i=1, m)]
+      sign = [(1.0_dp, (-1.0_dp, j=1, problem%matrix%n_tangents), i=1, m)]
       values = problem%matrix%compliance%block(order, order)
-      allocate (system%first(2*m + 1), system%row(count(abs(values) > 0.0_dp)), &
+      allocate (system%first(size(order) + 1), system%row(count(abs(values) > 0.0_dp)), &
          system%entry(count(abs(values) > 0.0_dp)))
       system%first(1) = 1
-      do j = 1, 2*m
-         associate (rows => pack([(i, i=1, 2*m)], abs(values(:, j)) > 0.0_dp))
+      do j = 1, size(order)
+         associate (rows => pack([(i, i=1, size(order))], abs(values(:, j)) > 0.0_dp))
             system%first(j + 1) = system%first(j) + size(rows)
             system%row(system%first(j):system%first(j + 1) - 1) = rows
             system%entry(system%first(j):system%first(j + 1) - 1) = sign(j)*sign(rows)*values(rows, j)
          end associate
       end do
       system%n_contacts = m
-      dual_load = problem%dual_load(spread(0.0_dp, 1, 2*m))
+      dual_load = problem%dual_load(spread(0.0_dp, 1, size(order)))
       system%q = -sign*dual_load(order)
       system%friction = problem%friction
       system%largest = maxval(system%diagonal())
@@ -230,10 +241,10 @@ contains
          >= sparse_fill*real(size(self%q), dp)**2
    end function reduced_system_is_dense
 
-   !> The diagonal of W (2m) [L/F].
+   !> The diagonal of W (n) [L/F].
    pure function reduced_system_diagonal(self) result(diagonal)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
-      real(dp) :: diagonal(2*self%n_contacts)
+      real(dp) :: diagonal(size(self%q))
       integer :: j, k
 
       diagonal = 0.0_dp
@@ -244,12 +255,12 @@ contains
       end do
    end function reduced_system_diagonal
 
-   !> The products W r and W^T r (2m) [L].
+   !> The products W r and W^T r (n) [L].
    pure subroutine reduced_system_multiply(self, r, product, transposed_product)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
-      real(dp), intent(in) :: r(:) !! the forces (2m) [F]
-      real(dp), intent(out) :: product(:) !! W r (2m) [L]
-      real(dp), intent(out) :: transposed_product(:) !! W^T r (2m) [L]
+      real(dp), intent(in) :: r(:) !! the forces (n) [F]
+      real(dp), intent(out) :: product(:) !! W r (n) [L]
+      real(dp), intent(out) :: transposed_product(:) !! W^T r (n) [L]
       integer :: j, k
 
       product = 0.0_dp
@@ -292,9 +303,9 @@ contains
       n = size(self%q)
       allocate (column(size(self%row)))
       do j = 1, n
-         column(self%first(j):self%first(j + 1) - 1) = contact_number(j, self%n_contacts)
+         column(self%first(j):self%first(j + 1) - 1) = contact_number(j, self%n_contacts, self%dimension)
       end do
-      row = contact_number(self%row, self%n_contacts)
+      row = contact_number(self%row, self%n_contacts, self%dimension)
       half = 0.5_dp*(self%entry/self%compliance_unit())*merge(1.0_dp, -1.0_dp, &
          row > self%n_contacts .eqv. column > self%n_contacts)
       if (self%is_dense()) then
@@ -309,18 +320,19 @@ contains
       else
          call new_sparse_matrix(compliance, n, [row, column], [column, row], [half, half])
       end if
+      if (self%dimension == 3) compliance%n_pairs = self%n_contacts
       call new_compliance_operator(matrix, compliance)
       call new_reduced_problem(problem, matrix, spread(0.0_dp, 1, n), self%friction)
       call self%set_free_displacement(problem, spread(0.0_dp, 1, n))
    end subroutine reduced_system_contact_problem
 
    !> Place of an unknown in the contact problem, all normal ones before the tangential ones.
-   elemental integer function contact_number(unknown, n_contacts) result(number)
+   elemental integer function contact_number(unknown, n_contacts, dimension) result(number)
       integer, intent(in) :: unknown !! number of the unknown here, from 1
       integer, intent(in) :: n_contacts !! number of contacts
+      integer, intent(in) :: dimension !! number of unknowns of a contact
 
-      number = (unknown + 1)/2
-      if (mod(unknown, 2) == 0) number = number + n_contacts
+      number = 1 + (unknown - 1)/dimension + modulo(unknown - 1, dimension)*n_contacts
    end function contact_number
 
    !> Sets the free displacements of the contact problem to those of q and of what the skew part of W adds at given
@@ -329,10 +341,8 @@ contains
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       real(dp), intent(in) :: force(:) !! lambda, in the units above (2m)
-      real(dp) :: free(2*self%n_contacts)
 
-      free = self%q/self%length_unit()
-      problem%free_displacement = [-free(1::2), free(2::2)]
+      problem%free_displacement = self%by_component(self%q/self%length_unit())
       if (self%asymmetry > 0.0_dp) problem%free_displacement = problem%free_displacement &
          + self%skew_displacement(force)
    end subroutine reduced_system_set_free_displacement
@@ -341,47 +351,76 @@ contains
    pure function reduced_system_skew_displacement(self, force) result(displacement)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       real(dp), intent(in) :: force(:) !! lambda (2m)
-      real(dp) :: displacement(2*self%n_contacts)
-      real(dp), dimension(2*self%n_contacts) :: r, product, transposed_product
-      integer :: m
+      real(dp) :: displacement(size(self%q))
+      real(dp), dimension(size(self%q)) :: product, transposed_product
 
-      m = self%n_contacts
-      r(1::2) = force(:m)
-      r(2::2) = -force(m + 1:)
-      call self%multiply(r, product, transposed_product)
-      r = 0.5_dp*(product - transposed_product)/self%compliance_unit()
-      displacement = [-r(1::2), r(2::2)]
+      call self%multiply(self%by_contact(force), product, transposed_product)
+      displacement = self%by_component(0.5_dp*(product - transposed_product)/self%compliance_unit())
    end function reduced_system_skew_displacement
+
+   !> Displacements as the contact problem has them, component by component, the distance to the obstacle negative (n).
+   pure function reduced_system_by_component(self, u) result(v)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      real(dp), intent(in) :: u(:) !! displacements, contact by contact (n)
+      real(dp) :: v(size(u))
+      integer :: k
+
+      v = [(u(k::self%dimension), k=1, self%dimension)]
+      v(:self%n_contacts) = -v(:self%n_contacts)
+   end function reduced_system_by_component
+
+   !> Forces of the contact problem as they stand here, contact by contact, the tangential ones turned round (n).
+   pure function reduced_system_by_contact(self, force) result(r)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      real(dp), intent(in) :: force(:) !! lambda (n)
+      real(dp) :: r(size(force))
+      integer :: k
+
+      r(1::self%dimension) = force(:self%n_contacts)
+      do k = 1, self%dimension - 1
+         r(k + 1::self%dimension) = 0.0_dp - force(k*self%n_contacts + 1:(k + 1)*self%n_contacts)
+      end do
+   end function reduced_system_by_contact
+
+   !> The largest normal or tangential part of displacements or forces of the contacts, whatever the axes.
+   pure real(dp) function reduced_system_largest_part(self, values) result(largest)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem, with contacts
+      real(dp), intent(in) :: values(:) !! displacements or forces, contact by contact (n)
+
+      associate (parts => self%by_component(values), m => self%n_contacts)
+         largest = max(maxval(abs(parts(:m))), maxval(tangential_norm(parts(m + 1:), m)))
+      end associate
+   end function reduced_system_largest_part
 
    !> Takes the forces of a contact problem as the solution, and computes the displacements that they give.
    pure subroutine reduced_system_set_solution(self, force, unit)
       class(reduced_system_t), intent(inout) :: self !! the reduced problem, gains u and r
       real(dp), intent(in) :: force(:) !! lambda of the contact problem (2m)
       real(dp), intent(in) :: unit !! the force that it is counted in [F]
-      real(dp) :: transposed_product(2*self%n_contacts)
-      integer :: m
+      real(dp) :: transposed_product(size(self%q))
 
-      m = self%n_contacts
-      if (.not. allocated(self%u)) allocate (self%u(2*m), self%r(2*m))
-      self%r(1::2) = unit*force(:m)
-      self%r(2::2) = 0.0_dp - unit*force(m + 1:)
+      if (.not. allocated(self%u)) allocate (self%u(size(self%q)))
+      self%r = self%by_contact(unit*force)
       call self%multiply(self%r, self%u, transposed_product)
       self%u = self%u + self%q
    end subroutine reduced_system_set_solution
 
-   !> Makes a reduced problem from arrays. The unknowns of a contact stand together, the normal one first.
+   !> Makes a reduced problem from arrays, of the plane or of space. The unknowns of a contact stand together, the
+   !> normal one first.
    pure subroutine new_dense_system(system, w, q, friction, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
-      real(dp), intent(in) :: w(:, :) !! W, symmetric and positive semidefinite (2m, 2m) [L/F]
-      real(dp), intent(in) :: q(:) !! u without forces (2m) [L]
+      real(dp), intent(in) :: w(:, :) !! W, symmetric and positive semidefinite (n, n) [L/F]
+      real(dp), intent(in) :: q(:) !! u without forces (n) [L]
       real(dp), intent(in) :: friction(:) !! mu, at least 0 (m) [-]
       type(error_t), allocatable, intent(out) :: error !! sizes or numbers that cannot be
       type(entries_t) :: entries
       character(:), allocatable :: sentence
-      integer :: i, j, k, place
+      integer :: i, j, k, n, place
 
-      if (any([shape(w), size(q)] /= 2*size(friction))) then
-         call new_error(error, input_refused, 'expected W of '//to_text(2*size(friction))//' rows and columns and '// &
+      ! Three unknowns of a contact are those of space.
+      n = merge(3, 2, size(q) == 3*size(friction))*size(friction)
+      if (any([shape(w), size(q)] /= n)) then
+         call new_error(error, input_refused, 'expected W of '//to_text(n)//' rows and columns and '// &
             'as many numbers q for the '//to_text(size(friction))//' contacts of mu, found W of '// &
             to_text(size(w, 1))//' x '//to_text(size(w, 2))//' and '//to_text(size(q))//' numbers q')
          return
@@ -408,8 +447,8 @@ contains
 
    !> Refuses numbers that are not finite, and negative friction.
    pure subroutine check_numbers(w, q, friction, error)
-      real(dp), intent(in) :: w(:, :) !! W (2m, 2m) [L/F]
-      real(dp), intent(in) :: q(:) !! u without forces (2m) [L]
+      real(dp), intent(in) :: w(:, :) !! W (n, n) [L/F]
+      real(dp), intent(in) :: q(:) !! u without forces (n) [L]
       real(dp), intent(in) :: friction(:) !! mu (m) [-]
       type(error_t), allocatable, intent(out) :: error !! which number it is
       integer :: place(2)

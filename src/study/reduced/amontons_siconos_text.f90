@@ -1,5 +1,5 @@
-!> Reduced problems in the text files of Siconos (FrictionContactProblem, dimension 2), read and written. FCLIB's HDF5
-!> files are converted to them first, outside this program.
+!> Reduced problems in the text files of Siconos (FrictionContactProblem, dimension 2 or 3), read and written. FCLIB's
+!> HDF5 files are converted to them first, outside this program.
 !>
 !> Words separated by white space: dimension, number of contacts, storage of W, W, then q and mu. W is dense (storage 0,
 !> column by column), sparse in blocks (1), or what CSparse prints (2).
@@ -45,7 +45,7 @@ contains
       integer :: dimension, n_contacts, storage, place, flag, i, n, again
       logical :: ok
 
-      call take_choice(input, dimension, 'the dimension 2', [2])
+      call take_choice(input, dimension, 'the dimension, 2 or 3', [2, 3])
       call take_number(input, n_contacts, 'the number of contacts')
       if (n_contacts < 0) call refuse_word(input, 'expected a number of contacts that is not negative, found '// &
          to_text(n_contacts))
@@ -55,8 +55,9 @@ contains
       if (allocated(input%error)) return
       do i = 1, 2
          call take_number(input, n, 'the number of '//trim(merge('rows   ', 'columns', i == 1))//' of W')
-         if (n /= 2*n_contacts) call refuse_word(input, 'expected '//to_text(2*n_contacts)//' '// &
-            trim(merge('rows   ', 'columns', i == 1))//' of W, two for each contact, found '//to_text(n))
+         if (n /= dimension*n_contacts) call refuse_word(input, 'expected '//to_text(dimension*n_contacts)//' '// &
+            trim(merge('rows   ', 'columns', i == 1))//' of W, '//trim(merge('two  ', 'three', dimension == 2))// &
+            ' for each contact, found '//to_text(n))
       end do
       if (allocated(input%error)) return
       select case (storage)
@@ -70,11 +71,11 @@ contains
          call read_columns(entries, input, 0, 0, n, n)
       case (storage_blocks)
          form = 'Siconos text, sparse block'
-         call read_blocks(entries, input, 2*n_contacts)
+         call read_blocks(entries, input, n)
       case default
-         call read_csparse(entries, input, 2*n_contacts, form)
+         call read_csparse(entries, input, n, form)
       end select
-      call read_vectors(q, friction, input, n_contacts)
+      call read_vectors(q, friction, input, n, n_contacts)
       if (allocated(input%error)) return
       ! Siconos writes a 1 behind the last coefficient.
       call input%skip_white()
@@ -86,6 +87,7 @@ contains
       end if
       if (entries%n == 0) allocate (entries%row(0), entries%column(0), entries%value(0), entries%place(0))
       call new_reduced_system(system, entries, q, friction, sentence, place)
+      system%dimension = dimension
       system%form = form
       if (allocated(sentence)) call input%refuse(sentence, place)
    end subroutine read_siconos_text
@@ -202,14 +204,15 @@ contains
    end subroutine take_pointers
 
    !> Reads q and mu.
-   pure subroutine read_vectors(q, friction, input, n_contacts)
-      real(dp), allocatable, intent(out) :: q(:) !! u without forces (2m) [L]
+   pure subroutine read_vectors(q, friction, input, n, n_contacts)
+      real(dp), allocatable, intent(out) :: q(:) !! u without forces (n) [L]
       real(dp), allocatable, intent(out) :: friction(:) !! mu (m) [-]
       type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: n !! number of rows of W
       integer, intent(in) :: n_contacts !! number m of contacts
       integer :: i
 
-      allocate (q(2*n_contacts), friction(n_contacts), source=0.0_dp)
+      allocate (q(n), friction(n_contacts), source=0.0_dp)
       do i = 1, size(q)
          call input%skip_white()
          call input%take_real(q(i), 'a number of q')
@@ -234,8 +237,8 @@ contains
 
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
-      write (file%unit, '(i0)', iostat=status) 2, system%n_contacts, merge(storage_dense, storage_csparse, &
-         system%is_dense()), size(system%q), size(system%q)
+      write (file%unit, '(i0)', iostat=status) system%dimension, system%n_contacts, merge(storage_dense, &
+         storage_csparse, system%is_dense()), size(system%q), size(system%q)
       if (status == 0 .and. system%is_dense()) call write_dense(file%unit, system, status)
       if (status == 0 .and. .not. system%is_dense()) call write_csparse(file%unit, system, status)
       if (status == 0) call write_column(file%unit, system%q, status)

@@ -8,7 +8,7 @@ module amontons_solve_reduced
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
-   use amontons_friction_law, only: point_violations, point_violations_t
+   use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_quantity, only: quantity_t
@@ -108,7 +108,7 @@ contains
       call result%timings%begin(phase_solve)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
-      call new_contact_solution(result%solution, result%system%n_contacts)
+      call new_contact_solution(result%solution, result%system%n_contacts, result%system%dimension - 1)
       if (result%system%n_contacts == 0) then
          result%solution%residual = 0.0_dp
          result%solution%is_converged = .true.
@@ -145,7 +145,7 @@ contains
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: problem
       real(dp), allocatable :: skew_part(:, :)
-      real(dp) :: force(2*system%n_contacts)
+      real(dp) :: force(size(system%q))
       integer :: j, m
 
       m = system%n_contacts
@@ -219,15 +219,28 @@ contains
       type(reduced_check_t), intent(out) :: check !! the violations
       type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
       type(point_violations_t) :: points(system%n_contacts)
-      real(dp) :: length, force
+      real(dp), dimension(size(system%q)) :: motion, force
+      real(dp), dimension(system%n_contacts) :: slip, tangential
 
       if (system%n_contacts == 0) return
-      length = max(maxval(abs(system%u)), maxval(abs(system%q)))
-      force = maxval(abs(system%r))
-      associate (gap => relative(system%u(1::2), length), slip => relative(system%u(2::2), length), &
-         normal => relative(system%r(1::2), force), tangential => relative(system%r(2::2), force))
-         ! r_T opposes the slip.
-         points = point_violations(gap, slip, normal, -tangential, system%friction*max(0.0_dp, normal))
+      motion = relative(system%by_component(system%u), max(system%largest_part(system%u), &
+         system%largest_part(system%q)))
+      ! r_T opposes the slip.
+      force = relative(-system%by_component(system%r), system%largest_part(system%r))
+      associate (m => system%n_contacts)
+         if (system%dimension == 2) then
+            points = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
+               system%friction*max(0.0_dp, force(:m)))
+         else
+            slip = tangential_norm(motion(m + 1:), m)
+            tangential = tangential_norm(force(m + 1:), m)
+            points = point_violations(-motion(:m), slip, force(:m), tangential, system%friction*max(0.0_dp, force(:m)))
+            ! Half the way from the force to one as long along the slip: the force itself where it points against that.
+            associate (share => tangential/max(slip, tiny(slip)))
+               points%wrong_dissipation = min(slip, 0.5_dp*tangential_norm(force(m + 1:) - [share, share] &
+                  *motion(m + 1:), m))
+            end associate
+         end if
          check%penetration = maxval(points%penetration)
          check%tension = maxval(points%tension)
          check%friction_excess = maxval(points%friction_excess)
