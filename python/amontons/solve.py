@@ -29,7 +29,7 @@ from amontons.grid import Array
 from amontons.mesh import Mesh
 
 Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
+STATUSES = np.array(["", "open", "stick", "slip+", "slip-", "slip"])
 WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -91,9 +91,9 @@ ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 
 @dataclass(frozen=True)
 class ReducedResult:
     """The solution of a reduced problem; unknowns as in `solve_reduced`."""
-    r: Array       # forces (2m)
-    u: Array       # displacements or velocities (2m)
-    status: Array  # 'open', 'stick', 'slip+' or 'slip-' (m)
+    r: Array       # forces (dm)
+    u: Array       # displacements or velocities (dm)
+    status: Array  # 'open', 'stick', 'slip+' or 'slip-'; in space 'open', 'stick' or 'slip' (m)
     residual: float
     iterations: int
     is_solved: bool
@@ -179,8 +179,8 @@ def _load() -> ctypes.CDLL:
     library.amontons_stepper_points.restype = None
     library.amontons_free_stepper.argtypes = [address]
     library.amontons_free_stepper.restype = None
-    library.amontons_solve_reduced_problem.argtypes = [
-        ctypes.c_int, numbers, numbers, numbers, text, ctypes.c_double, ctypes.c_int, numbers, numbers,
+    library.amontons_solve_contacts.argtypes = [
+        ctypes.c_int, ctypes.c_int, numbers, numbers, numbers, text, ctypes.c_double, ctypes.c_int, numbers, numbers,
         np.ctypeslib.ndpointer(np.intc), ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int), text, size]
     return library
 
@@ -215,27 +215,34 @@ def _judge(code: int, message: ctypes.Array[ctypes.c_char], n_callers: int) -> b
 
 
 def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto", tolerance: float = 1e-10,
-                  max_iterations: int = 1000) -> ReducedResult:
+                  max_iterations: int = 1000, dimension: Optional[int] = None) -> ReducedResult:
     """Solves u = W r + q with friction: 0 <= u_N _|_ r_N >= 0, |r_T| <= mu r_N, r_T opposes u_T.
 
-    W is symmetric and positive semidefinite (2m x 2m; a sparse matrix of SciPy is made dense), q has 2m numbers, mu m
-    numbers, or one for all contacts. The unknowns of a contact stand together, the normal one first. `method` is a word
-    for `&solver method` in a deck.
+    W is symmetric and positive semidefinite (dm x dm; a sparse matrix of SciPy is made dense), q has dm numbers, mu m
+    numbers, or one for all contacts. `dimension` is d: 2 in the plane, 3 in space; where it is not given, 3 if q has
+    three numbers for each of mu, else 2. The unknowns of a contact stand together, the normal one first. `method` is a
+    word for `&solver method` in a deck.
     """
     W = np.asfortranarray(W.toarray() if hasattr(W, "toarray") else W, dtype=np.float64)
     q = np.ascontiguousarray(q, dtype=np.float64)
-    if q.ndim != 1 or q.size % 2 or W.shape != (q.size, q.size):
-        raise InputRefused(f"expected W of 2m x 2m numbers and q of 2m, found {W.shape} and {q.shape}")
-    m = q.size // 2
+    mu = np.asarray(mu, dtype=np.float64)
+    if dimension is None:
+        dimension = 3 if mu.ndim == 1 and q.size == 3*mu.size > 0 else 2
+    if dimension not in (2, 3):
+        raise InputRefused(f"expected dimension = 2 or 3, found {dimension}")
+    if q.ndim != 1 or q.size % dimension or W.shape != (q.size, q.size):
+        raise InputRefused(f"expected W of {dimension}m x {dimension}m numbers and q of {dimension}m, found {W.shape} "
+                           f"and {q.shape}")
+    m = q.size // dimension
     try:
-        mu = np.ascontiguousarray(np.broadcast_to(np.asarray(mu, dtype=np.float64), (m,)))
+        mu = np.ascontiguousarray(np.broadcast_to(mu, (m,)))
     except ValueError:
         raise InputRefused(f"expected one mu, or one for each of {m} contacts, found {np.shape(mu)}") from None
-    r, u, status = np.zeros(2*m), np.zeros(2*m), np.zeros(m, dtype=np.intc)
+    r, u, status = np.zeros(q.size), np.zeros(q.size), np.zeros(m, dtype=np.intc)
     residual, iterations = ctypes.c_double(), ctypes.c_int()
     message = ctypes.create_string_buffer(TEXT_SIZE)
-    code = _library.amontons_solve_reduced_problem(
-        m, W, q, mu, method.encode(), tolerance, max_iterations, r, u, status, ctypes.byref(residual),
+    code = _library.amontons_solve_contacts(
+        dimension, m, W, q, mu, method.encode(), tolerance, max_iterations, r, u, status, ctypes.byref(residual),
         ctypes.byref(iterations), message, TEXT_SIZE)
     is_solved = _judge(code, message, n_callers=2)
     return ReducedResult(r, u, STATUSES[status], residual.value, iterations.value, is_solved)

@@ -1,4 +1,4 @@
-/* The C interface of Amontons: plane contact with Coulomb friction.
+/* The C interface of Amontons: contact with Coulomb friction.
  *
  * No procedure prints, ends the program or keeps anything between calls. Several threads may call; the calls wait for
  * each other, and each has threads of its own inside. Texts end with a zero; those that a procedure writes are cut to
@@ -21,7 +21,13 @@ enum {
 };
 
 /* Status of a contact. */
-enum { AMONTONS_OPEN = 1, AMONTONS_STICK = 2, AMONTONS_SLIP_PLUS = 3, AMONTONS_SLIP_MINUS = 4 };
+enum {
+    AMONTONS_OPEN = 1,
+    AMONTONS_STICK = 2,
+    AMONTONS_SLIP_PLUS = 3,  /* in the plane: along the tangent */
+    AMONTONS_SLIP_MINUS = 4, /* in the plane: against it */
+    AMONTONS_SLIP = 5        /* in space: along the tangential part of u */
+};
 
 /* The version, "major.minor.patch". */
 const char *amontons_version_text(void);
@@ -34,23 +40,31 @@ void amontons_set_threads(int n_threads);
 
        u = W r + q,   0 <= u_N _|_ r_N >= 0,   |r_T| <= mu r_N,   r_T opposes u_T.
 
-   The unknowns of a contact stand together, the normal one first: u_N1, u_T1, u_N2, u_T2, ... Returns one of the codes
-   above; r, u, status, residual and n_iterations are set if it is 0 or 4. */
-int amontons_solve_reduced_problem(
+   The unknowns of a contact stand together, the normal one first: u_N1, u_T1, u_N2, u_T2, ... in the plane, two
+   tangential ones in space, along any two tangents at right angles. Returns one of the codes above; r, u, status,
+   residual and n_iterations are set if it is 0 or 4. */
+int amontons_solve_contacts(
+    int dimension,      /* number d of unknowns of a contact: 2 in the plane, 3 in space */
     int n_contacts,     /* number m of contacts */
-    const double *w,    /* W, symmetric and positive semidefinite, column by column (2m x 2m) */
-    const double *q,    /* u without forces (2m) */
+    const double *w,    /* W, symmetric and positive semidefinite, column by column (dm x dm) */
+    const double *q,    /* u without forces (dm) */
     const double *mu,   /* coefficients of friction, at least 0 (m) */
     const char *method, /* a word for `&solver method` in a deck; NULL for "auto" */
     double tolerance,   /* residual that counts as solved; 0 for 1e-10 */
     int max_iterations, /* most iterations; 0 for 1000 */
-    double *r,          /* forces (2m) */
-    double *u,          /* displacements or velocities (2m) */
+    double *r,          /* forces (dm) */
+    double *u,          /* displacements or velocities (dm) */
     int *status,        /* status of each contact (m) */
     double *residual,   /* residual reached, free of units */
     int *n_iterations,  /* number of iterations done */
     char *message,      /* what went wrong, in a sentence; empty if nothing did */
     int message_size);  /* room in message */
+
+/* The same of dimension 2. */
+int amontons_solve_reduced_problem(
+    int n_contacts, const double *w, const double *q, const double *mu, const char *method, double tolerance,
+    int max_iterations, double *r, double *u, int *status, double *residual, int *n_iterations, char *message,
+    int message_size);
 
 /* Does what the program does with one deck: solves it and writes its files. Returns the program's exit status. */
 int amontons_solve_deck(

@@ -89,7 +89,7 @@ contains
       call set_threads(max(1, int(n_threads)))
    end subroutine amontons_set_threads
 
-   !> Solves a reduced problem.
+   !> Solves a reduced problem of the plane.
    ! allow(S902): C has no keywords that would make options of the half of them
    function amontons_solve_reduced_problem(n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
       residual, n_iterations, message, message_size) bind(c, name='amontons_solve_reduced_problem') result(code)
@@ -109,6 +109,32 @@ contains
       integer(c_int), value, intent(in) :: message_size !! room in message
       character(c_char), intent(inout) :: message(message_size) !! what went wrong
       integer(c_int) :: code
+
+      code = amontons_solve_contacts(2_c_int, n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
+         residual, n_iterations, message, message_size)
+   end function amontons_solve_reduced_problem
+
+   !> Solves a reduced problem of the plane or of space.
+   ! allow(S902): C has no keywords that would make options of the half of them
+   function amontons_solve_contacts(dimension, n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
+      residual, n_iterations, message, message_size) bind(c, name='amontons_solve_contacts') result(code)
+      integer(c_int), value, intent(in) :: dimension !! number of unknowns of a contact, 2 or 3
+      integer(c_int), value, intent(in) :: n_contacts !! number m of contacts
+      real(c_double), intent(in) :: w(dimension*n_contacts, dimension*n_contacts) !! W [L/F]
+      real(c_double), intent(in) :: q(dimension*n_contacts) !! u without forces [L]
+      real(c_double), intent(in) :: mu(n_contacts) !! coefficients of friction [-]
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in), optional :: method(*) !! name of the method
+      real(c_double), value, intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
+      integer(c_int), value, intent(in) :: max_iterations !! most iterations; 0 for the default
+      real(c_double), intent(inout) :: r(dimension*n_contacts) !! forces [F]
+      real(c_double), intent(inout) :: u(dimension*n_contacts) !! displacements [L]
+      integer(c_int), intent(inout) :: status(n_contacts) !! status of each contact
+      real(c_double), intent(inout) :: residual !! residual reached [-]
+      integer(c_int), intent(inout) :: n_iterations !! number of iterations done
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
       type(method_options_t) :: options
       type(reduced_system_t) :: system
       type(reduced_result_t) :: result
@@ -118,7 +144,9 @@ contains
 
       call begin_call()
       if (present(method)) options%method = text_of_c(method)
-      if (n_contacts < 0) then
+      if (dimension /= 2 .and. dimension /= 3) then
+         call new_error(error, input_refused, 'dimension must be 2 or 3, found '//to_text(int(dimension)))
+      else if (n_contacts < 0) then
          call new_error(error, input_refused, 'n_contacts must be at least 0, found '//to_text(int(n_contacts)))
       else if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
          call new_error(error, input_refused, 'tolerance must lie above 0 and below 1, or be 0 for the default')
@@ -144,7 +172,7 @@ contains
       end if
       call put_c_text(sentence, message_size, message)
       call end_call()
-   end function amontons_solve_reduced_problem
+   end function amontons_solve_contacts
 
    !> Solves a deck and writes its files.
    function amontons_solve_deck(deck, directory, name, name_size, message, message_size) &
