@@ -411,21 +411,22 @@ contains
       type(dissection_t), intent(in) :: dissection !! the order of the supervariables
       integer, intent(in) :: first_item(:) !! position of the first supervariable of each front, and past the last
       type(integer_list_t) :: items
-      integer, allocatable :: position(:), seen_by(:), list_of(:), item_start(:), place(:), order(:)
+      integer, allocatable :: found(:), position(:), seen_by(:), list_of(:), item_start(:), place(:), order(:)
       integer(int64) :: at
-      integer :: child, i, k
+      integer :: child, i, k, n
 
       allocate (position, source=positions(dissection%order))
+      allocate (found(graph%n))
       allocate (seen_by(graph%n), source=0)
       allocate (start(fronts%n + 1))
       start(1) = 1
       do k = 1, fronts%n
+         n = 0
          do i = 1, 2
             child = fronts%child(i, k)
             if (child == 0) cycle
             do at = start(child), start(child + 1) - 1
-               ! A copy: the list may move to a larger place as it grows.
-               call add((items%item(at)))
+               call add(items%item(at))
             end do
          end do
          do i = first_item(k), first_item(k + 1) - 1
@@ -433,6 +434,7 @@ contains
                call add(position(graph%neighbor(at)))
             end do
          end do
+         call items%append_all(found(:n))
          start(k + 1) = items%n + 1
       end do
       ! Sorted by list and item: dealt out to the items, then the items to the lists, which keeps their order.
@@ -447,14 +449,15 @@ contains
 
    contains
 
-      !> Adds a position beyond the pivots to the list of the front, once.
+      !> Finds a position beyond the pivots for the list of the front, once.
       subroutine add(p)
          integer, intent(in) :: p !! the position
 
          if (p < first_item(k + 1)) return
          if (seen_by(p) == k) return
          seen_by(p) = k
-         call items%append(p)
+         n = n + 1
+         found(n) = p
       end subroutine add
 
    end subroutine list_structures

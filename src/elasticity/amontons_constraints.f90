@@ -12,7 +12,7 @@ module amontons_constraints
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
-   use amontons_mesh, only: find_named, mesh_t
+   use amontons_mesh, only: find_named, mesh_t, side_number
    use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
@@ -79,6 +79,7 @@ module amontons_constraints
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
       integer :: support = 0 !! number of the support
+      integer :: number = 0 !! number of the element's side
       integer :: n_nodes = 0 !! number of nodes of the side, 2 or 3
       integer :: node(3) = 0 !! the nodes
       real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
@@ -426,6 +427,9 @@ contains
          do k = 1, size(more)
             associate (side => more(k), moduli => supports(i)%spring)
                side%support = i
+               associate (set => mesh%sets(find_named(mesh%sets, supports(i)%set)))
+                  side%number = side_number(set%element(k), set%side(k))
+               end associate
                side%n_nodes = count(nodes(:3, k) > 0)
                side%node = nodes(:3, k)
                call new_side_geometry(geometry, nodes(:3, k), mesh%coordinates)

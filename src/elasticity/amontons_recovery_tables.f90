@@ -12,8 +12,8 @@ module amontons_recovery_tables
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
    use amontons_material, only: materials_t
-   use amontons_mesh, only: find_named, incidence_t, mesh_t, new_incidence, new_side_table, side_element, &
-      side_number, side_place, side_table_t, worth_threads
+   use amontons_mesh, only: find_named, incidence_t, mesh_t, new_incidence, side_element, side_number, &
+      side_place, worth_threads
    implicit none (type, external)
    private
 
@@ -114,26 +114,21 @@ module amontons_recovery_tables
 contains
 
    !> Lists the sides of the boundary, free of tractions where supports and springs leave them known.
-   subroutine new_boundary_sides(tractions, mesh, constraints, springs)
+   subroutine new_boundary_sides(tractions, mesh, outer, constraints, springs)
       type(known_tractions_t), intent(out) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! a checked mesh
+      integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(side_table_t) :: table
-      integer, allocatable :: number(:)
       real(dp) :: x(2, 3), values(3), slopes(3), tangent(2)
-      integer :: overlapping(2), i, k, left, right, nodes(3)
+      integer :: i, k, nodes(3)
 
-      call new_side_table(table, mesh, overlapping)
-      number = [(table%boundary(i), i=1, table%n_sides)]
-      number = pack(number, number > 0)
-      call new_tag_map(tractions%place, number)
-      allocate (tractions%side(size(number)))
-      do i = 1, size(number)
+      call new_tag_map(tractions%place, outer)
+      allocate (tractions%side(size(outer)))
+      do i = 1, size(outer)
          associate (side => tractions%side(i))
-            side%element = side_element(tractions%place%tag(i))
-            nodes = mesh%side(side%element, side_place(tractions%place%tag(i)))
-            tractions%place%item(i) = i
+            side%element = side_element(outer(i))
+            nodes = mesh%side(side%element, side_place(outer(i)))
             side%corner = nodes(:2)
             side%middle = nodes(3)
             x = 0.0_dp
@@ -148,8 +143,7 @@ contains
          end associate
       end do
       do i = 1, size(springs)
-         call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
-         tractions%side(tractions%place%find(left))%is_known = .false.
+         tractions%side(tractions%place%find(springs(i)%number))%is_known = .false.
       end do
    end subroutine new_boundary_sides
 
@@ -639,14 +633,15 @@ contains
    end function patch_table_at_corner
 
    !> Makes the tables of a body.
-   subroutine new_recovery_tables(tables, mesh, materials, constraints, springs)
+   subroutine new_recovery_tables(tables, mesh, outer, materials, constraints, springs)
       type(recovery_tables_t), intent(out) :: tables !! the tables
       type(mesh_t), intent(in) :: mesh !! a checked mesh
+      integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
       type(materials_t), intent(in) :: materials !! its materials
       type(constraints_t), intent(in) :: constraints !! its supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along its sides
 
-      call new_boundary_sides(tables%sides, mesh, constraints, springs)
+      call new_boundary_sides(tables%sides, mesh, outer, constraints, springs)
       call new_patch_table(tables%patches, mesh, materials)
    end subroutine new_recovery_tables
 

@@ -6,7 +6,7 @@ module amontons_generated_mesh
       quad4, quad8, quad9, shape_functions, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_mesh, only: mesh_t, new_side_table, parents_t, side_element, side_number, side_place, side_table_t
+   use amontons_mesh, only: mesh_t, new_side_table, parents_t, side_number, side_table_t
    use amontons_system, only: available_memory_mb
    use amontons_text, only: short_text, to_text
    implicit none (type, external)
@@ -389,23 +389,30 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected
       integer, intent(in) :: cells(2) !! number of cells along x and y
       character(6), parameter :: names(4) = [character(6) :: 'left', 'right', 'bottom', 'top']
-      type(side_table_t) :: table
-      integer :: first(4), step(4), overlapping(2), i, k, left, right
+      integer :: cell(4), cell_step(4), ends(3), node(4), node_step(4), element, i, k, per_cell, side
 
-      call new_side_table(table, mesh, overlapping)
-      associate (row => cells(1) + 1, n => mesh%n_nodes)
-         first = [n - cells(1), row, 1, n]
-         step = [-row, row, 1, -1]
-      end associate
+      ! First corner and cell of each set, and the steps along it.
+      node = [mesh%n_nodes - cells(1), cells(1) + 1, 1, mesh%n_nodes]
+      cell = [product(cells) - cells(1) + 1, cells(1), 1, product(cells)]
+      node_step = [-cells(1) - 1, cells(1) + 1, 1, -1]
+      cell_step = [-cells(1), cells(1), 1, -1]
+      per_cell = mesh%n_elements/product(cells)
       allocate (mesh%sets(4))
       do k = 1, 4
          associate (set => mesh%sets(k), n => cells(merge(2, 1, k < 3)))
             set%name = trim(names(k))
             allocate (set%element(n), set%side(n))
             do i = 1, n
-               call table%find(first(k) + (i - 1)*step(k), first(k) + i*step(k), left, right)
-               set%element(i) = side_element(left)
-               set%side(i) = side_place(left)
+               do element = per_cell*(cell(k) - 1) + 1, per_cell*cell(k)
+                  do side = 1, n_corners(mesh%element_kind(element))
+                     ends = mesh%side(element, side)
+                     if (any(ends(:2) /= [node(k), node(k) + node_step(k)])) cycle
+                     set%element(i) = element
+                     set%side(i) = side
+                  end do
+               end do
+               node(k) = node(k) + node_step(k)
+               cell(k) = cell(k) + cell_step(k)
             end do
          end associate
       end do

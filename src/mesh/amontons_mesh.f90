@@ -16,8 +16,8 @@ module amontons_mesh
    private
 
    public :: coloring_t, find_named, incidence_t, jacobian_determinant, mesh_t, named_set_t, new_coloring, &
-      new_incidence, new_side_table, number_pieces, parents_t, side_element, side_number, side_place, side_table_t, &
-      sides_per_element, worth_threads
+      new_incidence, new_side_table, number_pieces, outer_sides, parents_t, side_element, side_number, side_place, &
+      side_table_t, sides_per_element, worth_threads
 
    !> A named set: of sides of elements on the boundary, of nodes, or of elements, which is a region of the body.
    type :: named_set_t
@@ -511,6 +511,18 @@ contains
          number = merge(max(left, right), 0, min(left, right) == 0)
       end associate
    end function side_table_boundary
+
+   !> Numbers of the elements' sides on the boundary of a mesh, ascending.
+   pure function outer_sides(mesh) result(numbers)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable :: numbers(:)
+      type(side_table_t) :: table
+      integer :: overlapping(2), i
+
+      call new_side_table(table, mesh, overlapping)
+      numbers = [(table%boundary(i), i=1, table%n_sides)]
+      numbers = pack(numbers, numbers > 0)
+   end function outer_sides
 
    !> Colors the elements of a mesh greedily, in their own order.
    subroutine new_coloring(coloring, mesh)

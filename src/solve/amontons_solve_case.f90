@@ -426,7 +426,7 @@ contains
 
       if (allocated(body%recovery)) return
       allocate (body%recovery)
-      call new_recovery_tables(body%recovery, body%mesh, body%materials, body%constraints, body%springs)
+      call new_recovery_tables(body%recovery, body%mesh, body%outer, body%materials, body%constraints, body%springs)
    end subroutine prepare_estimates
 
    !> Estimates the error of the stresses of a load case's solution, with the tables of the body where it has them.
@@ -445,7 +445,7 @@ contains
          tables => body%recovery
       else
          allocate (own)
-         call new_recovery_tables(own, body%mesh, body%materials, body%constraints, body%springs)
+         call new_recovery_tables(own, body%mesh, body%outer, body%materials, body%constraints, body%springs)
          tables => own
       end if
       tractions = tables%sides

@@ -28,7 +28,7 @@ module amontons_mortar_pair
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
+   use amontons_mesh, only: mesh_t, outer_sides, side_element, side_place
    use amontons_obstacle, only: cross_product
    use amontons_surface, only: find_segments, meet_side, meshed_body_t, mortar_segment_t, new_surface, &
       surface_place_t, surface_t
@@ -728,16 +728,14 @@ contains
       real(dp), intent(in) :: depth !! how far to look [L]
       ! The surfaces that overlap themselves lie at both ends of the way; 0.906 is the cosine of 25 degrees.
       real(dp), parameter :: at_an_end = 1.0e-6_dp, aslant = 0.906_dp
-      type(side_table_t) :: table
+      integer, allocatable :: outer(:)
       real(dp) :: corner(2, 3), xi(2), values(3), slopes(3), way, along(2)
-      integer :: overlapping(2), number, i, k
+      integer :: i, k
 
       thickness = huge(1.0_dp)
-      call new_side_table(table, mesh, overlapping)
-      do i = 1, table%n_sides
-         number = table%boundary(i)
-         if (number == 0) cycle
-         associate (nodes => mesh%side(side_element(number), side_place(number)))
+      outer = outer_sides(mesh)
+      do i = 1, size(outer)
+         associate (nodes => mesh%side(side_element(outer(i)), side_place(outer(i))))
             corner(:, :2) = mesh%coordinates(:, nodes(:2))
             corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
             if (nodes(3) > 0) corner(:, 3) = mesh%coordinates(:, nodes(3))

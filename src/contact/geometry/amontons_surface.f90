@@ -29,6 +29,7 @@ module amontons_surface
    !> A mesh with its materials and supports.
    type :: meshed_body_t
       type(mesh_t) :: mesh !! the mesh
+      integer, allocatable :: outer(:) !! numbers of the elements' sides on its boundary, ascending
       type(materials_t) :: materials !! the materials of the elements
       type(constraints_t) :: constraints !! the supports
    end type meshed_body_t

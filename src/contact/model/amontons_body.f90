@@ -22,7 +22,7 @@ module amontons_body
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
    use amontons_material, only: material_t, new_materials
-   use amontons_mesh, only: coloring_t, mesh_t, new_coloring
+   use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: new_pair_substitution, new_tied_pairs
@@ -142,6 +142,7 @@ contains
       call mesh%check(error)
       if (allocated(error)) return
       body%mesh = mesh
+      body%outer = outer_sides(mesh)
       body%mesh_notes = ''
       call new_materials(body%materials, materials, mesh, error)
       if (allocated(error)) return

@@ -15,7 +15,7 @@ module amontons_free_boundary
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, new_side_table, side_element, side_place, side_table_t
+   use amontons_mesh, only: mesh_t, side_element, side_place
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
    use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, sides_near, &
@@ -92,7 +92,7 @@ contains
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
-      call new_outline(outline, body%mesh)
+      call new_outline(outline, body%mesh, body%outer)
       do i = 1, size(contacts)
          call take_set(outline, body%mesh, contacts(i)%set)
          if (contacts(i)%pairing%is_pair()) call take_set(outline, body%mesh, contacts(i)%pairing%against)
@@ -171,24 +171,19 @@ contains
    end subroutine add_beyond
 
    !> Lists the sides of the boundary of a mesh.
-   pure subroutine new_outline(outline, mesh)
+   pure subroutine new_outline(outline, mesh, outer)
       type(outline_t), intent(out) :: outline !! the sides, none of them taken
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(side_table_t) :: table
-      integer :: n_from(mesh%n_nodes), n_to(mesh%n_nodes), overlapping(2), number, i, n
+      integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
+      integer :: n_from(mesh%n_nodes), n_to(mesh%n_nodes), n
 
-      call new_side_table(table, mesh, overlapping)
-      allocate (outline%side(4, count([(table%boundary(i) > 0, i=1, table%n_sides)])))
+      allocate (outline%side(4, size(outer)))
       allocate (outline%from(mesh%n_nodes), outline%to(mesh%n_nodes), source=0)
       n_from = 0
       n_to = 0
-      n = 0
-      do i = 1, table%n_sides
-         number = table%boundary(i)
-         if (number == 0) cycle
-         n = n + 1
-         outline%side(:3, n) = mesh%side(side_element(number), side_place(number))
-         outline%side(4, n) = side_element(number)
+      do n = 1, size(outer)
+         outline%side(:3, n) = mesh%side(side_element(outer(n)), side_place(outer(n)))
+         outline%side(4, n) = side_element(outer(n))
          outline%from(outline%side(1, n)) = n
          outline%to(outline%side(2, n)) = n
          n_from(outline%side(1, n)) = n_from(outline%side(1, n)) + 1
@@ -197,7 +192,7 @@ contains
       ! Where parts of a body meet in a single node the boundary branches.
       where (n_from > 1) outline%from = 0
       where (n_to > 1) outline%to = 0
-      allocate (outline%is_taken(n), outline%is_taken_node(mesh%n_nodes), source=.false.)
+      allocate (outline%is_taken(size(outer)), outline%is_taken_node(mesh%n_nodes), source=.false.)
    end subroutine new_outline
 
    !> Marks the sides of a boundary set as taken.

@@ -122,18 +122,16 @@ contains
       integer, intent(in) :: components(:, :) !! components of the forces by name, from `components_of`
       integer, intent(in) :: number !! which of the numbers, in the order of `named_quantities`
       integer :: of_motion
-      real(dp) :: own(2, body%mesh%n_nodes)
 
       of_motion = number - size(components, 2)
       if (of_motion <= 0) then
          call new_named_test(test, body, body%named(components(1, number)), components(2, number))
          return
       end if
-      own = 0.0_dp
       associate (driven => body%driven((of_motion + 1)/2))
          if (modulo(of_motion, 2) == 1) then
-            own(:, driven%node) = driven%force
-            test%pulled = own
+            allocate (test%pulled(2, body%mesh%n_nodes), source=0.0_dp)
+            test%pulled(:, driven%node) = driven%force
          else
             test%driven = of_motion/2
             test%held = body%driven_field(test%driven)
@@ -160,7 +158,11 @@ contains
          motion = body%constraints%part_of(named%member, motion)
          test%held = body%dof_map%substitution%displacement(motion)
          ! The motion of rigid sets is that of their nodes already.
-         where (spread(body%constraints%rigid_of > 0, 1, 2)) test%held = motion
+         do i = 1, size(body%constraints%rigid)
+            associate (node => body%constraints%rigid(i)%node)
+               test%held(:, node) = motion(:, node)
+            end associate
+         end do
          is_meant = [(any(named%member == body%springs(i)%support), i=1, size(body%springs))]
          if (any(is_meant)) test%pulled = -spring_forces(body%mesh%n_nodes, pack(body%springs, is_meant), &
             rigid_motion(component, body%mesh%coordinates))
