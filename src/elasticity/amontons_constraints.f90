@@ -62,6 +62,7 @@ module amontons_constraints
       procedure :: held_direction => constraints_held_direction
       procedure :: leaves_free => constraints_leaves_free
       procedure :: part_of => constraints_part_of
+      procedure :: rigid_moves => constraints_rigid_moves
       procedure :: spread_resultants => constraints_spread_resultants
       procedure, private :: hold => constraints_hold
    end type constraints_t
@@ -225,14 +226,13 @@ contains
       real(dp), intent(in) :: direction(2) !! unit vector along which the support holds the node [-]
       real(dp), intent(in) :: displacement !! where to [L]
       type(error_t), allocatable, intent(out) :: error !! the motion along the direction is free, or another one
-      real(dp) :: block(2, 2, 2), row(4), given
+      real(dp) :: block(2, 2, 2), given
 
       associate (rigid => constraints%rigid(constraints%rigid_of(node)))
          block = rigid%displacement(mesh%coordinates(:, node))
-         row = [matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]
-         given = dot_product(row, [prescribed(:, rigid%lead(1)), prescribed(:, rigid%lead(2))])
-         if (any(abs(row) > negligible .and. [constraints%is_free(:, rigid%lead(1)), &
-            constraints%is_free(:, rigid%lead(2))])) then
+         given = dot_product(direction, matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
+            + matmul(block(:, :, 2), prescribed(:, rigid%lead(2))))
+         if (constraints%rigid_moves(node, mesh%coordinates(:, node), direction)) then
             call new_error(error, input_refused, 'the support holds the node at '// &
                place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
          else if (abs(given - displacement) > negligible*(abs(displacement) + abs(given))) then
@@ -241,6 +241,23 @@ contains
          end if
       end associate
    end subroutine check_on_rigid
+
+   !> Whether a node belongs to a rigid set that may move along a direction there.
+   pure logical function constraints_rigid_moves(self, node, place, direction) result(moves)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: place(2) !! where it is [L]
+      real(dp), intent(in) :: direction(2) !! unit vector [-]
+      real(dp) :: block(2, 2, 2)
+
+      moves = self%rigid_of(node) > 0
+      if (.not. moves) return
+      associate (rigid => self%rigid(self%rigid_of(node)))
+         block = rigid%displacement(place)
+         moves = any(abs([matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]) > negligible &
+            .and. [self%is_free(:, rigid%lead(1)), self%is_free(:, rigid%lead(2))])
+      end associate
+   end function constraints_rigid_moves
 
    !> Makes forces on the nodes of the resultants that act on the own unknowns of rigid sets.
    pure subroutine constraints_spread_resultants(self, forces)

@@ -66,6 +66,55 @@ class Rigid(ProgramTest):
         layer += f"&rigid name = 'p'  set = 'l.top'  point = 2.0, 2.0  {drive} /\n"
         self.assert_close(self.numbers(layer, MOTION), rigid, 1e-5*max(map(abs, rigid)))
 
+    def test_side_of_a_rigid_head_touches_a_wall(self):
+        # The corner belongs to the rigid top and to the side that touches; a stiff layer on it is the same.
+        drive = "force = 2.0, -5.0  moment = 0.3"
+        wall = "contact set = '{}right'  friction = 0.3  multipliers = 'constant'  {}"
+        for other in "point = 4.0, 0.0  normal = -1.0, 0.0", "against = 'w.left'":
+            wide = "" if "point" in other else "&support set = 'w.right'  ux = 0.0  uy = 0.0 /\n" \
+                "&mesh name = 'w'  size = 1.0, 3.0  cells = 2, 7  origin = 4.0, -1.0 /\n"
+            body = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
+&material young = 100.0  poisson = 0.25 /
+&contact set = 'a.bottom'  friction = 0.3 /
+""" + wide + "&" + wall.format("a.", other) + " /\n"
+            rigid = self.numbers(body + f"&rigid name = 'p'  set = 'a.top'  {drive} /\n", MOTION)
+            layer = body + f"""&mesh name = 'l'  size = 4.0, 1.0  cells = 8, 2  origin = 0.0, 2.0 /
+&material young = 1.0e8  poisson = 0.25  region = 'l' /
+&tie set = 'l.bottom'  to = 'a.top' /
+&rigid name = 'p'  set = 'l.top'  point = 2.0, 2.0  {drive} /
+"""
+            with self.subTest(other=other):
+                self.assert_close(self.numbers(layer, MOTION), rigid, 1e-5*max(map(abs, rigid)))
+
+    def test_corner_that_is_held_along_the_normal_is_no_point(self):
+        # Guided along the wall, as a support would guide it.
+        wall = "contact set = 'right'  friction = 0.3  point = 4.0, 0.0  normal = -1.0, 0.0"
+        uy, force = self.numbers(block("rigid name = 'p'  set = 'top'  ux = 0.0  turn = 0.0  force = 0.0, -5.0",
+                                       CONTACT, wall), ["uy", "force_x"])
+        self.assertGreater(force, 0.1)
+        self.assertIn("the node at (4.0, 2.0) is not a contact point", (self.directory / "case.lst").read_text("utf-8"))
+        key = self.solve(block(f"support set = 'top'  ux = 0.0  uy = {uy!r}  name = 'p'", CONTACT, wall)) \
+            .summary["key_results"]
+        self.assert_close([key["reaction_x_p"], key["reaction_y_p"]], [force, -5.0], 1e-9)
+
+    def test_node_of_a_master_or_of_what_a_tie_leads_to_may_be_rigid(self):
+        body = """&mesh name = 'a'  size = 2.0, 2.0  cells = 4, 4  origin = -2.0, 0.0 /
+&mesh name = 'b'  size = 2.0, 2.5  cells = 5, 6 /
+&material young = 100.0  poisson = 0.3 /
+&support name = 'wall'  set = 'b.right'  ux = 0.0  uy = 0.0 /
+&rigid name = 'p'  set = 'a.top'  force = 1.0, -0.2 /
+"""
+        for group in ("contact set = 'b.left'  against = 'a.right'  friction = 0.4",
+                      "tie set = 'b.left'  to = 'a.right'"):
+            held = "" if "tie" in group else "&support set = 'a.bottom'  uy = 0.0 /\n"
+            with self.subTest(group=group):
+                key = self.solve(body + held + f"&{group} /\n").summary["key_results"]
+                self.assertAlmostEqual(key["reaction_x_wall"], -1.0, delta=1e-10)
+        run = self.run_program("--quiet", self.write("case.nml", body + "&tie set = 'a.right'  to = 'b.left' /\n"),
+                               status=1)
+        self.assertIn("set 'a.right' shares the node at 0.0, 2.0 with a rigid set that moves it already; exchange set "
+                      "and to", run.stderr)
+
     def test_sets_of_two_bodies_share_the_force_like_springs(self):
         text = """&mesh name = 'a'  size = 1.0, 4.0  cells = 1, 4 /
 &mesh name = 'b'  size = 2.0, 3.0  cells = 2, 3  origin = 5.0, 0.0 /
@@ -131,7 +180,12 @@ class Rigid(ProgramTest):
                  "contradicts the motion"),
                 ([rigid, "rigid name = 'q'  set = 'left'"], 1, "belongs to two rigid sets"),
                 ([rigid, "rigid name = 'p'  set = 'bottom'"], 1, "another rigid set or preload has the name 'p'"),
-                ([rigid.replace("top", "left"), CONTACT], 1, "shares the node at 0.0, 0.0 with a rigid set"),
+                ([rigid.replace("top", "left"), CONTACT], 1, "set 'bottom' shares the node at 0.0, 0.0 with a rigid "
+                 "set that moves along the normal: no contact force could act there; give multipliers = 'constant'"),
+                ([rigid + "  ux = 0.0  point = 2.0, 0.0", CONTACT, "contact set = 'right'  friction = 0.0"
+                  "  point = 4.0, 0.0  normal = -1.0, 0.0"], 1, "set 'right' shares the node at 4.0, 2.0"),
+                ([rigid.replace("top", "bottom"), CONTACT + "  multipliers = 'constant'"], 1,
+                 "no contact force could act there; end the rigid set there"),
                 ([rigid + "  uy = 0.0  force = 0.0, -1.0", CONTACT], 1, "nothing is left for force to move"),
                 (["rigid name = 'p'  set = 'tops'", CONTACT], 1, "did you mean 'top'"),
                 (["rigid name = 'p'  set = 'top'  force = 0.0, 1.0", CONTACT], 2, "no equilibrium")):

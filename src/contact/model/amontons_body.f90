@@ -3,6 +3,7 @@
 !> Rigid-body modes that supports leave free, as displacements of the contact points.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
@@ -252,42 +253,55 @@ contains
       list(i)%member = [list(i)%member, number]
    end subroutine add_name
 
-   !> Refuses rigid sets that share a node with surfaces that contacts or ties act on.
+   !> Refuses rigid sets that share a node with the slave of a tie: it could follow only one of them; or nodes with a
+   !> contact set along whose normal they may move: no forces of points act on them. A cell has other nodes, too.
    subroutine check_rigid_sets(body, contacts, error, ties)
       type(meshed_body_t), intent(in) :: body !! mesh and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(error_t), allocatable, intent(out) :: error !! there is such a node
       type(tie_t), intent(in), optional :: ties(:) !! the bonded sets
-      integer :: i
+      type(error_t), allocatable :: fault
+      type(boundary_line_t) :: line
+      logical, allocatable :: is_lost(:)
+      integer, allocatable :: nodes(:)
+      integer :: i, k
 
       if (size(body%constraints%rigid) == 0) return
       do i = 1, size(contacts)
-         call check_set(contacts(i)%set, contacts(i)%origin)
-         call check_set(contacts(i)%pairing%against, contacts(i)%origin)
+         call new_boundary_line(line, body%mesh, contacts(i)%set, fault)
+         ! That there is no such set is found later.
+         if (allocated(fault)) return
+         is_lost = [.false., (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), &
+            merge(contacts(i)%direction, line%normal(:, k), any(abs(contacts(i)%direction) > 0.0_dp))), &
+            k=1, line%n_nodes)]
+         if (contacts(i)%partition%is_constant) is_lost(2:) = is_lost(2:) .and. is_lost(line%next + 1)
+         k = findloc(is_lost(2:), .true., dim=1)
+         if (k > 0) call refuse(contacts(i)%set, contacts(i)%origin, line%node(k), 'that moves along the normal: '// &
+            'no contact force could act there; '//trim(merge('end the rigid set there      ', &
+            "give multipliers = 'constant'", contacts(i)%partition%is_constant)))
+         if (allocated(error)) return
       end do
       if (.not. present(ties)) return
       do i = 1, size(ties)
-         call check_set(ties(i)%set, ties(i)%origin)
-         call check_set(ties(i)%to, ties(i)%origin)
+         call body%mesh%set_nodes(ties(i)%set, nodes, fault)
+         if (allocated(fault)) return
+         k = findloc(body%constraints%rigid_of(nodes) > 0, .true., dim=1)
+         if (k > 0) call refuse(ties(i)%set, ties(i)%origin, nodes(k), 'that moves it already; exchange set and to')
+         if (allocated(error)) return
       end do
 
    contains
 
-      !> Refuses a surface with a node of a rigid set. That there is no such surface is found later.
-      subroutine check_set(name, origin)
-         character(*), intent(in) :: name !! name of its set; empty for none
+      !> Says that a set shares a node with a rigid one.
+      subroutine refuse(set, origin, node, why)
+         character(*), intent(in) :: set !! name of the set
          character(*), intent(in) :: origin !! where it was named, as messages begin
-         type(error_t), allocatable :: fault
-         integer, allocatable :: nodes(:)
-         integer :: shared
+         integer, intent(in) :: node !! the node
+         character(*), intent(in) :: why !! how the message ends
 
-         if (len(name) == 0 .or. allocated(error)) return
-         call body%mesh%set_nodes(name, nodes, fault)
-         if (allocated(fault)) return
-         shared = findloc(body%constraints%rigid_of(nodes) > 0, .true., dim=1)
-         if (shared > 0) call new_error(error, input_refused, origin//"set '"//name//"' shares the node at "// &
-            place_text(body%mesh%coordinates(:, nodes(shared)))//' with a rigid set; a node can belong to one of them')
-      end subroutine check_set
+         call new_error(error, input_refused, origin//"set '"//set//"' shares the node at "// &
+            place_text(body%mesh%coordinates(:, node))//' with a rigid set '//why)
+      end subroutine refuse
 
    end subroutine check_rigid_sets
 

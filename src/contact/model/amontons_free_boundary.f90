@@ -307,7 +307,7 @@ contains
                   if (i > extended%n_own .and. outline%is_taken_node(node)) cycle
                   if (dot_product(seen(:, node), normal) > same) cycle
                   seen(:, node) = normal
-                  if (.not. constraints%leaves_free(node, normal)) cycle
+                  if (.not. constraints%leaves_free(node, normal) .and. constraints%rigid_of(node) == 0) cycle
                   n = n + 1
                   side(n) = i
                   corner(n) = k
