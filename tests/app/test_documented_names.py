@@ -132,7 +132,7 @@ class DocumentedNames(ProgramTest):
         decks = {"driven": block("rigid name = 'punch'  set = 'top'  turn = 0.0  force = 0.0, -50.0", CONTACT),
                  "bolt": TWO_BODIES.replace("&contact", "&preload name = 'bolt'  shortening = 0.1 ").replace(
                      "against", "to").replace("friction = 0.2", ""),
-                 "sets": DECKS["sets"], "pair": DECKS["pair"], "case": DECKS["case"],
+                 **{name: DECKS[name] for name in ("case", "sets", "pair", "history")},
                  "tied": TWO_BODIES + "&mesh name = 'c'  size = 1.0, 1.0  cells = 2, 2  origin = 4.0, 0.5 /\n"
                          "&tie set = 'c.left'  to = 'a.right' /\n"}
         checked = set()
@@ -156,7 +156,7 @@ class DocumentedNames(ProgramTest):
                 units = {known.replace("–", "") for pattern, known in table if pattern.fullmatch(key)}
                 if units:
                     checked.add(key)
-                    self.assertIn(unit.replace("^2", "²").replace("sqrt", "√"), units, key)
+                    self.assertIn(unit.replace("^2", "²").replace("^3", "³").replace("sqrt", "√"), units, key)
         self.assertLessEqual({"gap", "force", "jump", "von_mises", "error_norm", "material"}, checked)
         # And each key result of the page exists.
         text = (PAGES / "output.md").read_text(encoding="utf-8")
