@@ -21,7 +21,7 @@ DIMENSIONS = tuple((re.compile(pattern), dimension) for pattern, dimension in (
     ("^factor_|^friction", ""), ("strain_energy_density|pressure|shear|stress|mises|swt$", "F/L²"),
     ("error_norm", "√(F L)"), ("moment|work_|energy|dissipation|closing_loss", "F L"), ("force", "F"),
     ("ruiz_2", "F²/L³"), ("ruiz_1|wear_integral", "F/L"), ("wear_volume", "L³"), ("wear_depth", "L"),
-    ("_length|_width|centroid|displacement|slip|gap|^shift_|^u[xy]_|jump", "L"), ("", "")))
+    ("_length|_width|centroid|displacement|slip|gap|^shift_|^u[xy]_|^rigid_.*_u[xy]$|shortening$|jump", "L"), ("", "")))
 
 
 def dimension_of(name: str) -> str:

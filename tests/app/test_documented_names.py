@@ -2,8 +2,10 @@
 """Every name that a result file uses is explained: members of summaries, columns of tables, arrays of grids. The pages
 have the words that people search for."""
 import csv
+import importlib.util
 import json
 import re
+import sys
 import unittest
 from pathlib import Path
 
@@ -35,6 +37,9 @@ SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamic
             "preload", "press fit", "pull-out", "reaction", "roughness", "rubber", "seal", "shrink fit",
             "submodel", "thermal contact", "three dimensions", "torque", "vibration", "wear", "Windows")
 
+# A row of a table: names, what a grid has them on, the unit.
+ROW = re.compile(r"^\| (`[^|]*`) \| (?:(?:nodes|cells)[^|]*\| )?([^|`]*?) ?\| ", re.MULTILINE)
+
 
 def documented(*pages):
     """Patterns of the names between backticks of some pages: words in capitals stand for names of the deck, and a name
@@ -51,11 +56,15 @@ def documented(*pages):
             if re.fullmatch(r"[a-z][A-Za-z_0-9.]*", name)]
 
 
-def units_of_names(page):
-    """The unit in a page's tables of each pattern of names, in L and F; a row has one for all its names or for each."""
+def section_of(page, heading):
+    """A section of a page, without those within it."""
+    return (PAGES / page).read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n#")[0]
+
+
+def units_of_names(text):
+    """The unit in the tables of a page of each pattern of names, in L and F; a row has one for all or for each."""
     found = []
-    for names, units in re.findall(r"^\| (`[^|]*`) \| (?:(?:nodes|cells)[^|]*\| )?([^|`]*?) ?\| ",
-                                   (PAGES / page).read_text(encoding="utf-8"), re.MULTILINE):
+    for names, units in ROW.findall(text):
         names = re.findall(r"`([^`]+)`", names)
         units = [unit.strip().replace("none", "") for unit in units.split(", ")]
         if len(units) in (1, len(names)):
@@ -128,7 +137,7 @@ class DocumentedNames(ProgramTest):
         self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "library.md")))
 
     def test_units_in_the_tables_of_results_are_those_that_the_program_writes(self):
-        table = [(name, unit) for name, unit in units_of_names("output.md") if "/s" not in unit]
+        table = units_of_names((PAGES / "output.md").read_text(encoding="utf-8"))
         decks = {"driven": block("rigid name = 'punch'  set = 'top'  turn = 0.0  force = 0.0, -50.0", CONTACT),
                  "bolt": TWO_BODIES.replace("&contact", "&preload name = 'bolt'  shortening = 0.1 ").replace(
                      "against", "to").replace("friction = 0.2", ""),
@@ -159,11 +168,20 @@ class DocumentedNames(ProgramTest):
                     self.assertIn(unit.replace("^2", "²").replace("^3", "³").replace("sqrt", "√"), units, key)
         self.assertLessEqual({"gap", "force", "jump", "von_mises", "error_norm", "material"}, checked)
         # And each key result of the page exists.
-        text = (PAGES / "output.md").read_text(encoding="utf-8")
-        section = text.partition("\n## Key results\n")[2].partition("\n#")[0]
+        section = section_of("output.md", "Key results")
         for name in re.findall(r"`([^`]+)`", "".join(re.findall(r"^\| (`[^|]*`) \|", section, re.MULTILINE))):
             pattern = re.compile(re.sub(r"[A-Z]{2,}", ".+", name))
             self.assertTrue(any(pattern.fullmatch(key) for key in checked), name)
+
+    @unittest.skipIf(importlib.util.find_spec("numpy") is None, "NumPy is not installed")
+    def test_reports_and_pictures_show_the_units_of_key_results(self):
+        sys.path.insert(0, str(PAGES.parent / "python"))
+        dimension_of = importlib.import_module("amontons.cases").dimension_of
+        found = units_of_names(section_of("output.md", "Key results"))
+        self.assertGreater(len(found), 20)
+        for pattern, unit in found:
+            name = pattern.pattern.replace("(_\\d+)?", "").replace(".+", "part")
+            self.assertEqual(dimension_of(name), unit, name)
 
     def test_words_that_people_search_for_are_in_the_pages(self):
         text = " ".join(" ".join(page.read_text(encoding="utf-8") for page in PAGES.glob("*.md")).split())
