@@ -19,6 +19,8 @@ target_compile_options(amontons_flags INTERFACE
   "$<$<OR:${_gfortran},${_c}>:-fno-semantic-interposition>"
   "$<${_c}:-std=c11;-Wall;-Wextra;-pedantic;-Werror>"
   "$<${_debug}:-g;-O0>"
+  # CMake gives flang no flags of its own for a release.
+  "$<$<AND:${_flang},$<CONFIG:Release>>:-O2>"
   "$<$<AND:${_gfortran},${_checked}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
 
 # No source needs a preprocessor, and that of flang 19 writes every backslash twice.

@@ -28,6 +28,7 @@ main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
 a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
 pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: 13.5px } code { font-size: .9em }
+pre.console { white-space: pre-wrap }
 table { border-collapse: collapse; display: block; overflow-x: auto } img { max-width: 100%; height: auto }
 th, td { padding: .3rem .6rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top }
 math[display=block] { margin: 1rem 0; overflow-x: auto }
