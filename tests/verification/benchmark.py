@@ -14,7 +14,7 @@ import unittest
 import zlib
 from pathlib import Path
 
-from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from convergence import ORDER_ALLOWANCE, ConvergenceTable, joined
 from field_error import displacement_error, stress_error
 from harness import ProgramTest
 
@@ -129,37 +129,3 @@ def section(text, tables, is_short=False):
     parts = [f"## {heading.rstrip('.')}", f"{body.strip()}\n\nFiles: {', '.join(files)}.",
              *(joined(tables) if is_short else tables)]
     return "\n\n".join(part for part in parts if part)
-
-
-# Cells of a sentence; longer ones are hard to read.
-MOST_IN_A_SENTENCE = 10
-
-
-def joined(tables):
-    """Tables of equal headings that are shortened alike as one, their captions in its first column; sentences, which
-    stand in the place of tables, as one list; tables of one row as sentences."""
-    groups = {}
-    for table in tables:
-        caption, _, rows = table.partition("\n\n")
-        name, _, note = re.fullmatch(r"(.*?)(, (?=finest mesh)|: (?=the )|$)(.*)", caption).groups()
-        groups.setdefault((note, rows.partition("\n")[0]), []).append((name, table))
-    parts = []
-    for (note, headings), group in groups.items():
-        if len(group) == 1 or headings and not note:
-            parts += [table for _, table in group]
-        elif not headings:
-            parts.append("\n".join(f"* {table}" for _, table in group))
-        else:
-            rows = [f"| {name} {row}" for name, table in group for row in table.splitlines()[4:]]
-            parts.append("\n".join([f"{note[0].upper()}{note[1:]}", "", f"| case {headings}",
-                                    "| --- " + "| --- "*(headings.count("|") - 1) + "|", *rows]))
-    return [sentence(part) for part in parts]
-
-
-def sentence(table):
-    """A table of one row as a sentence, each cell behind its heading; any other, and one of many columns, as it is."""
-    caption, _, rows = table.partition("\n\n")
-    headings, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in rows.splitlines()] or [[]]
-    if len(lines) != 2 or len(headings) > MOST_IN_A_SENTENCE:
-        return table
-    return f"{caption}: {', '.join(f'{name} {cell}' for name, cell in zip(headings, lines[1]) if cell)}."

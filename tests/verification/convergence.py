@@ -3,6 +3,7 @@
 A table knows what is required of its rows, prints itself in Markdown, and tells the faults of the rows that miss it.
 """
 import math
+import re
 
 # Observed orders approach the theoretical ones from either side. A study whose finest meshes are still on the way
 # states its own allowance, with the reason.
@@ -13,6 +14,8 @@ EFFECTIVITY = (0.8, 1.25)
 ROUNDOFF = 1e-4
 # Tables of values, and tables of any rows, with more rows are shortened in the page.
 FEW_ROWS, FEW_ROWS_OF_ANY_KIND = 6, 10
+# Cells of a sentence; longer ones are hard to read.
+MOST_IN_A_SENTENCE = 10
 
 
 def observed_order(coarse, fine):
@@ -191,3 +194,33 @@ class RoundoffTable(Table):
             return self.markdown()
         return (f"{self.caption}: the errors of {', '.join(self.quantities)} are below {self.bound:.0e} in all "
                 f"{len(self.rows)} rows. Rows: {varied(self.rows, self.labels)}.")
+
+
+def joined(tables):
+    """Tables of equal headings that are shortened alike as one, their captions in its first column; sentences, which
+    stand in the place of tables, as one list; tables of one row as sentences."""
+    groups = {}
+    for table in tables:
+        caption, _, rows = table.partition("\n\n")
+        name, _, note = re.fullmatch(r"(.*?)(, (?=finest mesh)|: (?=the )|$)(.*)", caption).groups()
+        groups.setdefault((note, rows.partition("\n")[0]), []).append((name, table))
+    parts = []
+    for (note, headings), group in groups.items():
+        if len(group) == 1 or headings and not note:
+            parts += [table for _, table in group]
+        elif not headings:
+            parts.append("\n".join(f"* {table}" for _, table in group))
+        else:
+            rows = [f"| {name} {row}" for name, table in group for row in table.splitlines()[4:]]
+            parts.append("\n".join([f"{note[0].upper()}{note[1:]}", "", f"| case {headings}",
+                                    "| --- " + "| --- "*(headings.count("|") - 1) + "|", *rows]))
+    return [sentence(part) for part in parts]
+
+
+def sentence(table):
+    """A table of one row as a sentence, each cell behind its heading; any other, and one of many columns, as it is."""
+    caption, _, rows = table.partition("\n\n")
+    headings, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in rows.splitlines()] or [[]]
+    if len(lines) != 2 or len(headings) > MOST_IN_A_SENTENCE:
+        return table
+    return f"{caption}: {', '.join(f'{name} {cell}' for name, cell in zip(headings, lines[1]) if cell)}."

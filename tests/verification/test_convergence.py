@@ -2,8 +2,7 @@
 """The tools of the benchmarks: tables that tell faults, shape functions of the error norm."""
 import unittest
 
-from benchmark import joined
-from convergence import ConvergenceTable, RoundoffTable, Table, ValueTable, observed_order, written_table
+from convergence import ConvergenceTable, RoundoffTable, Table, ValueTable, joined, observed_order, written_table
 from field_error import ELEMENT_OF_VTK, biquadratic, bilinear, reference_points, serendipity, triangle
 
 NAN = float("nan")
