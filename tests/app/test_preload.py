@@ -100,6 +100,24 @@ class Preload(ProgramTest):
 """
         self.assertAlmostEqual(self.key(lying)["preload_bolt_shortening"], 0.4, delta=1e-13)
 
+    def test_shear_and_moment_of_the_cut_are_those_of_a_beam(self):
+        beam = """&mesh name = 'foot'  size = 1.0, 4.0  cells = 4, 8  element = '{0}' /
+&mesh name = 'shank'  size = 1.0, 6.0  cells = 5, 12  origin = 0.0, 4.0  element = '{0}' /
+&material young = 1e5  poisson = 0.0 /
+&support set = 'foot.bottom'  ux = 0.0  uy = 0.0 /
+&rigid name = 'top'  set = 'shank.top'  uy = 0.0  force = 0.3, 0.0  moment = 0.7 /
+"""
+        for element in "quad4", "quad8":
+            for drive in "force = 2.0", "shortening = 0.001":
+                for cut in "set = 'shank.bottom'  to = 'foot.top'", "set = 'foot.top'  to = 'shank.bottom'":
+                    text = beam.format(element) + f"&preload name = 'bolt'  {cut}  {drive} /\n"
+                    # Exerted on the slave, along the tangent to its outward normal.
+                    sign = -1.0 if "set = 'foot" in cut else 1.0
+                    with self.subTest(element=element, drive=drive, cut=cut):
+                        key = self.key(text)
+                        self.assert_close([key["tie_tangential_bolt"], key["tie_moment_bolt"]],
+                                          [-0.3, sign*(0.3*6.0 - 0.7)], 1e-9)
+
     def test_bolt_diagram(self):
         load, preload = 3.0, 5.0
         key = self.key(SLEEVE + HEAD.format(load) + PRELOAD.format(f"force = {preload}"))

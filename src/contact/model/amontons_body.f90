@@ -71,7 +71,7 @@ module amontons_body
       integer :: component = 0 !! which of the support's components it is, and of the load's force and moment
       real(dp) :: lock_time = huge(1.0_dp) !! when a history locks it; huge where it cannot be locked [-]
       integer :: lead = 0 !! the node
-      integer :: axis = 1 !! the axis of the node's frame that it is the displacement along
+      integer :: axis = 1 !! of a rigid set which of the node's own unknowns it is
       integer :: tie = 0 !! of a preload the tie
       real(dp) :: own(2) = 0.0_dp !! own unknowns of the node in a motion of 1
       real(dp) :: length = 1.0_dp !! displacement of nodes in a motion of 1 [L]
@@ -199,7 +199,7 @@ contains
       end do
    end subroutine new_body
 
-   !> Lists what exerts forces on a body, by name. The forces of preloads are those of driven motions.
+   !> Lists what exerts forces on a body, by name.
    pure subroutine name_forces(list, supports, contacts, ties)
       type(named_forces_t), allocatable, intent(out) :: list(:) !! what has a name
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -217,7 +217,7 @@ contains
       end do
       if (.not. present(ties)) return
       do i = 1, size(ties)
-         if (.not. ties(i)%has_jump) call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name)
+         call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name)
       end do
    end subroutine name_forces
 
@@ -388,7 +388,6 @@ contains
          end do
          driven%lead = pair%lead
          driven%own = pair%jump
-         driven%axis = maxloc(abs(matmul(pair%jump, body%constraints%frame(pair%lead))), dim=1)
       end associate
       force = points%rows%forces(share, body%mesh%n_nodes)
       driven%name = name

@@ -6,7 +6,7 @@
 !> factors of the parts of a family and the contact displacements (section 10 of doc/theory.md).
 module amontons_named_forces
    use amontons_assembly, only: spring_forces
-   use amontons_body, only: body_t, named_forces_t, of_contact, of_support
+   use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
    use amontons_contact_rows, only: turned
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
@@ -45,15 +45,20 @@ module amontons_named_forces
 contains
 
    !> The components of all forces by name: number in `body%named`, and component (2, any). In a body of revolution
-   !> forces across the axis and moments are none.
+   !> forces across the axis and moments are none. The normal force of a preload is that of its jump.
    pure function components_of(body) result(list)
       type(body_t), intent(in) :: body !! the body
       integer, allocatable :: list(:, :)
       integer :: component, i
+      logical :: is_cut
 
       allocate (list(2, 0))
       do i = 1, size(body%named)
-         do component = merge(normal, along_x, body%named(i)%kind == of_contact), moment
+         is_cut = body%named(i)%kind == of_tie
+         if (is_cut) is_cut = body%ties(body%named(i)%member(1))%lead > 0
+         do component = normal, moment
+            if (component <= tangential .and. body%named(i)%kind /= of_contact .and. .not. is_cut) cycle
+            if (is_cut .and. (body%is_axisymmetric .or. all(component /= [tangential, moment]))) cycle
             if (body%is_axisymmetric .and. any(component == [along_x, moment])) cycle
             list = reshape([list, i, component], [2, size(list, 2) + 1])
          end do
@@ -145,7 +150,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(named_forces_t), intent(in) :: named !! what exerts the force
       integer, intent(in) :: component !! the component
-      real(dp), allocatable :: motion(:, :)
+      real(dp), allocatable :: length(:), motion(:, :)
+      real(dp) :: middle(2)
       logical, allocatable :: is_meant(:)
       integer :: i, p
 
@@ -170,9 +176,19 @@ contains
          test%held = 0.0_dp*motion
          do i = 1, size(named%member)
             associate (tie => body%ties(named%member(i)))
+               if (tie%lead > 0) then
+                  ! Shear along the cut, and the moment about its middle.
+                  length = norm2(tie%slave%corner(:, 2, :) - tie%slave%corner(:, 1, :), dim=1)
+                  middle = matmul(tie%slave%corner(:, 3, :), length)/sum(length)
+                  motion = rigid_motion(component, body%mesh%coordinates - spread(middle, 2, size(motion, 2)))
+                  if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
+               end if
                do p = 1, size(tie%node)
                   test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
                      motion(:, tie%node(p)))
+                  ! The jump moves all corners.
+                  if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:, tie%node(p)) = &
+                     test%held(:, tie%node(p)) - dot_product(motion(:, tie%lead), tie%jump)*tie%jump
                end do
             end associate
          end do
