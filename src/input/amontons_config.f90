@@ -258,7 +258,8 @@ contains
          end do
          call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
          call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
-         call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
+         call describe_accuracy(visitor, config%accuracy, .not. (config%sweep%is_given() .or. &
+            config%history%has_start()))
       end if
       call describe_solver(visitor, config)
       call describe_output(visitor, config%sweep, config%history)

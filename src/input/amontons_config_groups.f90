@@ -160,21 +160,21 @@ contains
    end subroutine describe_case
 
    !> Describes `&accuracy`.
-   subroutine describe_accuracy(visitor, accuracy, has_many_cases)
+   subroutine describe_accuracy(visitor, accuracy, begins_anew)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(accuracy_options_t), intent(inout) :: accuracy !! what is asked
-      logical, intent(in) :: has_many_cases !! whether the deck has a sweep or a history
+      logical, intent(in) :: begins_anew !! whether the deck has neither a sweep nor a state to start from
       logical :: is_given
 
       is_given = accuracy%n_refinements > 0
       call visitor%open_group(accuracy_group)
       call visitor%word(key_t('estimate', 'estimate of the error of the stresses of every element: by recovered'// &
          ' stresses, or none, which saves some time', also='error'), accuracy%estimate, estimate_names)
-      call visitor%whole(key_t('refinements', 'the case is solved on its mesh and on so many refined ones, and the'// &
-         ' key results get error bars', default='none', at_least=real(fewest_refinements, dp), also='refine levels'), &
-         accuracy%n_refinements, is_given)
+      call visitor%whole(key_t('refinements', 'the case, or the history, is solved on its mesh and on so many'// &
+         ' refined ones, and the key results get error bars', default='none', at_least=real(fewest_refinements, dp), &
+         also='refine levels'), accuracy%n_refinements, is_given)
       call visitor%close_group()
-      call visitor%only('refinements', .not. has_many_cases, 'a deck without &sweep and &history')
+      call visitor%only('refinements', begins_anew, 'a deck without &sweep and without start')
    end subroutine describe_accuracy
 
    !> Whether errors are estimated.

@@ -741,9 +741,10 @@ contains
       character(200 + len(units)) :: rows(0:size(list))
       character(8) :: order
       character(width) :: bar
-      integer :: i
+      integer :: i, first
 
-      rows(0) = repeat(' ', 22)//flush_right('finest mesh', width)//flush_right('+-', width)// &
+      first = 2 + max(20, maxval([(len_trim(list(i)%quantity%label), i=1, size(list))]))
+      rows(0) = repeat(' ', first)//flush_right('finest mesh', width)//flush_right('+-', width)// &
          flush_right('extrapolated', width)// &
          flush_right('order', 8)//'  from mesh to mesh'
       if (len_trim(units) > 0) rows(0) = trim(rows(0))//'  unit'
@@ -754,7 +755,7 @@ contains
             if (judged%order > 0.0_dp) write (order, '(f8.2)') min(judged%order, 99.0_dp)
             bar = '-'
             if (has_bar(judged)) bar = scientific(judged%bar)
-            rows(i)(23:) = flush_right(short_text(quantity%value), width)//flush_right(trim(bar), width)// &
+            rows(i)(first + 1:) = flush_right(short_text(quantity%value), width)//flush_right(trim(bar), width)// &
                flush_right(short_text(judged%extrapolated), width)//adjustr(order)//'  '// &
                verdict_names(judged%verdict)//repeat(' ', 8)//unit_of(units, trim(quantity%dimension))
          end associate

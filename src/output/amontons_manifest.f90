@@ -139,6 +139,7 @@ contains
       do i = 1, size(contacts)
          if (allocated(contacts(i)%friction%file)) call self%add_input(contacts(i)%friction%file)
          if (allocated(contacts(i)%slip_bound%file)) call self%add_input(contacts(i)%slip_bound%file)
+         if (allocated(contacts(i)%extra_gap%file)) call self%add_input(contacts(i)%extra_gap%file)
          if (allocated(contacts(i)%obstacle%file)) call self%add_input(contacts(i)%obstacle%file)
       end do
       do i = 1, size(loads)

@@ -104,6 +104,7 @@ contains
          associate (contact => config%contacts(i))
             call check(lists_inputs, inputs, contact%friction%file)
             call check(lists_inputs, inputs, contact%slip_bound%file)
+            call check(lists_inputs, inputs, contact%extra_gap%file)
             call check(lists_inputs, inputs, contact%obstacle%file)
          end associate
       end do

@@ -111,6 +111,8 @@ module amontons_result
          !! of a load history: slip of its last step [L], accumulated slip [L], dissipation [F L], the integral of the
          !! pressure over the slip [F/L] and the depth worn [L] of each point; parameters of fretting where they are
          !! asked for (m, 5 or 10)
+      type(quantity_t), allocatable :: history_results(:)
+         !! of a load history: its works, its last cycle, the extremes of its steps
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: answer
          !! why there is no state to show: no equilibrium, or a first step of a history that did not converge

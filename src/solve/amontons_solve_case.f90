@@ -349,9 +349,11 @@ contains
          if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
-            set_results(body, solution%force, result%closed, result%stuck), result%certificate%named]
+            set_results(body, solution%force, result%closed, result%stuck)]
          if (allocated(result%slip_record)) result%key_results = [result%key_results, wear_results(body, &
             result%load_case%contacts, result%slip_record(:, depth_worn))]
+         ! The listing has the forces by name, the last ones, in a section of their own.
+         result%key_results = [result%key_results, result%certificate%named]
       end associate
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)

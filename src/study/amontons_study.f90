@@ -245,7 +245,7 @@ contains
 
    !> Reports the size of a deck with a body that is ready to be condensed.
    subroutine report_size(config, cases, cache, result, outcome, error)
-      type(config_t), intent(in) :: config !! the deck
+      type(config_t), intent(in) :: config !! the deck, on its finest mesh
       character(*), intent(in) :: cases !! the cases it has, as they are reported: ', 12 cases'; empty for one
       type(cache_t), intent(inout) :: cache !! its body
       type(result_t), intent(inout) :: result !! the load case as it was prepared
@@ -285,6 +285,8 @@ contains
          to_text(floor(estimate%available_mb))//' MB are available'
       size_text = to_text(cache%body%mesh%n_nodes)//' nodes, '//to_text(cache%body%mesh%n_elements)//' elements, '// &
          to_text(cache%body%dof_map%n_dofs)//' unknowns, '//to_text(cache%body%zone%n_points)//' contact points'
+      if (config%accuracy%n_refinements > 0) size_text = size_text//', on the finest of '// &
+         to_text(config%accuracy%n_refinements + 1)//' meshes'
       outcome%text = config%name//': deck OK; '//size_text//cases//'; '//text
    end subroutine report_size
 

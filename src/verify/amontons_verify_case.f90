@@ -17,10 +17,10 @@ module amontons_verify_case
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
    use amontons_reduced_study, only: new_reduced_summary, reduced_documents
+   use amontons_refined_meshes, only: judge_meshes, refined_quantities
    use amontons_report, only: case_documents, new_summary
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t, word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_single_study, only: judge_meshes, refined_quantities
    use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_text, only: to_text

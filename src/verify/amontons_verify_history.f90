@@ -17,8 +17,8 @@ module amontons_verify_history
    use amontons_history_files, only: a_force, a_length, an_energy, history_row, history_table_t, history_tables, &
       n_kinds, number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
-   use amontons_history_study, only: describe_history, history_result_t, new_step_result, prepare_history, &
-      start_history, worst_step_t
+   use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
+      prepare_history, start_history, worst_step_t
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
@@ -137,6 +137,7 @@ contains
             stated = nint(case%number('load_history', 'iterations'))
             if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
          end associate
+         call add_history_results(again%result, again%model, cache%body)
          call describe_history(again%result, case%config)
          call verify_result(case, cache%body, last)
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium

@@ -3,12 +3,28 @@
 import csv
 import json
 import math
+import random
 import re
+import signal
+import subprocess
+import time
 import unittest
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
+from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu
 
 GROUPS = SUPPORT, PRESSURE, CONTACT
+# A flat bar that rests on given friction and is pulled and pushed at one end.
+ROUGH = """&case name = 'rough' /
+&mesh size = 10.0, 0.01  cells = 40, 1 /
+&material young = 1e5  poisson = 0.0  hypothesis = 'plane stress' /
+&support set = 'right'  ux = 0.0 /
+&load set = 'top'  pressure = 1.0 /
+&load name = 'F'  set = 'left'  traction = 1000.0, 0.0 /
+&contact set = 'bottom'  slip_bound = 2.0 /
+&history times = 0.0, 1.0, 2.0, 3.0, 4.0  substeps = 1  cycles = 1.0, 4.0 /
+&steps load = 'F'  factor = 0.0, 1.0, 0.0, -1.0, 1.0 /
+&output probe = 0.0, 0.0  points_every = 2  states_every = 2 /
+"""
 COARSE = "size = 4.0, 2.0  cells = 4, 2"
 
 
@@ -145,6 +161,83 @@ class Accuracy(ProgramTest):
         self.assertIn("Refined meshes (3, each of half the element size)",
                       (self.directory / "results" / "study.lst").read_text())
         self.run_program("--verify", "results")
+
+    def test_history_is_taken_on_every_mesh(self):
+        self.write("rough.nml", ROUGH)
+        self.run_program("--quiet", "--output", "results", "--refine", "2", "rough.nml")
+        summary = json.loads((self.directory/"results"/"rough.summary.json").read_text())
+        table = self.table("rough")
+        for level in range(3):
+            one = ROUGH.replace("'rough'", f"'level_{level}'").replace("40, 1", f"40, 1  refine = {level}")
+            self.write("one.nml", one)
+            self.run_program("--quiet", "--output", "results", "one.nml")
+            single = json.loads((self.directory/"results"/f"level_{level}.summary.json").read_text())
+            numbers = {**single["load_history"], **single["lengths"], **single["key_results"]}
+            with open(self.directory/"results"/f"level_{level}.history.csv", newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            numbers["max_slip_accumulated"] = float(rows[-1]["max_slip_accumulated"])
+            for key, row in table.items():
+                self.assertAlmostEqual(float(row[f"mesh_{level + 1}"]), numbers[key],
+                                       delta=1e-8*max(1.0, abs(numbers[key])), msg=key)
+                column = re.sub("^(least|greatest)_", "", key)
+                if column != key and column in rows[0]:
+                    extreme = (max if key.startswith("greatest") else min)(float(row[column]) for row in rows)
+                    self.assertEqual(numbers[key], extreme, key)
+        # A bar under given friction q of its length: u = F^2/(2 EA q), from rest and through a cycle friction takes
+        # 5/4 of 2 F^3/(3 EA q). Shear across the flat strip matters by 1e-5.
+        for key, exact in (("dissipation", 5/12), ("greatest_force_tangential_bottom", 10.0), ("least_ux_1", -0.025),
+                           ("greatest_ux_1", 0.025), ("cycle_dissipation", 1/3)):
+            self.assertAlmostEqual(float(table[key]["mesh_3"]), exact,
+                                   delta=float(table[key]["error_bar"]) + 1e-5*abs(exact), msg=key)
+        self.assertLess(float(table["dissipation"]["error_bar"]), 1e-3)
+        self.assertEqual(summary["convergence"]["dissipation"]["verdict"], "converging")
+        # The files are those of the finest mesh, and nothing of the coarser ones is left.
+        for name in ("history.csv", "points.csv", "states.csv"):
+            self.assertEqual((self.directory/"results"/f"rough.{name}").read_bytes(),
+                             (self.directory/"results"/f"level_2.{name}").read_bytes())
+        self.assertEqual([path.name for path in (self.directory/"results").glob("*mesh_*")], [])
+        self.run_program("--verify", "results")
+        text = (self.directory/"results"/"rough.convergence.csv").read_text()
+        first = table["dissipation"]["mesh_1"]
+        (self.directory/"results"/"rough.convergence.csv").write_text(text.replace(first, repr(2.0*float(first))))
+        self.assertIn("rough.convergence.csv", self.run_program("--verify", "results", status=4).stderr)
+
+    def test_history_on_meshes_goes_on_where_it_was(self):
+        self.write("rough.nml", ROUGH.replace("substeps = 1", "substeps = 40"))
+        begin = time.monotonic()
+        self.run_program("--quiet", "--output", "whole", "--refine", "2", "rough.nml")
+        duration = time.monotonic() - begin
+        chance, meshes = random.Random(1976), set()
+        # Until the finest mesh was interrupted, and one before it.
+        while len(meshes) < 2 or "3" not in meshes:
+            for path in (self.directory/"results").glob("*"):
+                path.unlink()
+            for _ in range(2):
+                run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "--refine", "2", "rough.nml"],
+                                       cwd=self.directory, encoding="utf-8", stderr=subprocess.PIPE)
+                time.sleep(duration*chance.uniform(0.05, 0.95))
+                run.send_signal(chance.choice([signal.SIGINT, signal.SIGKILL]))
+                meshes |= set(re.findall("interrupted after step .* on mesh ([1-3]);", run.communicate()[1]))
+            self.run_program("--quiet", "--output", "results", "--refine", "2", "rough.nml")
+            for name in ("convergence.csv", "history.csv", "contact.csv"):
+                self.assertEqual((self.directory/"results"/f"rough.{name}").read_bytes(),
+                                 (self.directory/"whole"/f"rough.{name}").read_bytes(), name)
+            self.assertEqual([*(self.directory/"results").glob("*mesh_*"),
+                              *(self.directory/"results").glob("*.checkpoint")], [])
+
+    def test_history_without_an_end_is_refined_no_further(self):
+        # Pushed with more than friction holds: the same on all meshes, so that the first one says it.
+        self.write("pushed.nml", block("load name = 'push'  set = 'left'  traction = 1.0, 0.0", PRESSURE, CONTACT,
+                                       "history times = 0.0, 1.0  substeps = 4", "case name = 'pushed'",
+                                       "steps load = 'push'  factor = 0.0, 9.0", "accuracy refinements = 2",
+                                       mesh=COARSE))
+        message = self.run_program("--output", "results", "pushed.nml", status=2).stderr
+        self.assertIn("the history ends at step", message)
+        summary = json.loads((self.directory/"results"/"pushed.summary.json").read_text())
+        self.assertNotIn("convergence", summary)
+        self.assertIn("refine = 0", (self.directory/"results"/"pushed.deck.nml").read_text())
+        self.assertEqual(list((self.directory/"results").glob("*mesh_*")), [])
+        self.run_program("--verify", "results", status=None)
 
     def test_far_sides_do_not_widen_bars(self):
         # Cells of 1/4 where the contact ends, and one eighty times as long far away.

@@ -31,6 +31,7 @@ DECKS = {
                      "output probe = 4.0, 2.0  points_every = 2  states_every = 2  fields_every = 2"
                      "  fretting = 'parameters'"),
 }
+DECKS["walked"] = DECKS["history"] + "&accuracy refinements = 2 /\n"
 # What newcomers look for by name, whether there is such a thing or not.
 SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamics", "frictional heat",
             "gasket", "impact", "interference", "large sliding", "macOS", "orthotropic", "plasticity",

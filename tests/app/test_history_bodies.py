@@ -173,12 +173,6 @@ class Bodies(HistoryTest):
         self.walk(NEARLY_UNLOADED)
         self.assertTrue(self.summary("body")["certificate"]["passed"])
 
-    def test_refined_meshes_are_not_for_histories(self):
-        deck = DECKS["dragged"] + TIMES + " /\n"
-        for run in (self.run_program(self.write("deck.nml", deck + "&accuracy refinements = 2 /\n"), status=1),
-                    self.run_program("--refine", "2", self.write("deck.nml", deck), status=1)):
-            self.assertIn("refinements is only for a deck without &sweep and &history", run.stderr)
-
 
 if __name__ == "__main__":
     unittest.main()

@@ -8,14 +8,17 @@ module amontons_history_study
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown, moved_things, steps_t
    use amontons_history_files, only: history_files_t, new_history_files, read_start
-   use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
+   use amontons_history_model, only: find_probes, history_model_t, new_history_model
+   use amontons_history_results, only: contact_numbers, cycle_results, energies_of
    use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_cycle_numbers, n_plain_numbers, new_history_walk
    use amontons_key_results, only: lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
    use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
+   use amontons_named_forces, only: named_quantities
    use amontons_quantity, only: quantity_t
+   use amontons_refined_meshes, only: judge_meshes, refined_quantities
    use amontons_report, only: member, study_files_t, write_report
    use amontons_result, only: outcome_numbers, word_numerical_failure, certificate_limit, outcome_no_equilibrium, &
       result_t, word_no_equilibrium, word_not_converged
@@ -24,15 +27,15 @@ module amontons_history_study
    use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, n_characters, newline, &
-      scientific, short_text, to_text, unit_of, with_unit
+   use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, lower_case, &
+      n_characters, newline, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: new_uniqueness
    use amontons_version, only: version
    implicit none (type, external)
    private
 
-   public :: describe_history, history_result_t, history_study_t, new_step_result, prepare_history, solve_history, &
-      start_history, worst_step_t
+   public :: add_history_results, describe_history, history_result_t, history_study_t, new_step_result, &
+      prepare_history, solve_history, start_history, worst_step_t
 
    !> Numbers that are kept of each time that was reached.
    integer, parameter :: n_reached_numbers = 9
@@ -55,6 +58,8 @@ module amontons_history_study
       real(dp), allocatable :: reached(:, :)
          !! the times of the deck that were reached, each with zones, forces, strain energy, work, dissipation (9, n)
       real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_watch_t` has them (n_cycle_numbers, n)
+      real(dp), allocatable :: extremes(:, :)
+         !! least and greatest of the numbers of all contact sets, of the probes, and of forces by name (n, 2)
       type(worst_step_t) :: residual !! largest residual of the contact problems
       type(worst_step_t) :: imbalance !! largest violation of the energy identities
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies
@@ -155,7 +160,7 @@ contains
       type(result_t) :: step
       real(dp) :: violation
 
-      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
+      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0), result%extremes(0, 2))
       call new_history_walk(result%walk, model, cache%body)
       if (.not. model%history%has_start()) return
       call read_start(numbers, model%history, error)
@@ -196,7 +201,7 @@ contains
    pure subroutine history_result_visit(self, archive)
       class(history_result_t), intent(inout) :: self !! the history so far
       type(archive_t), intent(inout) :: archive !! the archive
-      integer :: n(2), i
+      integer :: n(3), i
 
       call archive%pass(self%n_certified)
       call self%residual%visit(archive)
@@ -209,12 +214,15 @@ contains
       call archive%pass(self%n_warned)
       call archive%pass(self%warned_step)
       call archive%pass(self%last_warned)
-      n = [size(self%reached, 2), size(self%cycles, 2)]
+      n = [size(self%reached, 2), size(self%cycles, 2), size(self%extremes, 1)]
       call archive%pass(n)
       if (archive%is_read) then
          self%reached = reshape([0.0_dp], [n_reached_numbers, n(1)], pad=[0.0_dp])
          self%cycles = reshape([0.0_dp], [n_cycle_numbers, n(2)], pad=[0.0_dp])
+         self%extremes = reshape([0.0_dp], [n(3), 2], pad=[0.0_dp])
       end if
+      call archive%pass(self%extremes(:, 1))
+      call archive%pass(self%extremes(:, 2))
       do i = 1, n(1)
          call archive%pass(self%reached(:, i))
       end do
@@ -303,6 +311,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(history_model_t), intent(in) :: model !! the history
       type(lengths_t) :: lengths
+      type(quantity_t), allocatable :: contact(:)
+      real(dp), allocatable :: numbers(:)
       logical :: is_warned(n_case_warnings)
 
       associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
@@ -312,6 +322,11 @@ contains
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
          call self%wear_feedback%note(state%wear_feedback, walk%n_steps)
+         contact = contact_numbers(body, state)
+         numbers = [contact%value, model%probed(state%instant%factor, state%solution%displacement), state%named]
+         if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
+         self%extremes = reshape([min(self%extremes(:, 1), numbers), max(self%extremes(:, 2), numbers)], &
+            [size(numbers), 2])
          call find_case_warnings(is_warned, body, model%solver%size_of_body, &
             model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
          where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
@@ -327,6 +342,44 @@ contains
             [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
    end subroutine history_result_note_step
+
+   !> Gives the last step the numbers of the whole history: works, the largest accumulated slip, what the last cycle
+   !> took, and the extremes of the steps.
+   pure subroutine add_history_results(result, model, body)
+      type(history_result_t), intent(inout) :: result !! the history; its last step gains the numbers
+      type(history_model_t), intent(in) :: model !! the history
+      type(body_t), intent(in) :: body !! the body
+      character(8), parameter :: extreme_words(2) = [character(8) :: 'Least', 'Greatest']
+      type(quantity_t), allocatable :: followed(:), list(:), energies(:)
+      type(quantity_t) :: probe(2)
+      integer :: i, k
+
+      followed = contact_numbers(body, result%walk%state)
+      do i = 1, model%history%n_probes()
+         do k = 1, 2
+            probe(k)%key = 'u'//achar(iachar('x') + k - 1)//'_'//to_text(i)
+         end do
+         probe%label = probe%key
+         probe%dimension = 'L'
+         followed = [followed, probe]
+      end do
+      followed = [followed, named_quantities(body)]
+      energies = energies_of(result%walk%state)
+      list = [energies(:3), energies(5), quantity_t('max_slip_accumulated', 'Max. accumulated slip', max(0.0_dp, &
+         maxval(result%walk%state%accumulated_slip)), dimension='L'), cycle_results(model%history, result%cycles)]
+      ! A history that starts at its last time has no steps.
+      do i = 1, merge(size(followed), 0, size(result%extremes) > 0)
+         do k = 1, 2
+            ! The least pressure, shear and slip of the whole line say nothing.
+            if (k == 1 .and. followed(i)%has_place) cycle
+            list = [list, quantity_t(lower_case(trim(extreme_words(k)))//'_'//followed(i)%key, &
+               trim(extreme_words(k))//' '//lower_case(followed(i)%label(:1))//followed(i)%label(2:), &
+               result%extremes(i, k), max(tiny(1.0_dp), maxval(abs(result%extremes), &
+               mask=spread(followed%dimension == followed(i)%dimension, 2, 2))), dimension=followed(i)%dimension)]
+         end do
+      end do
+      call move_alloc(list, result%last%history_results)
+   end subroutine add_history_results
 
    !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps
    !> make it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
@@ -436,6 +489,7 @@ contains
          call model%solver%loads%pose(cache%body, state%instant, cache%problem)
       end associate
       call add_result_warnings(result%last, cache%body)
+      call add_history_results(result, model, cache%body)
       call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
       call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
@@ -471,13 +525,15 @@ contains
          'tang. force', 'strain energy', 'work', 'dissipated']
       character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
          'F L']
-      type(quantity_t), allocatable :: energies(:), fretting(:)
+      type(quantity_t), allocatable :: energies(:), extremes(:), fretting(:)
       real(dp) :: force, length, energy, before(2)
       character(:), allocatable :: text, note, table
       integer :: i, k, n, width
 
       result%last%earlier_violation = max(result%violation%value, result%imbalance%value)
       energies = energies_of(result%walk%state)
+      ! They have a scale, sums over the steps have none.
+      extremes = pack(result%last%history_results, result%last%history_results%scale > 0.0_dp)
       associate (state => result%walk%state)
          force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))
          length = max(0.0_dp, maxval(abs(state%solution%displacement)), maxval(abs(result%cycles(9:10, :))))
@@ -536,13 +592,16 @@ contains
             1, 3)])
          call result%last%study_listing%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, &
             length, length, 1.0_dp])
-         fretting = fretting_of(history, result%cycles)
-         if (size(fretting) > 0) call result%last%study_listing%add( &
-            heading('Fretting, last cycle (largest of all points)')//quantities_text(fretting, config%units))
+         fretting = cycle_results(history, result%cycles)
+         if (size(fretting) > 1) call result%last%study_listing%add( &
+            heading('Fretting, last cycle (largest of all points)')//quantities_text(fretting(2:), config%units))
+         if (size(extremes) > 0) call result%last%study_listing%add(heading('Extremes of the steps')// &
+            quantities_text(extremes, config%units), [maxval(extremes%scale)])
          call result%last%study_listing%add( &
             heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
       end associate
-      call result%last%study_members%add(history_members(config, result), [spread(energy, 1, size(energies)), 0.0_dp])
+      call result%last%study_members%add(history_members(config, result, [energies, extremes]), &
+         [spread(energy, 1, size(energies)), extremes%scale, 0.0_dp])
    end subroutine describe_history
 
    !> What changes, and between which numbers.
@@ -567,20 +626,6 @@ contains
       text = labeled(label, scientific(worst%value))
       if (worst%step > 0) text = labeled(label, scientific(worst%value)//' in step '//to_text(worst%step))
    end function worst_text
-
-   !> Where the work of the history went; the error is that of the size of the steps.
-   pure function energies_of(state) result(list)
-      type(step_state_t), intent(in) :: state !! the last state
-      type(quantity_t), allocatable :: list(:)
-
-      list = [quantity_t('work_loads', 'Work of loads', state%load_work), &
-         quantity_t('work_supports', 'Work of supports', state%support_work), &
-         quantity_t('work_obstacles', 'Work of obstacles', state%obstacle_work), &
-         quantity_t('strain_energy', 'Strain energy', state%strain_energy), &
-         quantity_t('dissipation', 'Dissipation', sum(state%dissipation)), &
-         quantity_t('energy_error', 'Energy error', state%energy_error())]
-      list%dimension = 'F L'
-   end function energies_of
 
    !> Width of the columns of a table: of numbers with six digits, or of a unit with a long name.
    pure integer function column_width(units) result(width)
@@ -637,21 +682,6 @@ contains
          ' cycles are in '//config%name//'.cycles.csv')
    end function cycles_table
 
-   !> The largest parameters of fretting of the last cycle, if there is one and the deck asks for them.
-   pure function fretting_of(history, cycles) result(list)
-      type(history_t), intent(in) :: history !! the history
-      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
-      type(quantity_t), allocatable :: list(:)
-
-      allocate (list(0))
-      if (.not. history%has_fretting .or. size(cycles, 2) == 0) return
-      associate (last => cycles(:, size(cycles, 2)))
-         list = [quantity_t('max_ruiz_1', 'Ruiz 1', last(n_plain_numbers + 1), dimension='F/L'), &
-            quantity_t('max_ruiz_2', 'Ruiz 2', last(n_plain_numbers + 2), dimension='F^2/L^3'), &
-            quantity_t('max_swt', 'SWT', last(n_cycle_numbers), dimension='F/L^2')]
-      end associate
-   end function fretting_of
-
    !> What a cycle is.
    pure function outcome_name(cycle) result(name)
       real(dp), intent(in) :: cycle(:) !! the numbers of the cycle
@@ -676,20 +706,20 @@ contains
          since = since - 1
       end do
       text = ', "cycles": '//to_text(n)//', "cycle_outcome": '//json_string(trim(outcome_name(cycles(:, n))))// &
-         ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', "cycle_dissipation": '// &
-         json_number(cycles(7, n))
-      if (history%has_fretting) text = text//', '//quantity_members(fretting_of(history, cycles))
+         ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', '// &
+         quantity_members(cycle_results(history, cycles))
    end function cycles_member
 
    !> The members of the summary.
-   function history_members(config, result) result(text)
+   function history_members(config, result, numbers) result(text)
       type(config_t), intent(in) :: config !! the deck
       type(history_result_t), intent(in) :: result !! the result
+      type(quantity_t), intent(in) :: numbers(:) !! energies and extremes
       character(:), allocatable :: text
       integer :: i, k
 
       associate (walk => result%walk, state => result%walk%state)
-         text = '{'//quantity_members(energies_of(state))//', "complete": '//json_logical(len(walk%fault) == 0)// &
+         text = '{'//quantity_members(numbers)//', "complete": '//json_logical(len(walk%fault) == 0)// &
             ', "end": '//json_string(walk%fault)
          if (len(walk%fault) > 0) text = text//', "end_time": '//json_number(walk%fault_time)
          text = text//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
@@ -724,18 +754,69 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(config_t) :: config
       type(result_t) :: result
       integer, allocatable :: probes(:)
 
-      associate (history => self%config%history)
-         call prepare_case(cache, self%config, result, error)
+      config = self%config
+      config%meshes%n_refinements = config%meshes%n_refinements + config%accuracy%n_refinements
+      associate (history => config%history)
+         call prepare_case(cache, config, result, error)
          if (allocated(error)) return
          call add_history_warnings(result%warnings, history, result%load_case, cache%body%zone%set)
-         call report_size(self%config, ', '//to_text(size(history%planned))//' steps', cache, result, outcome, error)
+         call report_size(config, ', '//to_text(size(history%planned))//' steps', cache, result, outcome, error)
          if (.not. allocated(error)) call find_probes(probes, history, cache%body, error)
          if (allocated(error)) outcome%text = ''
       end associate
    end subroutine history_study_check
+
+   !> Takes all steps on one mesh after the other, where the deck asks for refined ones, and judges the numbers of the
+   !> last one. The history on a coarser mesh has files of its own, no more than a resumed run needs.
+   subroutine solve_on_meshes(cache, config, directory, monitor, result, mesh, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced by that of the last mesh
+      type(config_t), intent(inout) :: config !! the deck; becomes that of the last mesh
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      type(history_result_t), intent(out) :: result !! the result on the last mesh
+      character(:), allocatable, intent(out) :: mesh !! which mesh that is: ' on mesh 2'; empty if there is one
+      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      type(config_t) :: coarse
+      type(checkpoint_t) :: done(config%accuracy%n_refinements)
+      type(quantity_t), allocatable :: list(:)
+      real(dp), allocatable :: values(:, :)
+      integer :: level, i
+
+      config%accuracy%n_refinements = 0
+      mesh = ''
+      do level = 1, size(done)
+         mesh = ' on mesh '//to_text(level)
+         coarse = config
+         coarse%name = config%name//'.mesh_'//to_text(level)
+         coarse%history%points_every = 0
+         coarse%history%states_every = 0
+         coarse%history%fields_every = 0
+         call solve_history(cache, coarse, directory, monitor, result, error)
+         if (allocated(error) .or. result%is_interrupted) return
+         done(level) = result%checkpoint
+         call done(level)%close()
+         ! A mesh on which there is no way to the end is the last one: its files say so.
+         if (.not. result%last%is_complete) exit
+         list = refined_quantities(result%last)
+         if (level == 1) allocate (values(size(list), 1 + size(done)))
+         values(:, level) = list%value
+         config%meshes%n_refinements = config%meshes%n_refinements + 1
+      end do
+      if (size(done) > 0) mesh = ' on mesh '//to_text(level)
+      call solve_history(cache, config, directory, monitor, result, error)
+      if (allocated(error) .or. result%is_interrupted) return
+      do i = 1, min(level, size(done))
+         call done(i)%discard()
+      end do
+      if (size(done) == 0 .or. level <= size(done) .or. .not. result%last%is_complete) return
+      list = refined_quantities(result%last)
+      values(:, level) = list%value
+      call judge_meshes(result%last, cache%body, values)
+   end subroutine solve_on_meshes
 
    !> Takes the steps and writes their files.
    subroutine history_study_solve(self, cache, options, monitor, outcome, error)
@@ -747,13 +828,15 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
       real(dp), parameter :: rounding = 1.0e-12_dp
       type(history_result_t) :: result
+      type(config_t) :: config
       character(:), allocatable :: word
       real(dp) :: from_rest
 
-      call solve_history(cache, self%config, options%directory, monitor, result, error)
+      config = self%config
+      call solve_on_meshes(cache, config, options%directory, monitor, result, word, error)
       if (allocated(error)) return
       if (result%is_interrupted) then
-         call outcome%interrupt('step '//to_text(result%walk%n_steps))
+         call outcome%interrupt('step '//to_text(result%walk%n_steps)//word)
          return
       end if
       if (len(result%walk%fault) > 0) then
@@ -767,11 +850,11 @@ contains
       outcome%warnings = result%last%warnings
       if (result%walk%n_steps == 0) then
          result%last%answer = outcome%message
-         call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
+         call write_report(options%directory, config, cache%body, result%last, error, result%files)
          return
       end if
-      call describe_history(result, self%config)
-      call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
+      call describe_history(result, config)
+      call write_report(options%directory, config, cache%body, result%last, error, result%files)
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
       if (allocated(error)) return

@@ -45,6 +45,8 @@ contains
          call new_error(error, input_refused, 'a stepper needs a deck with &history, whose &steps say what changes')
       else if (config%history%has_start()) then
          call new_error(error, input_refused, 'start is not for a stepper: its caller has the states')
+      else if (config%accuracy%n_refinements > 0) then
+         call new_error(error, input_refused, 'refinements are not for a stepper: it has one mesh')
       end if
       if (.not. allocated(error)) call prepare_history(stepper%cache, config, stepper%model, unused, error)
       if (allocated(error)) return

@@ -1,0 +1,89 @@
+!> The numbers of a result on one mesh after the other, each refined from the one before: which they are, and how each
+!> is judged.
+module amontons_refined_meshes
+   use amontons_body, only: body_t
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_loads, only: add_point_forces, load_on_nodes
+   use amontons_quantity, only: quantity_t
+   use amontons_result, only: has_limit, new_convergence, result_t
+   use amontons_text, only: pair_text
+   implicit none (type, external)
+   private
+
+   public :: judge_meshes, refined_quantities
+
+contains
+
+   !> The numbers of a result that are followed over refined meshes.
+   pure function refined_quantities(result) result(list)
+      type(result_t), intent(in) :: result !! the result on one of the meshes
+      type(quantity_t), allocatable :: list(:)
+
+      associate (energies => result%certificate%energies())
+         list = [result%lengths%quantities(), result%key_results, energies(:1)]
+      end associate
+      if (allocated(result%history_results)) list = [list, result%history_results]
+   end function refined_quantities
+
+   !> Judges how each number changes from mesh to mesh. Where a point force acts, a continuum has neither stress nor
+   !> displacement: what is largest there grows with every mesh.
+   subroutine judge_meshes(result, body, values)
+      type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments, and a warning
+      type(body_t), intent(in) :: body !! its body
+      real(dp), intent(in) :: values(:, :) !! `refined_quantities` of each mesh, a column for a mesh, the coarsest first
+      ! Residuals of the contact problem are at most 1e-10 of the largest force; ten times that and more is left of it.
+      real(dp), parameter :: rounding = 1.0e-8_dp
+      type(quantity_t), allocatable :: list(:)
+      type(error_t), allocatable :: error
+      character(:), allocatable :: names
+      logical :: is_beside(body%mesh%n_nodes)
+      real(dp) :: side, forces(2, body%mesh%n_nodes)
+      integer :: i, node
+
+      forces = 0.0_dp
+      do i = 1, size(result%load_case%loads)
+         if (result%load_case%loads(i)%target == load_on_nodes) call add_point_forces(forces, body%mesh, &
+            body%materials, result%load_case%loads(i), error)
+      end do
+      is_beside = .false.
+      do i = 1, body%mesh%n_elements
+         associate (nodes => body%mesh%node(body%mesh%node_start(i):body%mesh%node_start(i + 1) - 1))
+            if (any(abs(forces(:, nodes)) > 0.0_dp)) is_beside(nodes) = .true.
+         end associate
+      end do
+      names = ''
+      side = side_at_ends(body%zone, result%solution%status)
+      list = refined_quantities(result)
+      allocate (result%convergence(size(list)))
+      do i = 1, size(list)
+         result%convergence(i)%quantity = list(i)
+         call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
+            rounding*max(maxval(abs(values(i, :))), list(i)%scale), &
+            list(i)%has_place .or. list(i)%resolution > 0.0_dp .or. index(list(i)%key, 'max_') > 0)
+         if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
+         node = body%mesh%nearest_node(list(i)%place)
+         if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &
+            pair_text(list(i)%place)
+      end do
+      if (len(names) > 0) call result%warnings%add('numbers that have no limit as the mesh is refined are found '// &
+         'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')
+   end subroutine judge_meshes
+
+   !> The longest side beside an end of a zone, where one status follows another; of the whole line, if none does [L].
+   !> Points within a quadratic side count for their share of it.
+   pure real(dp) function side_at_ends(zone, status) result(side)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: status(:) !! their statuses (m)
+      integer :: p
+
+      side = 0.0_dp
+      do p = 1, zone%n_points
+         if (zone%next(p) == 0) cycle
+         if (status(p) /= status(zone%next(p))) side = max(side, zone%weight(p), zone%weight(zone%next(p)))
+      end do
+      if (side <= 0.0_dp .and. zone%n_points > 0) side = maxval(zone%weight)
+   end function side_at_ends
+
+end module amontons_refined_meshes
