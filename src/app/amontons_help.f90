@@ -24,7 +24,7 @@ contains
       integer, parameter :: width = 82
 
       text = as_lines([character(width) :: &
-         'amontons: plane contact with Coulomb friction by the dual method', &
+         'amontons: contact with Coulomb friction by the dual method', &
          '', &
          'Usage: amontons [options] DECK...', &
          '       amontons [options] --reduced FILE...', &

@@ -588,7 +588,7 @@ contains
       class(case_label_t), intent(in) :: label !! what the case is called
       character(:), allocatable :: text
 
-      text = 'Amontons '//version//': plane contact with Coulomb friction by the dual method'//newline//newline// &
+      text = 'Amontons '//version//': contact with Coulomb friction by the dual method'//newline//newline// &
          labeled('Case', label%name)//labeled('Title', label%title)
       if (allocated(label%file)) text = text//labeled('Deck', label%file)
       if (len(label%units) > 0) text = text//labeled('Units', label%units)
