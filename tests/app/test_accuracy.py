@@ -182,7 +182,8 @@ class Accuracy(ProgramTest):
                 column = re.sub("^(least|greatest)_", "", key)
                 if column != key and column in rows[0]:
                     extreme = (max if key.startswith("greatest") else min)(float(row[column]) for row in rows)
-                    self.assertEqual(numbers[key], extreme, key)
+                    # Sums of the forces of forty points, in the order that a compiler chooses.
+                    self.assertAlmostEqual(numbers[key], extreme, delta=1e-13*abs(extreme), msg=key)
         # A bar under given friction q of its length: u = F^2/(2 EA q), from rest and through a cycle friction takes
         # 5/4 of 2 F^3/(3 EA q). Shear across the flat strip matters by 1e-5.
         for key, exact in (("dissipation", 5/12), ("greatest_force_tangential_bottom", 10.0), ("least_ux_1", -0.025),

@@ -30,7 +30,8 @@ module amontons_solve_reduced
       real(dp) :: friction_excess = 0.0_dp !! largest |r_T| - mu r_N [-]
       real(dp) :: complementarity = 0.0_dp !! largest smaller one of u_N and r_N [-]
       real(dp) :: slip_below_bound = 0.0_dp !! largest smaller one of |u_T| and mu r_N - |r_T| [-]
-      real(dp) :: wrong_dissipation = 0.0_dp !! largest smaller one of |u_T| and |r_T| where r_T does not oppose u_T [-]
+      real(dp) :: wrong_dissipation = 0.0_dp
+         !! how far the smaller one of u_T and r_T is at most from opposing the other, in the plane its size [-]
    contains
       procedure :: largest => reduced_check_largest
       procedure :: violations => reduced_check_violations
@@ -235,10 +236,10 @@ contains
             slip = tangential_norm(motion(m + 1:), m)
             tangential = tangential_norm(force(m + 1:), m)
             points = point_violations(-motion(:m), slip, force(:m), tangential, system%friction*max(0.0_dp, force(:m)))
-            ! Half the way from the force to one as long along the slip: the force itself where it points against that.
-            associate (share => tangential/max(slip, tiny(slip)))
-               points%wrong_dissipation = min(slip, 0.5_dp*tangential_norm(force(m + 1:) - [share, share] &
-                  *motion(m + 1:), m))
+            ! How far the shorter one of slip and force is from the direction of the other.
+            associate (u => reshape(motion(m + 1:), [m, 2]), r => reshape(force(m + 1:), [m, 2]))
+               points%wrong_dissipation = merge(abs(u(:, 1)*r(:, 2) - u(:, 2)*r(:, 1)) &
+                  /max(slip, tangential, tiny(slip)), min(slip, tangential), sum(u*r, 2) > 0.0_dp)
             end associate
          end if
          check%penetration = maxval(points%penetration)
