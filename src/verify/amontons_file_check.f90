@@ -154,8 +154,8 @@ contains
          i = next_sign(stated, i)
          j = next_sign(computed, j)
          if (i > len(stated) .or. j > len(computed)) exit
-         last_i = i + max(0, scan(stated(i:)//' ', separators) - 2)
-         last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
+         last_i = i + max(0, word_length(stated, i) - 1)
+         last_j = j + max(0, word_length(computed, j) - 1)
          if (stated(i:last_i) /= computed(j:last_j)) then
             number = max(1, min(size(scales), n_numbers(computed(:last_j))))
             ! Whether two words are numbers that agree up to rounding.
@@ -219,6 +219,16 @@ contains
       if (verify(line(first:), ' ') > 0) place = first + verify(line(first:), ' ') - 1
    end function next_sign
 
+   !> How many signs there are before the next separator, or the end of the line. No copy of the rest is made: for each
+   !> word of a long line that would take the stack.
+   pure integer function word_length(line, first) result(length)
+      character(*), intent(in) :: line !! the line
+      integer, intent(in) :: first !! where to begin
+
+      length = scan(line(first:), separators) - 1
+      if (length < 0) length = len(line) - first + 1
+   end function word_length
+
    !> How many numbers the beginning of a line holds.
    pure integer function n_numbers(line) result(n)
       character(*), intent(in) :: line !! the beginning of a line, up to the end of a word
@@ -229,7 +239,7 @@ contains
       n = 0
       first = 1
       do while (first <= len(line))
-         length = scan(line(first:)//' ', separators) - 1
+         length = word_length(line, first)
          ok = .false.
          if (length > 0) call read_real(line(first:first + length - 1), value, ok)
          if (ok) n = n + 1
