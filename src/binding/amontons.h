@@ -101,7 +101,8 @@ int amontons_new_stepper(
     amontons_stepper **stepper, /* the stepper, for `amontons_free_stepper` in the end; NULL if there is none */
     int *n_changes,             /* how many numbers change: 1 for a &steps, 3 for that of an obstacle */
     int *n_points,              /* number m of contact points */
-    int *n_state,               /* how many numbers a state has: 7 + n_changes + 11m */
+    int *n_state,               /* how many numbers a state has: 7 + n_changes + 11m, and
+                                   one for each motion that the deck may lock */
     char *columns,              /* names of the numbers of a step, commas between them: pseudo-time, changes, and what
                                    NAME.history.csv has behind them up to `iterations` */
     int columns_size,           /* room in columns */
@@ -112,9 +113,10 @@ int amontons_new_stepper(
    the state is no solution: a shorter step from the state before may be one.
 
    A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
-   supports and obstacles; residual and iterations; then for all contact points in turn their statuses, normal forces,
-   tangential forces, normal displacements, tangential displacements, anchors (what the slip of the step counts from),
-   accumulated slips, dissipations, sums of normal force times slip, what was added to their gaps, depths worn. */
+   supports and obstacles; residual and iterations; where each motion was locked, huge before that; then for all
+   contact points in turn their statuses, normal forces, tangential forces, normal displacements, tangential
+   displacements, anchors (what the slip of the step counts from), accumulated slips, dissipations, sums of normal force
+   times slip, what was added to their gaps, depths worn. */
 int amontons_step(
     amontons_stepper *stepper,
     double time,           /* the time at the end of the step */

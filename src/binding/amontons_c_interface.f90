@@ -89,31 +89,6 @@ contains
       call set_threads(max(1, int(n_threads)))
    end subroutine amontons_set_threads
 
-   !> Solves a reduced problem of the plane.
-   ! allow(S902): C has no keywords that would make options of the half of them
-   function amontons_solve_reduced_problem(n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
-      residual, n_iterations, message, message_size) bind(c, name='amontons_solve_reduced_problem') result(code)
-      integer(c_int), value, intent(in) :: n_contacts !! number m of contacts
-      real(c_double), intent(in) :: w(2*n_contacts, 2*n_contacts) !! W [L/F]
-      real(c_double), intent(in) :: q(2*n_contacts) !! u without forces [L]
-      real(c_double), intent(in) :: mu(n_contacts) !! coefficients of friction [-]
-      ! allow(assumed-size): C passes an address and no length
-      character(c_char), intent(in), optional :: method(*) !! name of the method
-      real(c_double), value, intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
-      integer(c_int), value, intent(in) :: max_iterations !! most iterations; 0 for the default
-      real(c_double), intent(inout) :: r(2*n_contacts) !! forces [F]
-      real(c_double), intent(inout) :: u(2*n_contacts) !! displacements [L]
-      integer(c_int), intent(inout) :: status(n_contacts) !! status of each contact
-      real(c_double), intent(inout) :: residual !! residual reached [-]
-      integer(c_int), intent(inout) :: n_iterations !! number of iterations done
-      integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
-      integer(c_int) :: code
-
-      code = amontons_solve_contacts(2_c_int, n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
-         residual, n_iterations, message, message_size)
-   end function amontons_solve_reduced_problem
-
    !> Solves a reduced problem of the plane or of space.
    ! allow(S902): C has no keywords that would make options of the half of them
    function amontons_solve_contacts(dimension, n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &

@@ -1,5 +1,5 @@
-/* What surrounds each call of the C interface: calls from several threads wait for each other, the BLAS has one thread
- * while one runs, and a process may fork between them.
+/* What the C interface has in C: its call for problems of the plane, and what surrounds each call. Calls from several
+ * threads wait for each other, the BLAS has one thread while one runs, and a process may fork between them.
  *
  * The BLAS of the caller may be ours, too. Threads of its own gain it little here, and on a busy machine the one that
  * has no core keeps the others waiting. A fork leaves a child with one thread: OpenBLAS ends its own threads before;
@@ -8,6 +8,7 @@
  */
 #define _POSIX_C_SOURCE 200112L
 #include <pthread.h>
+#include "amontons.h"
 
 extern int amontons_blas_threads(void);
 extern void amontons_set_blas_threads(int n_threads);
@@ -51,4 +52,13 @@ static void begin_child(void)
 __attribute__((constructor)) static void watch_forks(void)
 {
     pthread_atfork(prepare_fork, NULL, begin_child);
+}
+
+int amontons_solve_reduced_problem(
+    int n_contacts, const double *w, const double *q, const double *mu, const char *method, double tolerance,
+    int max_iterations, double *r, double *u, int *status, double *residual, int *n_iterations, char *message,
+    int message_size)
+{
+    return amontons_solve_contacts(2, n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, residual,
+                                   n_iterations, message, message_size);
 }

@@ -8,7 +8,7 @@ module amontons_symmetric_matrix
    implicit none (type, external)
    private
 
-   public :: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
+   public :: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t, turned_pairs
 
    !> A symmetric matrix. Either `values` is allocated (dense), or the three arrays of the sparse form are.
    type :: symmetric_matrix_t
@@ -188,36 +188,42 @@ contains
       reciprocal = 1.0_dp/merge(reciprocal, maxval(reciprocal), reciprocal > 0.0_dp)
    end function symmetric_matrix_reciprocal_diagonal
 
+   !> A vector in other axes of its last pairs, or back (n).
+   pure function turned_pairs(vector, axes, sense) result(turned)
+      real(dp), intent(in) :: vector(:) !! the vector (n)
+      real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]
+      integer, intent(in) :: sense !! 1 to the axes, -1 back
+      real(dp) :: turned(size(vector))
+
+      associate (second => size(vector) - size(axes, 2), first => size(vector) - 2*size(axes, 2))
+         turned(:first) = vector(:first)
+         turned(first + 1:second) = axes(1, :)*vector(first + 1:second) + sense*axes(2, :)*vector(second + 1:)
+         turned(second + 1:) = axes(1, :)*vector(second + 1:) - sense*axes(2, :)*vector(first + 1:second)
+      end associate
+   end function turned_pairs
+
    !> The matrix in other axes of its pairs.
    pure subroutine symmetric_matrix_turn(self, axes, turned)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]
       type(symmetric_matrix_t), intent(out) :: turned !! the matrix in these axes, dense or sparse as it is
-      real(dp) :: weight(2, self%n), first(self%n_pairs)
+      real(dp) :: weight(2, self%n)
       integer :: at(2, self%n), i, j, k, l, n
       integer, allocatable :: row(:), column(:)
       real(dp), allocatable :: entry(:)
 
-      ! Each row is a sum of at most two of the turned matrix.
       associate (m => self%n_pairs, plain => self%n - 2*self%n_pairs)
          if (allocated(self%values)) then
             turned%n = self%n
             turned%values = self%values
-            do k = 1, m
-               associate (one => turned%values(:, plain + k), other => turned%values(:, plain + m + k))
-                  weight(1, :) = one
-                  one = axes(1, k)*one + axes(2, k)*other
-                  other = axes(1, k)*other - axes(2, k)*weight(1, :)
-               end associate
-            end do
-            do j = 1, self%n
-               associate (one => turned%values(plain + 1:plain + m, j), other => turned%values(plain + m + 1:, j))
-                  first = one
-                  one = axes(1, :)*first + axes(2, :)*other
-                  other = axes(1, :)*other - axes(2, :)*first
-               end associate
+            do i = 1, 2
+               do j = 1, self%n
+                  turned%values(:, j) = turned_pairs(turned%values(:, j), axes, 1)
+               end do
+               turned%values = transpose(turned%values)
             end do
          else
+            ! Each row is a sum of at most two of the turned matrix.
             at(1, :) = [(i, i=1, self%n)]
             weight(1, :) = 1.0_dp
             weight(2, :) = 0.0_dp

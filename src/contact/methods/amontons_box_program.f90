@@ -21,7 +21,7 @@ module amontons_box_program
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: cut_to_bound
    use amontons_kinds, only: dp
-   use amontons_symmetric_matrix, only: symmetric_matrix_t
+   use amontons_symmetric_matrix, only: symmetric_matrix_t, turned_pairs
    implicit none (type, external)
    private
 
@@ -125,12 +125,12 @@ contains
             if (radius(k) > 0.0_dp) hold(second + k) = (length/radius(k) - 1.0_dp)/rho(second + k)
          end do
          call a%turn(axes, turned)
-         image = turn(force + x, 1)
+         image = turned_pairs(force + x, axes, 1)
          do k = 1, size(radius)
             if (.not. is_free(first + k)) step(first + k) = radius(k) - image(first + k)
             if (.not. is_free(second + k)) step(second + k) = -image(second + k)
          end do
-         right = turn(gradient, 1) + hold*image
+         right = turned_pairs(gradient, axes, 1) + hold*image
          call turned%part_multiply(rows, rows, step, image)
          free = pack([(k, k=1, size(b))], is_free)
          right = -right(free) - image(free)
@@ -144,7 +144,7 @@ contains
          call cholesky_solve(block, right)
          step(free) = right
          call effort%factorize(size(free) > 0)
-         step = turn(step, -1)
+         step = turned_pairs(step, axes, -1)
          ! Where no part of the step leads down, one down the own parabolas does, if it is short enough.
          length = 1.0_dp
          do n_trials = 1, 2*most_trials
@@ -171,17 +171,6 @@ contains
          projection(:first) = max(0.0_dp, wanted(:first))
          projection(first + 1:) = cut_to_bound(wanted(first + 1:), radius)
       end function projection
-
-      !> A vector in the axes of the edges, or back (n).
-      pure function turn(vector, sense)
-         real(dp), intent(in) :: vector(:) !! the vector (n)
-         integer, intent(in) :: sense !! 1 to the axes, -1 back
-         real(dp) :: turn(size(vector))
-
-         turn(:first) = vector(:first)
-         turn(first + 1:second) = axes(1, :)*vector(first + 1:second) + sense*axes(2, :)*vector(second + 1:)
-         turn(second + 1:) = axes(1, :)*vector(second + 1:) - sense*axes(2, :)*vector(first + 1:second)
-      end function turn
 
    end subroutine solve_disc_program
 

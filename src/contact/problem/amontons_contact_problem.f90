@@ -21,6 +21,7 @@ module amontons_contact_problem
    use amontons_friction_law, only: contact_status, cut_to_bound, disc_violation, law_violation, slip_plus, &
       slip_point, tangential_norm
    use amontons_kinds, only: dp
+   use amontons_symmetric_matrix, only: turned_pairs
    implicit none (type, external)
    private
 
@@ -463,16 +464,8 @@ contains
       class(active_set_t), intent(in) :: self !! the active set
       real(dp), intent(inout) :: vector(:) !! the vector (n)
       integer, intent(in) :: sense !! 1 to the axes, -1 back
-      real(dp) :: axes(2, size(self%slip_direction)), first(size(self%slip_direction))
 
-      if (.not. allocated(self%axes)) return
-      axes = self%slip_axes()
-      axes(2, :) = sense*axes(2, :)
-      associate (m => size(first))
-         first = vector(m + 1:2*m)
-         vector(m + 1:2*m) = axes(1, :)*first + axes(2, :)*vector(2*m + 1:)
-         vector(2*m + 1:) = axes(1, :)*vector(2*m + 1:) - axes(2, :)*first
-      end associate
+      if (allocated(self%axes)) vector = turned_pairs(vector, self%slip_axes(), sense)
    end subroutine active_set_turn
 
    !> Whether two active sets are the same.

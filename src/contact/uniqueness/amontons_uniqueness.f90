@@ -188,8 +188,7 @@ contains
       real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :), difference(:, :)
       real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:), weights(:)
       integer, allocatable :: rows(:)
-      integer :: k
-      integer :: i, info, m, n
+      integer :: i, info, k, m, n
 
       bound = 0.0_dp
       ! The normal displacements are eliminated: S_T = S_22 - S_21 S_11^+ S_12.

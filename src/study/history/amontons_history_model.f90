@@ -356,7 +356,7 @@ contains
       call self%solver%loads%at_rest(instant)
       instant%time = time
       instant%numbers = numbers
-      instant%added_gap = 0.0_dp*self%wear
+      instant%added_gap = spread(0.0_dp, 1, size(self%wear))
       first = 1
       do i = 1, size(self%history%steps)
          associate (change => self%history%steps(i))
@@ -548,8 +548,8 @@ contains
 
       m = body%zone%n_points
       if (size(numbers) /= n_state_numbers(body)) then
-         call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single)/n_per_point)// &
-            ' contact points, the body has '//to_text(m))
+         call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single - size(body%lockable)) &
+            /n_per_point)//' contact points, the body has '//to_text(m))
          return
       end if
       state%instant = instant
