@@ -319,8 +319,9 @@ contains
    pure subroutine add_pair_warnings(warnings, pair)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      ! Sides of the slave that are longer than the master's by this factor spoil the contact.
-      real(dp), parameter :: coarse = 1.5_dp
+      ! Sides of the slave that are longer than the master's by more than half spoil the contact; a ratio of 3 to 2 that
+      ! coordinates have to rounding is not more.
+      real(dp), parameter :: coarse = 1.5_dp*(1.0_dp + 1.0e-6_dp)
       character(:), allocatable :: name
       real(dp) :: lengths(2), depths(2)
 
