@@ -5,10 +5,10 @@ module amontons_run_decks
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_kinds, only: dp
-   use amontons_manifest, only: collection_t, new_collection
+   use amontons_manifest, only: case_entries, collection_head, collection_tail
    use amontons_messages, only: print_error, print_info, print_outcome, progress_t
    use amontons_new_study, only: new_study
-   use amontons_output_file, only: commit_files, output_file_t
+   use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_quantity, only: quantity_t
    use amontons_solve_case, only: cache_t
    use amontons_study, only: check_study, outcome_t, solve_study, status_interrupted, study_options_t, study_t
@@ -106,17 +106,16 @@ contains
       character(*), intent(in) :: directory !! output directory
       type(outcome_t), intent(in) :: outcomes(:) !! what became of each deck
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      type(collection_t) :: collection
       type(output_file_t) :: files(1)
+      character(:), allocatable :: entries
       integer :: i
 
       if (count(outcomes%has_grids) < 2) return
-      call new_collection(collection, directory//'/cases.pvd', '', error)
-      if (allocated(error)) return
+      entries = ''
       do i = 1, size(outcomes)
-         if (outcomes(i)%has_grids) call collection%add(to_text(i), outcomes(i)%name)
+         if (outcomes(i)%has_grids) entries = entries//case_entries(to_text(i), outcomes(i)%name)
       end do
-      call collection%finish(files(1), error)
+      call write_text_file(files(1), directory//'/cases.pvd', collection_head//entries//collection_tail, error)
       call commit_files(files, error)
    end subroutine collect_grids
 

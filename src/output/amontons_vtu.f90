@@ -12,7 +12,7 @@ module amontons_vtu
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
-   use amontons_manifest, only: collection_t
+   use amontons_manifest, only: manifest_t
    use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_result, only: result_t
    use amontons_stress_field, only: von_mises
@@ -349,18 +349,18 @@ contains
    end subroutine vtk_file_finish
 
    !> Writes the two grids of one case or step in a folder of many, and gives them their names.
-   subroutine write_grids(collection, directory, folder, name, body, result, error)
-      type(collection_t), intent(inout) :: collection !! its manifest gains them
+   subroutine write_grids(manifest, units, directory, stem, body, result, error)
+      type(manifest_t), intent(inout) :: manifest !! gains them
+      character(*), intent(in) :: units !! names of the units of the case
       character(*), intent(in) :: directory !! output directory, a slash behind it
-      character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
-      character(*), intent(in) :: name !! name of the files without endings
+      character(*), intent(in) :: stem !! name of the files without endings in it, with their folder
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(2)
 
-      call write_case_grids(files, directory//folder//name, collection%units, body, result, error)
-      if (.not. allocated(error)) call collection%grids%add_outputs(files, folder, error)
+      call write_case_grids(files, directory//stem, units, body, result, error)
+      if (.not. allocated(error)) call manifest%add_outputs(files, stem(:index(stem, '/', back=.true.)), error)
       call commit_files(files, error)
    end subroutine write_grids
 

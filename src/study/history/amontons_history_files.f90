@@ -17,7 +17,7 @@ module amontons_history_files
    use amontons_input_file, only: read_text_file
    use amontons_key_results, only: lengths_t, new_lengths, wear_results
    use amontons_kinds, only: dp
-   use amontons_manifest, only: case_entries, collection_head, collection_t, collection_tail, manifest_t
+   use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
    use amontons_named_forces, only: named_quantities
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_quantity, only: quantity_t
@@ -79,7 +79,8 @@ module amontons_history_files
       type(checkpoint_t), public :: checkpoint !! the tables as they grow
       type(history_table_t), allocatable :: tables(:) !! what they have, in the same order
       integer :: grids_table = 0 !! which of them lists the grids; 0 without grids
-      type(collection_t) :: collection !! the units of the grids, and their manifest
+      character(:), allocatable :: units !! names of the units of the case
+      type(manifest_t) :: grids !! the manifest of the grids
    contains
       procedure, public :: add_fields => history_files_add_fields
       procedure, public :: add_step => history_files_add_step
@@ -387,7 +388,7 @@ contains
       files%directory = directory//'/'
       files%name = label%name
       files%folder = label%name//'.history/'
-      files%collection%units = label%units
+      files%units = label%units
       call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
       call history_tables(files%tables, model, body, size(walk%watch%noted()))
       files%grids_table = findloc(files%tables%content, of_grids, dim=1)
@@ -435,7 +436,7 @@ contains
       type(result_t), intent(in) :: result !! its result
       type(error_t), allocatable, intent(out) :: error !! a grid cannot be written
 
-      call write_grids(self%collection, self%directory, self%folder, to_text(number), body, result, error)
+      call write_grids(self%grids, self%units, self%directory, self%folder//to_text(number), body, result, error)
       if (.not. allocated(error)) call self%checkpoint%add_rows(self%grids_table, case_entries(time, &
          self%folder//to_text(number)))
    end subroutine history_files_add_fields
@@ -457,13 +458,13 @@ contains
          if (allocated(error)) return
          if (.not. is_shown(number, model%history%fields_every)) cycle
          associate (stem => self%directory//self%folder//to_text(number))
-            call self%collection%grids%add_written(stem//'.vtu', stem//'.vtu', self%folder, error)
-            if (.not. allocated(error)) call self%collection%grids%add_written(stem//'.contact.vtu', &
+            call self%grids%add_written(stem//'.vtu', stem//'.vtu', self%folder, error)
+            if (.not. allocated(error)) call self%grids%add_written(stem//'.contact.vtu', &
                stem//'.contact.vtu', self%folder, error)
          end associate
       end do
       if (allocated(error)) return
-      manifest = self%collection%grids
+      manifest = self%grids
       allocate (finished(size(self%tables)))
       do table = 1, size(finished)
          call self%checkpoint%table_file(finished(table), table, self%directory//self%name//self%tables(table)%ending)

@@ -19,8 +19,8 @@ module amontons_sweep_study
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
       model_text, quantities_text, times_text, warnings_text
    use amontons_load_case, only: recover_displacement
-   use amontons_manifest, only: collection_t, manifest_t, new_collection
-   use amontons_output_file, only: hold_signals, output_file_t, release_signals, remove_temporaries
+   use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
+   use amontons_output_file, only: hold_signals, output_file_t, release_signals, remove_temporaries, write_text_file
    use amontons_quantity, only: quantity_t, scales
    use amontons_report, only: commit_case, write_documents, add_head, certificate_member, last_members, member, &
       quantities_member, size_counts
@@ -37,7 +37,8 @@ module amontons_sweep_study
    use amontons_sweep_ranks, only: end_sharing, prepare_on_ranks, solve_on_ranks
    use amontons_system, only: make_directory, wall_seconds
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: counted, flush_right, heading, labeled, newline, scientific, short_text, to_text, with_unit
+   use amontons_text, only: as_lines, counted, flush_right, heading, labeled, newline, scientific, short_text, &
+      to_text, with_unit
    use amontons_threads, only: n_threads
    use amontons_version, only: version
    use amontons_vtu, only: write_grids
@@ -238,20 +239,22 @@ contains
       class(study_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(collection_t) :: collection
+      character(:), allocatable :: folder, entry, entries(:)
       type(contact_solution_t) :: solutions(chunk_length)
       type(result_t) :: result
       type(chunk_t) :: chunk
-      integer :: n_cases, n_before, slash, number, i
+      integer :: n_cases, n_before, n_entries, slash, number, i
 
       is_stopped = .false.
       slash = index(stem, '/', back=.true.)
+      folder = stem(slash + 1:)//'.sweep/'
       call make_directory(stem//'.sweep', error)
       if (allocated(error)) return
       call remove_temporaries(stem//'.sweep/')
-      call new_collection(collection, stem//'.sweep.pvd', task%units, error)
-      if (allocated(error)) return
       n_cases = int(task%sweep%n_cases())
+      entry = case_entries(to_text(n_cases), folder//to_text(n_cases))
+      allocate (character(len(entry)) :: entries(task%sweep%n_fields()))
+      n_entries = 0
       do n_before = 0, n_cases - 1, chunk_length
          call new_chunk(chunk, n_before, n_cases)
          if (.not. task%sweep%has_fields(chunk%first, chunk%last)) cycle
@@ -272,21 +275,18 @@ contains
                call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
                   result%solution%force)
             end if
-            call write_grids(collection, stem(:slash), stem(slash + 1:)//'.sweep/', to_text(number), body, result, &
-               error)
-            if (allocated(error)) exit
-            call collection%add(to_text(number), stem(slash + 1:)//'.sweep/'//to_text(number))
+            call write_grids(manifest, task%units, stem(:slash), folder//to_text(number), body, result, error)
+            if (allocated(error)) return
+            entry = case_entries(to_text(number), folder//to_text(number))
+            n_entries = n_entries + 1
+            entries(n_entries) = entry(:len(entry) - 1)
          end do
-         if (allocated(error)) exit
          call monitor%report((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()), 'fields')
       end do
-      if (is_stopped .or. allocated(error) .or. collection%n_cases == 0) then
-         call collection%discard()
-      else
-         allocate (file)
-         call collection%finish(file, error)
-         manifest = collection%grids
-      end if
+      if (is_stopped .or. n_entries == 0) return
+      allocate (file)
+      call write_text_file(file, stem//'.sweep.pvd', collection_head//as_lines(entries(:n_entries))// &
+         collection_tail, error)
    end subroutine write_sweep_fields
 
    !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv and, where there are fields,
