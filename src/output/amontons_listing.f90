@@ -346,8 +346,8 @@ contains
             ' is not a contact point: at the axis it has no area that a pressure could act on', &
             ' are not contact points: at the axis they have no area that a pressure could act on', units)
          text = text//places_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
-            ' belongs to two sets: to a tie, or else to the contact set named first', &
-            ' belong to two sets: to a tie, or else to the contact set named first', units)
+            ' belongs to two sets: its law is that of a tie, or else of the contact set named first', &
+            ' belong to two sets: their law is that of a tie, or else of the contact set named first', units)
          do i = 1, size(zone%pairs)
             if (zone%pairs(i)%is_set()) text = text//joined_text(body%mesh%coordinates(:, zone%pairs(i)%joined_node), &
                units)

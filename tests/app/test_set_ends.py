@@ -143,5 +143,56 @@ class SetEnds(Verification, ProgramTest):
             self.run_program("--verify", "results", status=4)
 
 
+class MeetingSets(Verification, ProgramTest):
+    """Contact sets that meet at a node: the law of both holds there, whichever the deck names first."""
+
+    def key_results(self, name, deck):
+        """Runs a deck; its key results."""
+        self.run_program("--output", "results", self.write(f"{name}.nml", deck))
+        self.run_program("--verify", "results")
+        return json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))["key_results"]
+
+    def test_line_cut_in_two_sets(self):
+        # The pressure at the node between them is that of the whole line, and so is the shear within Tresca's bound.
+        whole = {"bottom": ("bottom", *WHOLE)}
+        parts = {"bottom": ("bottom", -math.inf, 2.0), "rest": ("bottom", 2.0, math.inf)}
+        for is_quadratic in (False, True):
+            found = []
+            for name, sets in (("whole", whole), ("parts", parts)):
+                self.write(f"{name}.msh", block_mesh({**UPPER, **sets}, cells=(8, 4), is_quadratic=is_quadratic))
+                deck = f"&mesh kind = 'file'  file = '{name}.msh' /\n{HELD.format('')}" \
+                    "&load set = 'top'  pressure = 5.0  pressure_slope = -0.5, 0.0 /\n"
+                deck += "".join(f"&contact set = '{key}'  slip_bound = 0.02 /\n" for key in sets)
+                results = self.key_results(name, deck)
+                found.append([results[key] for key in ("max_contact_pressure", "max_contact_shear", "max_slip")])
+            for one, two in zip(*found):
+                self.assertAlmostEqual(one, two, delta=1e-8*abs(one))  # ten digits are solved for
+
+    def corner_results(self, element, hypothesis, friction, name):
+        """A block that is pressed by 10 on a floor and by 20 on a wall: key results, the floor named first and last."""
+        left = 2.0 if hypothesis == "axisymmetric" else 0.0
+        walls = [f"&contact set = 'bottom'  friction = {friction} /\n",
+                 f"&contact set = 'left'  friction = {friction}  normal = 1.0, 0.0  point = {left}, 0.0 /\n"]
+        deck = f"&mesh size = 4.0, 2.0  cells = 4, 3  element = '{element}'  origin = {left}, 0.0 /\n" \
+            f"&material young = 1000.0  poisson = 0.3  hypothesis = '{hypothesis}' /\n" \
+            "&load set = 'top'  pressure = 10.0 /\n&load set = 'right'  pressure = 20.0 /\n"
+        return [self.key_results(f"{name}_{k}", deck + "".join(order)) for k, order in enumerate((walls, walls[::-1]))]
+
+    def test_uniform_pressure_in_a_corner(self):
+        # Without friction the stresses are (-20, -10) everywhere; in plane strain 0.3*(-30) besides.
+        for element in ("tri3", "quad4", "tri6", "quad8", "quad9"):
+            for hypothesis, mises in (("plane stress", math.sqrt(300.0)), ("plane strain", math.sqrt(111.0))):
+                for results in self.corner_results(element, hypothesis, 0.0, element):
+                    self.assertAlmostEqual(results["max_contact_pressure"], 20.0, delta=1e-7)
+                    self.assertAlmostEqual(results["max_von_mises"], mises, delta=1e-7)
+
+    def test_order_of_the_sets_at_a_corner(self):
+        # What is left of it is the direction in which the node at the corner slides, on either wall.
+        for element, hypothesis in (("quad4", "plane strain"), ("tri6", "plane stress"), ("quad8", "axisymmetric")):
+            one, two = self.corner_results(element, hypothesis, 0.2, element)
+            one, two = (results["max_displacement"] for results in (one, two))
+            self.assertAlmostEqual(one, two, delta=2e-4*one, msg=element)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -214,7 +214,8 @@ contains
       own = self%node
       if (self%is_nodal) return
       own = substitution%element_nodes([own, self%rows%node(picked_places(self%rows%start, &
-         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided)))])
+         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided .or. &
+         [(.not. self%pairs(self%set(p))%is_set(), p=1, self%n_points)])))])
    end function contact_zone_own_nodes
 
    !> Adds points behind those that are there.
@@ -243,6 +244,10 @@ contains
    end subroutine add_points
 
    !> Adds the nodes of one line as points.
+   !>
+   !> Where the line goes on from that of an earlier set, the pressure at the node between them acts on the sides of
+   !> both. At a corner, where the law of the earlier set has another direction, the node beside it stands for both
+   !> nodes: its displacement and its force are means over them, as those of the slave of a pair are.
    pure subroutine add_line(zone, set, direction, line, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
@@ -254,10 +259,13 @@ contains
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), normal(2, line%n_nodes), along
-      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), ends(2), k, n
+      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes)
+      integer :: ends(2), i, k, n, n_corners
+      integer, allocatable :: own(:), place(:), stand_in(:)
 
       point_of = 0
       n = 0
+      n_corners = 0
       along = 0.0_dp
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
@@ -267,6 +275,14 @@ contains
          if (any(abs(direction) > 0.0_dp)) normal(:, k) = unit_vector(direction)
          if (follower(line%node(k)) > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
+            i = point_before(zone, line%node(k), normal(:, k))
+            if (i > 0) then
+               zone%weight(i) = zone%weight(i) + line%weight(k)
+               zone%area(i) = zone%area(i) + line%area(k)
+            else
+               n_corners = n_corners + 1
+               corner(n_corners) = k
+            end if
             if (line%next(k) == 0) cycle
             ends = line%node([k, line%next(k)])
             ! A side whose ends both belong to earlier sets, but not the side itself.
@@ -282,23 +298,55 @@ contains
             point_of(k) = n
          end if
       end do
-      associate (place => kept(:n), node => line%node(kept(:n)))
-         points%next = point_of(line%next(place))
-         points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:, node(k))), k=1, n)]
-         points%position = body%mesh%coordinates(:, node)
-         points%normal = normal(:, place)
-         points%weight = line%weight(place)
-         points%area = line%area(place)
-         points%foot = points%position
-         points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal, tangent=points%normal)
+      ! The points that stand for corners, and the places on the line that each point stands for.
+      stand_in = point_of(line%next(corner(:n_corners)))
+      where (stand_in == 0) stand_in = point_of([(findloc(line%next, corner(i), dim=1), i=1, n_corners)])
+      if (any(stand_in > 0)) zone%is_nodal = .false.
+      allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
+      points%rows%start(1) = 1
+      do i = 1, n
+         associate (first => points%rows%start(i), next => points%rows%start(i + 1))
+            next = first + 1 + count(stand_in == i)
+            place(first:next - 1) = [kept(i), pack(corner(:n_corners), stand_in == i)]
+            points%weight(i) = sum(line%weight(place(first:next - 1)))
+            points%area(i) = sum(line%area(place(first:next - 1)))
+         end associate
+      end do
+      own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
+      points%next = point_of(line%next(kept(:n)))
+      points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:, line%node(kept(i)))), i=1, n)]
+      points%position = body%mesh%coordinates(:, line%node(kept(:n)))
+      points%normal = normal(:, kept(:n))
+      points%foot = points%position
+      associate (share => line%area(place)/points%area(own), node => line%node(place))
+         points%rows%node = node
+         points%rows%part = points%normal(:, own)*spread(share, 1, 2)
+         points%rows%tangent = points%rows%part
          call points%rows%set_tangents()
-         points%quadrature = contact_quadrature_t(start=points%rows%start, position=points%position, &
-            normal=points%normal, outward=sum(points%normal*line%normal(:, place), dim=1), &
-            arc_length=arc_length(place), gap=spread(0.0_dp, 1, n), share=spread(1.0_dp, 1, n))
-         zone%node = [zone%node, node]
+         points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
+            normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &
+            arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
       end associate
+      zone%node = [zone%node, line%node(kept(:n))]
       call add_points(zone, set, .false., points)
    end subroutine add_line
+
+   !> The point on a rigid obstacle that an earlier set has at a node, where the line of another set goes on from that
+   !> one's; 0 at a corner and where there is none.
+   pure integer function point_before(zone, node, normal) result(point)
+      type(contact_zone_t), intent(in) :: zone !! the zone
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: normal(2) !! the other set's normal there
+      ! Cosine of the angle between the normals up to which a line goes on; the angle, 46 degrees, is no usual one.
+      real(dp), parameter :: least_cosine = 0.7_dp
+
+      do point = 1, zone%n_points
+         if (zone%is_cell(point) .or. zone%pairs(zone%set(point))%is_set() .or. &
+            zone%rows%node(zone%rows%start(point)) /= node) cycle
+         if (dot_product(zone%normal(:, point), normal) > least_cosine) return
+      end do
+      point = 0
+   end function point_before
 
    !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
    pure subroutine add_cells(zone, set, contact, line, body, error)
