@@ -254,7 +254,8 @@ contains
    end subroutine add_name
 
    !> Refuses rigid sets that share a node with the slave of a tie: it could follow only one of them; or nodes with a
-   !> contact set along whose normal they may move: no forces of points act on them. A cell has other nodes, too.
+   !> contact set along whose normal they may move: no forces of points act on them. A cell has other nodes, too, and
+   !> beside a corner the next node stands in.
    subroutine check_rigid_sets(body, contacts, error, ties)
       type(meshed_body_t), intent(in) :: body !! mesh and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -274,11 +275,13 @@ contains
          is_lost = [.false., (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), &
             merge(contacts(i)%direction, line%normal(:, k), any(abs(contacts(i)%direction) > 0.0_dp))), &
             k=1, line%n_nodes)]
-         if (contacts(i)%partition%is_constant) is_lost(2:) = is_lost(2:) .and. is_lost(line%next + 1)
-         k = findloc(is_lost(2:), .true., dim=1)
-         if (k > 0) call refuse(contacts(i)%set, contacts(i)%origin, line%node(k), 'that moves along the normal: '// &
-            'no contact force could act there; '//trim(merge('end the rigid set there      ', &
-            "give multipliers = 'constant'", contacts(i)%partition%is_constant)))
+         associate (has_means => contacts(i)%partition%is_constant .or. .not. contacts(i)%pairing%is_pair())
+            if (has_means) is_lost(2:) = is_lost(2:) .and. is_lost(line%next + 1)
+            k = findloc(is_lost(2:), .true., dim=1)
+            if (k > 0) call refuse(contacts(i)%set, contacts(i)%origin, line%node(k), 'that moves along the '// &
+               'normal: no contact force could act there; '//trim(merge('end the rigid set there      ', &
+               "give multipliers = 'constant'", has_means)))
+         end associate
          if (allocated(error)) return
       end do
       if (.not. present(ties)) return

@@ -247,7 +247,8 @@ contains
    !>
    !> Where the line goes on from that of an earlier set, the pressure at the node between them acts on the sides of
    !> both. At a corner, where the law of the earlier set has another direction, the node beside it stands for both
-   !> nodes: its displacement and its force are means over them, as those of the slave of a pair are.
+   !> nodes: its displacement and its force are means over them, as those of the slave of a pair are. So it does for a
+   !> node that moves with a rigid set, on which no force of a point acts.
    pure subroutine add_line(zone, set, direction, line, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
@@ -273,7 +274,10 @@ contains
          arc_length(k) = along
          normal(:, k) = line%normal(:, k)
          if (any(abs(direction) > 0.0_dp)) normal(:, k) = unit_vector(direction)
-         if (follower(line%node(k)) > 0) then
+         if (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), normal(:, k))) then
+            n_corners = n_corners + 1
+            corner(n_corners) = k
+         else if (follower(line%node(k)) > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
             i = point_before(zone, line%node(k), normal(:, k))
             if (i > 0) then
