@@ -7,7 +7,7 @@
 module amontons_document
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t
-   use amontons_text, only: longest_decimal, read_integer, replaced, to_text, utf_8_width
+   use amontons_text, only: longest_decimal, put_integer, read_integer, replaced, to_text, utf_8_width
    implicit none (type, external)
    private
 
@@ -122,8 +122,8 @@ contains
       character(:), allocatable, intent(out) :: runs !! the run lengths
       integer, intent(in) :: status(:) !! status of each point (m)
       integer, intent(in) :: set(:) !! contact set of each point (m)
-      character(16) :: run
-      integer :: first, p
+      character(11) :: run
+      integer :: first, length, p
 
       runs = ''
       first = 1
@@ -131,8 +131,9 @@ contains
          if (p < size(status)) then
             if (status(p + 1) == status(p) .and. set(p + 1) == set(p)) cycle
          end if
-         write (run, '(i0, a)') p - first + 1, letters(status(p):status(p))
-         runs = runs//trim(run)
+         length = 0
+         call put_integer(run, length, p - first + 1)
+         runs = runs//run(:length)//letters(status(p):status(p))
          first = p + 1
          if (p == size(status)) exit
          if (set(p + 1) /= set(p)) runs = runs//' |'

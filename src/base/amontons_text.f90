@@ -11,9 +11,9 @@ module amontons_text
    private
 
    public :: as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, line_end, &
-      longest_decimal, lower_case, n_characters, nearest_word, newline, pair_text, place_text, put_decimals, quoted, &
-      read_integer, read_real, read_reals, replaced, scan_integer, scan_real, scientific, short_text, to_short_text, &
-      to_text, unit_of, utf_8_width, with_unit, xml_escaped
+      longest_decimal, lower_case, n_characters, nearest_word, newline, pair_text, place_text, put_decimals, &
+      put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, scan_real, &
+      scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
 
    !> A longer exponent is refused: no number of any kind has it.
    integer, parameter :: longest_exponent = 4
@@ -234,9 +234,11 @@ contains
       integer, intent(in) :: value !! the number
       character(:), allocatable :: text
       character(20) :: buffer
+      integer :: length
 
-      write (buffer, '(i0)') value
-      text = trim(buffer)
+      length = 0
+      call put_integer(buffer, length, value)
+      text = buffer(:length)
    end function integer_to_text
 
    !> A 64-bit integer as text without blanks.
@@ -305,6 +307,38 @@ contains
       end do
    end subroutine read_reals
 
+   !> Puts a piece behind what a text holds so far.
+   ! allow(C072): the text is the caller's, who knows its room
+   pure subroutine put_text(text, length, piece)
+      character(*), intent(inout) :: text !! the text, with room for the piece
+      integer, intent(inout) :: length !! how much of it is filled
+      character(*), intent(in) :: piece !! the piece
+
+      text(length + 1:length + len(piece)) = piece
+      length = length + len(piece)
+   end subroutine put_text
+
+   !> Puts an integer behind what a text holds so far: the runtime's `i0` takes twenty times as long.
+   ! allow(C072): the text is the caller's, who knows its room
+   pure subroutine put_integer(text, length, value)
+      character(*), intent(inout) :: text !! the text, with room for 11 characters more
+      integer, intent(inout) :: length !! how much of it is filled
+      integer, intent(in) :: value !! the number
+      integer, parameter :: base = 10
+      character(11) :: digits
+      integer :: first, rest
+
+      rest = value
+      do first = len(digits), 1, -1
+         digits(first:first) = achar(iachar('0') + abs(mod(rest, base)))
+         rest = rest/base
+         if (rest == 0) exit
+      end do
+      if (value < 0) first = first - 1
+      if (value < 0) digits(first:first) = '-'
+      call put_text(text, length, digits(first:))
+   end subroutine put_integer
+
    !> Puts numbers behind what a text holds so far, a comma before each.
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimals(text, length, values)
@@ -314,8 +348,7 @@ contains
       integer :: i
 
       do i = 1, size(values)
-         length = length + 1
-         text(length:length) = ','
+         call put_text(text, length, ',')
          call put_decimal(text, length, values(i))
       end do
    end subroutine put_decimals
@@ -331,7 +364,8 @@ contains
       do i = 1, size(lines)
          first = last + 1
          last = last + len_trim(lines(i)) + 1
-         text(first:last) = trim(lines(i))//newline
+         text(first:last - 1) = lines(i)
+         text(last:last) = newline
       end do
       text = text(:last)
    end function as_lines
@@ -520,8 +554,7 @@ contains
       integer(c_int) :: n
 
       call c_write_decimal(real(value, c_double), decimal, n)
-      text(length + 1:length + n) = decimal(:n)
-      length = length + n
+      call put_text(text, length, decimal(:n))
    end subroutine put_decimal
 
    !> A heading with the line above it empty.

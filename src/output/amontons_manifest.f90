@@ -20,7 +20,7 @@ module amontons_manifest
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
    use amontons_system, only: absolute_path, checksum_t, file_checksum, file_name_t, text_checksum
-   use amontons_text, only: newline, to_text, xml_escaped
+   use amontons_text, only: newline, put_text, to_text, xml_escaped
    implicit none (type, external)
    private
 
@@ -235,8 +235,7 @@ contains
             longer(:n) = text(:n)
             call move_alloc(longer, text)
          end if
-         text(n + 1:n + len(line)) = line
-         n = n + len(line)
+         call put_text(text, n, line)
       end do
       ! There is no comma behind the last one.
       text = text(:max(0, n - 1))

@@ -11,7 +11,7 @@ module amontons_batch_table
    use amontons_quantity, only: value_of
    use amontons_study, only: outcome_t, word_no_equilibrium, word_not_certified, word_not_converged, word_solved
    use amontons_system, only: absolute_path, make_directory
-   use amontons_text, only: newline, replaced, scientific, to_text
+   use amontons_text, only: newline, put_text, replaced, scientific, to_text
    implicit none (type, external)
    private
 
@@ -259,8 +259,7 @@ contains
       allocate (character(length) :: text)
       length = 0
       do i = 1, size(rows)
-         text(length + 1:length + len(rows(i)%text)) = rows(i)%text
-         length = length + len(rows(i)%text)
+         call put_text(text, length, rows(i)%text)
       end do
    end function joined
 

@@ -23,7 +23,8 @@ module amontons_history_files
    use amontons_quantity, only: quantity_t
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
-   use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, read_reals, to_text
+   use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, put_decimals, put_integer, &
+      read_reals, to_text
    use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
@@ -341,23 +342,26 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
-      character(:), allocatable :: rows, lines(:)
+      character(:), allocatable :: rows, start, lines(:)
       real(dp), allocatable :: record(:, :)
       real(dp) :: gap(body%zone%n_points)
-      integer :: p, m
+      integer :: p, m, length
 
       m = body%zone%n_points
       record = walk%point_record(body)
-      allocate (character((14 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
+      start = to_text(walk%n_steps)//','//to_text(walk%state%instant%time)//','
+      allocate (character(len(start) + (11 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
       associate (state => walk%state, zone => body%zone)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
          do p = 1, m
-            lines(p) = to_text(walk%n_steps)//','//to_text(state%instant%time)//','//to_text(p)//','// &
-               comma_separated([zone%position(:, p), zone%area(p), state%solution%force([p, m + p]), &
+            lines(p) = start
+            length = len(start)
+            call put_integer(lines(p), length, p)
+            call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force([p, m + p]), &
                state%solution%force([p, m + p])/zone%area(p), gap(p), &
-               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])//','// &
-               status_names(state%solution%status(p))
+               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])
+            lines(p)(length + 1:) = ','//status_names(state%solution%status(p))
          end do
       end associate
       rows = as_lines(lines)

@@ -33,7 +33,7 @@ module amontons_sweep_chunk
    use amontons_stress_field, only: find_node_stresses
    use amontons_study, only: study_monitor_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_load
-   use amontons_text, only: longest_decimal, newline, put_decimals, to_text
+   use amontons_text, only: longest_decimal, newline, put_decimals, put_integer, put_text, to_text
    implicit none (type, external)
    private
 
@@ -346,31 +346,34 @@ contains
       integer, intent(in) :: number !! number of the case
       type(case_result_t), intent(in) :: result !! its result
       character(*), intent(in) :: runs !! its `status_runs`
-      character((longest_decimal + 1)*(size(sweep%axes) + size(result%quantity) + 2)) :: numbers
-      character(11) :: iterations
+      ! A text that grows piece by piece is copied with each of them.
+      character((longest_decimal + 1)*(size(sweep%axes) + size(result%quantity) + 4) + len(outcome_names) &
+         + (len(case_warning_names) + 1)*size(case_warning_names) + len(runs)) :: text
       integer :: length, i
-      logical :: is_first
 
-      write (iterations, '(i0)') result%n_iterations
-      write (numbers, '(i0)') number
-      length = len_trim(numbers)
-      call put_decimals(numbers, length, sweep%values(number))
+      length = 0
+      call put_integer(text, length, number)
+      call put_decimals(text, length, sweep%values(number))
       if (result%has_solution) then
-         call put_decimals(numbers, length, [result%quantity, result%residual])
-         rows = rows//numbers(:length)//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','
-         ! Appends the names of warnings, blanks between them.
-         is_first = .true.
-         do i = 1, size(result%is_warned)
-            if (.not. result%is_warned(i)) cycle
-            if (.not. is_first) rows = rows//' '
-            rows = rows//trim(case_warning_names(i))
-            is_first = .false.
-         end do
-         rows = rows//','//runs//newline
+         call put_decimals(text, length, [result%quantity, result%residual])
       else
-         rows = rows//numbers(:length)//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
-            trim(outcome_names(result%outcome))//',,'//newline
+         call put_text(text, length, repeat(',', size(result%quantity) + 1))
       end if
+      call put_text(text, length, ',')
+      call put_integer(text, length, result%n_iterations)
+      call put_text(text, length, ','//trim(outcome_names(result%outcome))//',')
+      if (result%has_solution) then
+         ! The names of warnings, blanks between them.
+         do i = 1, size(result%is_warned)
+            if (result%is_warned(i)) call put_text(text, length, trim(case_warning_names(i))//' ')
+         end do
+         if (any(result%is_warned)) length = length - 1
+         call put_text(text, length, ','//runs)
+      else
+         call put_text(text, length, ',')
+      end if
+      call put_text(text, length, newline)
+      rows = rows//text(:length)
    end subroutine append_row
 
    !> Reads warnings from their names; others are passed over.

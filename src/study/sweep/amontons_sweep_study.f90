@@ -37,8 +37,8 @@ module amontons_sweep_study
    use amontons_sweep_ranks, only: end_sharing, prepare_on_ranks, solve_on_ranks
    use amontons_system, only: make_directory, wall_seconds
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: as_lines, counted, flush_right, heading, labeled, newline, scientific, short_text, &
-      to_text, with_unit
+   use amontons_text, only: as_lines, counted, flush_right, heading, labeled, newline, put_text, scientific, &
+      short_text, to_text, with_unit
    use amontons_threads, only: n_threads
    use amontons_version, only: version
    use amontons_vtu, only: write_grids
@@ -169,7 +169,7 @@ contains
       type(archive_t), allocatable :: progress
       character(:), allocatable :: rows
       real(dp) :: start, growth
-      integer :: n_cases, n_chunks, i, first
+      integer :: n_cases, n_chunks, i, length
 
       call result%certified%timings%begin(phase_solve)
       call make_directory(directory, error)
@@ -199,10 +199,9 @@ contains
             ! The chunks that are done, as far as no chunk is missing before them.
             chunks = chunks(:findloc([chunks%is_done, .false.], .false., dim=1) - 1)
             allocate (character(sum([(len(chunks(i)%rows), i=1, size(chunks))])) :: rows)
-            first = 1
+            length = 0
             do i = 1, size(chunks)
-               rows(first:first + len(chunks(i)%rows) - 1) = chunks(i)%rows
-               first = first + len(chunks(i)%rows)
+               call put_text(rows, length, chunks(i)%rows)
                call statistics%append(chunks(i)%statistics)
             end do
             call result%checkpoint%add_rows(1, rows)
