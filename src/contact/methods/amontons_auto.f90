@@ -28,8 +28,8 @@ module amontons_auto
       procedure :: solve => proximal_path_solve
    end type proximal_path_t
 
-   !> Steps of the first stages, and the residual that ends the splitting.
-   integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
+   !> Steps of the first stages, of the first of a reduced problem in space, and the residual that ends the splitting.
+   integer, parameter :: n_first_steps = 20, n_first_in_space = 250, n_splitting_steps = 40
    real(dp), parameter :: coarse = 1.0e-6_dp
    !> Newton's steps of a round. Semidefinite problems with strong friction take most of these, and sometimes more than
    !> one round.
@@ -58,7 +58,8 @@ contains
 
    !> A few steps of Newton from the start, and from rest if that is another one; on a band matrix, whatever lets fronts
    !> pass; the splitting to a coarse tolerance, which gets close where friction is moderate. Then rounds of Newton at
-   !> length and of other methods.
+   !> length and of other methods. Steps from rest that a reduced problem in space breaks off would have to be taken
+   !> again: of 300 piles of rigid bodies all but one are solved within 250 of them, a fourth less than in rounds.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -79,7 +80,8 @@ contains
             problem, solution)
       end if
       call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
-      call stages%run(newton_t(max_iterations=n_first_steps), problem, solution)
+      call stages%run(newton_t(max_iterations=merge(n_first_steps, n_first_in_space, &
+         problem%matrix%n_tangents == 1 .or. problem%matrix%has_stiffness())), problem, solution)
       if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
       if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
          tolerance=coarse)
