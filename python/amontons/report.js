@@ -78,10 +78,10 @@ function scale(values) {
   return { ticks, at: value => (value - ticks[0]) / (ticks[ticks.length - 1] - ticks[0]) };
 }
 
-function add(name, attributes, content, parent = chart) {
+function add(name, attributes, content = "", parent = chart) {
   const element = document.createElementNS(chart.namespaceURI, name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  if (content) element.textContent = content;
+  element.textContent = content;
   parent.append(element);
   return element;
 }

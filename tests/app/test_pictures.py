@@ -378,7 +378,8 @@ class Pictures(ProgramTest):
         self.script("report", "some results")
         page = self.directory / "some results" / "report.html"
         # A script of the test, not of the page, sorts the table by its names and asks the browser for the order
-        # of the cases, whether the pictures have an extent, and whether the page is wider than its window, a frame.
+        # of the cases, whether the pictures have an extent, whether the page is wider than its window, a frame, or a
+        # text than its cell, and whether every tick of the chart has its number.
         probe = """<script>addEventListener('load', () => {
             const heads = document.querySelectorAll('th button'), pictures = document.querySelectorAll('.figures svg');
             const names = () => [...document.querySelectorAll('td.name a')].map(cell => cell.textContent).join();
@@ -391,13 +392,15 @@ class Pictures(ProgramTest):
             const found = [seen('only'), seen('no such case'), seen('')].join(' ');
             parent.document.title += [innerWidth, first, second, found, pictures.length, [...pictures].every(picture =>
                picture.getBBox().width > 100), document.documentElement.scrollWidth > innerWidth,
+               [...document.querySelectorAll('.cases td')].every(cell => cell.scrollWidth <= cell.clientWidth),
+               [...document.querySelectorAll('#chart text')].every(tick => tick.textContent),
                getComputedStyle(document.body).backgroundColor, ''].join(' | ') })</script>"""
         page.with_name("probe.html").write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
-        widths, frame = (360, 1280), page.with_name("frame.html")
+        widths, frame = (360, 500, 1280), page.with_name("frame.html")
         frame.write_text("".join(f"<iframe src='probe.html' style='width:{width}px;height:800px;border:0'></iframe>"
                                  for width in widths), encoding="utf-8")
         expected = ("two,it's &lt;one&gt; &amp; only | it's &lt;one&gt; &amp; only,two | 1/1/1 0/0/0 2/2/2 | 5 | true "
-                    "| false | rgb")
+                    "| false | true | true | rgb")
         for scheme, paper in ((0, "(20, 24, 27)"), (1, "(255, 255, 255)")):
             run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu",
                                   "--virtual-time-budget=10000", "--window-size=1400,900",
