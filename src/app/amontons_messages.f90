@@ -18,8 +18,9 @@ module amontons_messages
    !> under way.
    type, extends(study_monitor_t) :: progress_t
       private
-      real(dp) :: start = 0.0_dp !! when the first report came [s]
-      integer :: n_before = -1 !! cases done at the first report; -1 before it
+      character(6) :: things = '' !! what the last report was about; blank before the first one
+      real(dp) :: start = 0.0_dp !! when the first report about them came [s]
+      integer :: n_before = 0 !! number of them done then
    contains
       procedure, public :: finish => progress_finish
       procedure, public :: is_stopped => progress_is_stopped
@@ -74,8 +75,8 @@ contains
       end associate
    end function progress_is_stopped
 
-   !> Shows how far the study is; of cases and steps how fast, too, and how long it will take: '128 of 861 cases, 10500
-   !> per second, 0:00:12 left'.
+   !> Shows how far the study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12
+   !> left'.
    subroutine progress_report(self, n_done, n_cases, things)
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
@@ -87,14 +88,11 @@ contains
       real(dp) :: rate, seconds
       integer :: left
 
-      if (things == 'fields') then
-         call note_work('fields of '//to_text(n_done)//' of '//to_text(n_cases)//' cases written', is_timed=.false.)
-         return
-      end if
-      if (self%n_before < 0) then
+      if (self%things == '') call hold_interrupts()
+      if (self%things /= things) then
+         self%things = things
          self%n_before = n_done
          self%start = wall_seconds()
-         call hold_interrupts()
       end if
       text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
       seconds = wall_seconds() - self%start
@@ -116,7 +114,7 @@ contains
    subroutine progress_finish(self)
       class(progress_t), intent(inout) :: self !! the watch
 
-      if (self%n_before >= 0) call release_interrupts()
+      if (self%things /= '') call release_interrupts()
    end subroutine progress_finish
 
 end module amontons_messages

@@ -168,8 +168,9 @@ contains
          call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
          call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, 0.0_dp, .true.)
-         call add('shear_bound', '', 'F/L^2', shear_bound(force(:m), load_case%friction, &
-            load_case%slip_bound, zone%area), 0.0_dp, .true.)
+         ! The shear stress that friction can bear.
+         call add('shear_bound', '', 'F/L^2', (load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m))) &
+            /zone%area, 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
          ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
@@ -231,16 +232,6 @@ contains
       end associate
       means = means(nodes)
    end function at_nodes
-
-   !> The shear stress that friction can bear [F/L^2].
-   elemental real(dp) function shear_bound(normal_force, friction, slip_bound, area) result(bound)
-      real(dp), intent(in) :: normal_force !! normal contact force [F]
-      real(dp), intent(in) :: friction !! Coulomb coefficient [-]
-      real(dp), intent(in) :: slip_bound !! given bound of the tangential force [F]
-      real(dp), intent(in) :: area !! tributary area of the shear, above 0 [L^2]
-
-      bound = (slip_bound + friction*max(0.0_dp, normal_force))/area
-   end function shear_bound
 
    !> Names of the pairs of the contact points, SLAVE/MASTER, or SET where the obstacle is rigid; no names where all are
    !> rigid. Commas become semicolons, since a comma would end the field.

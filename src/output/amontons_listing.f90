@@ -73,7 +73,9 @@ contains
    pure function solutions_text(solutions, force) result(text)
       type(all_solutions_t), intent(in) :: solutions !! all solutions
       real(dp), intent(in) :: force(:) !! forces of the solution that the listing reports (2m) [F]
-      character(:), allocatable :: text
+      character(:), allocatable :: text, kind
+      ! Rounding, and the tolerance of the method that found the reported one.
+      real(dp), parameter :: same = 1.0e-6_dp
       integer :: i, m, p
 
       m = size(force)/2
@@ -81,27 +83,14 @@ contains
       if (solutions%has_family) text = text//labeled('Note', 'some statuses admit a continuum of solutions, of '// &
          'which only the corners are found')
       do i = 1, solutions%n
-         text = text//labeled('Solution '//to_text(i), kind_of(i))
+         kind = trim(merge('isolated            ', 'between two statuses', solutions%is_isolated(i)))
+         if (maxval(abs(solutions%force(:, i) - force)) <= same*maxval(abs(force))) kind = kind//'; the one reported'
+         text = text//labeled('Solution '//to_text(i), kind)
          do p = 1, m
             text = text//labeled('', 'point '//to_text(p)//': '//trim(status_names(solutions%status(p, i)))// &
                ', forces '//short_text(solutions%force(p, i))//', '//short_text(solutions%force(m + p, i)))
          end do
       end do
-
-   contains
-
-      !> Whether a solution is alone, and whether it is the one reported.
-      pure function kind_of(solution) result(words)
-         integer, intent(in) :: solution !! number of the solution
-         character(:), allocatable :: words
-         ! Rounding, and the tolerance of the method that found the reported one.
-         real(dp), parameter :: same = 1.0e-6_dp
-
-         words = trim(merge('isolated            ', 'between two statuses', solutions%is_isolated(solution)))
-         if (maxval(abs(solutions%force(:, solution) - force)) <= same*maxval(abs(force))) words = words// &
-            '; the one reported'
-      end function kind_of
-
    end function solutions_text
 
    !> NAME.solutions.csv: one row for each point of each solution.
@@ -324,7 +313,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text, guided
+      character(:), allocatable :: text
       ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
       real(dp), parameter :: rounding = 1.0e-12_dp
       integer :: i, n_free, p, k
@@ -356,23 +345,20 @@ contains
             text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
          end do
          ! Notes on contact points whose tangential motion supports prevent or guide.
-         associate (zone => body%zone, rows => body%zone%rows)
-            is_guided = zone%is_tangent_fixed
-            is_aslant = .false.
-            do p = 1, zone%n_points
-               if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(rows%node(k), &
-                  turned(zone%normal(:, p))), k=rows%start(p), rows%start(p + 1) - 1)])
-            end do
-            is_guided = is_guided .and. .not. is_aslant
-            noun = merge('cell', 'node', any(zone%is_cell))
-            guided = places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
-               ' slides without friction: a support that is aslant to the obstacle guides it', &
-               ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
-               places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
-               ' cannot slide: a support bears its tangential force', &
-               ' cannot slide: a support bears their tangential forces', units)
-         end associate
-         text = text//guided
+         is_guided = zone%is_tangent_fixed
+         is_aslant = .false.
+         do p = 1, zone%n_points
+            if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(zone%rows%node(k), &
+               turned(zone%normal(:, p))), k=zone%rows%start(p), zone%rows%start(p + 1) - 1)])
+         end do
+         is_guided = is_guided .and. .not. is_aslant
+         noun = merge('cell', 'node', any(zone%is_cell))
+         text = text//places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
+            ' slides without friction: a support that is aslant to the obstacle guides it', &
+            ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
+            places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
+            ' cannot slide: a support bears its tangential force', &
+            ' cannot slide: a support bears their tangential forces', units)
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          p = minloc(load_case%gap, dim=1)

@@ -11,11 +11,11 @@ module amontons_vtu
    use amontons_contact_table, only: at_nodes, column_t, contact_columns, master_line_t, new_master_line, side_rows
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_key_results, only: all_von_mises
    use amontons_kinds, only: dp, int32, int64
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_result, only: result_t
-   use amontons_stress_field, only: von_mises
    use amontons_text, only: newline, to_text, unit_of, xml_escaped
    implicit none (type, external)
    private
@@ -61,8 +61,7 @@ module amontons_vtu
       procedure, public :: put_cells => vtk_file_put_cells
       procedure, public :: put_integers => vtk_file_put_integers
       procedure, public :: put_reals => vtk_file_put_reals
-      procedure, public :: put_stresses => vtk_file_put_stresses
-      procedure, public :: put_vectors => vtk_file_put_vectors
+      procedure, public :: put_spread => vtk_file_put_spread
       procedure :: enter => vtk_file_enter
    end type vtk_file_t
 
@@ -70,6 +69,10 @@ module amontons_vtu
    integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
+   !> Components of vectors of the plane as VTK has them, in space; 0 for a zero.
+   integer, parameter :: in_space(*) = [1, 2, 0]
+   !> Components of stresses xx, yy, xy, zz as VTK has them: xx, yy, zz, xy, yz, xz.
+   integer, parameter :: as_tensor(*) = [1, 2, 4, 3, 0, 0]
 
 contains
 
@@ -278,30 +281,9 @@ contains
       call vtk%end_array()
    end subroutine write_array
 
-   !> Hands over plane vectors, as vectors in space.
-   subroutine vtk_file_put_vectors(self, section, name, dimension, vectors)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
-      character(*), intent(in) :: name !! name of the quantity
-      character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
-      real(dp), intent(in) :: vectors(:, :) !! the vectors (2, any)
-
-      call put_spread(self, section, name, dimension, vectors, [1, 2, 0])
-   end subroutine vtk_file_put_vectors
-
-   !> Hands over stresses xx, yy, xy, zz as VTK orders them: xx, yy, zz, xy, yz, xz.
-   subroutine vtk_file_put_stresses(self, section, name, stresses)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: section !! 'PointData' or 'CellData', in this order
-      character(*), intent(in) :: name !! name of the quantity
-      real(dp), intent(in) :: stresses(:, :) !! the stresses (4, any)
-
-      call put_spread(self, section, name, 'F/L^2', stresses, [1, 2, 4, 3, 0, 0])
-   end subroutine vtk_file_put_stresses
-
    !> Hands over an array whose components stand in another order, with zeros between them.
-   subroutine put_spread(vtk, section, name, dimension, values, component)
-      class(vtk_file_t), intent(inout) :: vtk !! the grid
+   subroutine vtk_file_put_spread(self, section, name, dimension, values, component)
+      class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
       character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
@@ -316,8 +298,8 @@ contains
             spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
          end do
       end do
-      call vtk%put_reals(section, name, dimension, size(component), spread_out)
-   end subroutine put_spread
+      call self%put_reals(section, name, dimension, size(component), spread_out)
+   end subroutine vtk_file_put_spread
 
    !> Hands over the points and the cells.
    subroutine vtk_file_put_cells(self, coordinates, connectivity, ends, types)
@@ -327,7 +309,7 @@ contains
       integer, intent(in) :: ends(:) !! where the points of each cell end (n_cells)
       integer, intent(in) :: types(:) !! VTK's number of each cell's kind (n_cells)
 
-      call self%put_vectors('Points', 'points', 'L', coordinates)
+      call self%put_spread('Points', 'points', 'L', coordinates, in_space)
       call self%put_integers('Cells', 'connectivity', connectivity - 1)
       call self%put_integers('Cells', 'offsets', ends)
       call self%put_integers('Cells', 'types', types)
@@ -394,7 +376,7 @@ contains
       integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
 
       call vtk%begin_grid(body%mesh%n_nodes, body%mesh%n_elements)
-      call vtk%put_vectors('PointData', 'displacement', 'L', result%displacement)
+      call vtk%put_spread('PointData', 'displacement', 'L', result%displacement, in_space)
       ! Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of
       ! constant multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is
       ! largest.
@@ -419,9 +401,9 @@ contains
          end do
       end associate
       call vtk%put_integers('PointData', 'status', status)
-      call vtk%put_stresses('PointData', 'nodal_stress', result%stress%node)
+      call vtk%put_spread('PointData', 'nodal_stress', 'F/L^2', result%stress%node, as_tensor)
       call vtk%put_reals('PointData', 'nodal_von_mises', 'F/L^2', 1, all_von_mises(result%stress%node))
-      call vtk%put_stresses('CellData', 'stress', result%stress%element)
+      call vtk%put_spread('CellData', 'stress', 'F/L^2', result%stress%element, as_tensor)
       call vtk%put_reals('CellData', 'von_mises', 'F/L^2', 1, all_von_mises(result%stress%element))
       call vtk%put_reals('CellData', 'strain_energy_density', 'F/L^2', 1, result%stress%energy_density)
       if (allocated(result%error_estimate)) then
@@ -434,23 +416,13 @@ contains
          vtk_cell_type(body%mesh%element_kind))
    end subroutine show_body
 
-   !> Von Mises stresses [F/L^2].
-   pure function all_von_mises(stress) result(mises)
-      real(dp), intent(in) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, any) [F/L^2]
-      real(dp) :: mises(size(stress, 2))
-      integer :: i
-
-      do i = 1, size(stress, 2)
-         mises(i) = von_mises(stress(:, i))
-      end do
-   end function all_von_mises
-
    !> Hands the contact line and its result over to a file, to be written or to be compared with.
    subroutine show_contact_line(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
+      type(contact_rows_t) :: slave
       type(master_line_t) :: line
       integer :: i, n_lines
       integer, allocatable :: start(:), lone(:)
@@ -461,7 +433,21 @@ contains
          call vtk%begin_grid(n_line_points(zone), count(zone%next > 0) + count(.not. have_neighbor(zone)) &
             + size(line%segment, 2))
       end associate
-      call put_vectors(vtk, body, result, line)
+      ! Displacements and normals; where there are pairs, how far they move apart, and the forces, too.
+      associate (zone => body%zone, u => result%displacement, force => result%solution%force)
+         slave = side_rows(zone, .false.)
+         call vtk%put_spread('PointData', 'displacement', 'L', &
+            joined(vectors(zone, slave%displacement(u)), u(:, line%node)), in_space)
+         call vtk%put_spread('PointData', 'normal', '', joined(zone%normal, line%normal), in_space)
+         if (line%n_nodes > 0) then
+            vtk%scale = maxval(abs(u))
+            call vtk%put_spread('PointData', 'jump', 'L', &
+               joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal), in_space)
+            vtk%scale = maxval([0.0_dp, abs(force)])
+            call vtk%put_spread('PointData', 'force', 'F', &
+               joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)), in_space)
+         end if
+      end associate
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
@@ -482,30 +468,6 @@ contains
             [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
       end associate
    end subroutine show_contact_line
-
-   !> Hands over displacements and normals; where there are pairs, how far they move apart, and the forces, too.
-   subroutine put_vectors(vtk, body, result, line)
-      class(vtk_file_t), intent(inout) :: vtk !! the file
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      type(master_line_t), intent(in) :: line !! the lines of the masters
-      type(contact_rows_t) :: slave
-
-      associate (zone => body%zone, u => result%displacement, force => result%solution%force)
-         slave = side_rows(zone, .false.)
-         call vtk%put_vectors('PointData', 'displacement', 'L', &
-            joined(vectors(zone, slave%displacement(u)), u(:, line%node)))
-         call vtk%put_vectors('PointData', 'normal', '', joined(zone%normal, line%normal))
-         if (line%n_nodes == 0) return
-         vtk%scale = maxval(abs(u))
-         call vtk%put_vectors('PointData', 'jump', 'L', &
-            joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal))
-         vtk%scale = maxval([0.0_dp, abs(force)])
-         call vtk%put_vectors('PointData', 'force', 'F', &
-            joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)))
-         vtk%scale = 0.0_dp
-      end associate
-   end subroutine put_vectors
 
    !> Vectors of the contact points, those of the masters' nodes behind them.
    pure function joined(at_points, at_masters)

@@ -71,7 +71,8 @@ contains
       type(output_file_t) :: file
       type(file_lock_t) :: lock
       type(row_t), allocatable :: rows(:)
-      integer :: i, n
+      character(:), allocatable :: text
+      integer :: i, n, length
       logical :: has_folder, has_deck
 
       call make_directory(directory, error)
@@ -89,7 +90,12 @@ contains
       do i = 1, size(outcomes)
          call put_row(rows, n, outcomes(i), notes)
       end do
-      call write_text_file(file, directory//'/batch.csv', header()//joined(rows(:n)), error)
+      length = 0
+      allocate (character(sum([(len(rows(i)%text), i=1, n)])) :: text)
+      do i = 1, n
+         call put_text(text, length, rows(i)%text)
+      end do
+      call write_text_file(file, directory//'/batch.csv', header()//text, error)
       if (.not. allocated(error)) call file%commit(error)
       call lock%release()
    end subroutine update_batch_table
@@ -245,23 +251,6 @@ contains
       is_same_file = is_there
       if (is_there) is_same_file = absolute_path(first) == absolute_path(second)
    end function is_same_file
-
-   !> All rows as one text.
-   pure function joined(rows) result(text)
-      type(row_t), intent(in) :: rows(:) !! the rows
-      character(:), allocatable :: text
-      integer :: i, length
-
-      length = 0
-      do i = 1, size(rows)
-         length = length + len(rows(i)%text)
-      end do
-      allocate (character(length) :: text)
-      length = 0
-      do i = 1, size(rows)
-         call put_text(text, length, rows(i)%text)
-      end do
-   end function joined
 
    !> A text of several lines as one.
    pure function one_line(lines) result(text)

@@ -24,8 +24,8 @@ module amontons_key_results
    implicit none (type, external)
    private
 
-   public :: body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, lengths_t, &
-      new_lengths, resultants, set_results, trace_t, wear_results
+   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, &
+      lengths_t, new_lengths, resultants, set_results, trace_t, wear_results
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t
@@ -428,64 +428,52 @@ contains
       type(interval_t), intent(in) :: closed(:) !! the closed parts of the contact line
       type(interval_t), intent(in) :: stuck(:) !! its parts that stick
       type(quantity_t), allocatable :: list(:)
+      ! Ends between nodes are found to about a tenth of a side each.
+      real(dp), parameter :: between_nodes = 0.2_dp
       character(12) :: number
-      integer :: i, n_sets
+      character(13) :: suffix
+      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
+      integer :: i, p, n_sets
 
       n_sets = 0
       if (body%zone%n_points > 0) n_sets = maxval(body%zone%set)
+      ! A single set needs no number.
       number = ''
+      suffix = ''
       allocate (list(0))
       do i = 1, n_sets
          if (n_sets > 1) write (number, '(i0)') i
-         list = [list, results_of_set(body, force, [sum(closed%length, mask=closed%set == i), &
-            sum(stuck%length, mask=stuck%set == i)], i, trim(number))]
+         if (n_sets > 1) suffix = '_'//number
+         sums = 0.0_dp
+         center = 0.0_dp
+         moment = 0.0_dp
+         normal_force = 0.0_dp
+         associate (zone => body%zone)
+            do p = 1, zone%n_points
+               if (zone%set(p) /= i) cycle
+               acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
+               sums = sums + acting
+               moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
+               center = center + force(p)*zone%position(:, p)
+               normal_force = normal_force + force(p)
+            end do
+            if (abs(normal_force) > 0.0_dp) center = center/normal_force
+            length = maxval(abs(zone%position))
+            scale = sum(abs(force))
+         end associate
+         list = [list, quantity_t('contact_width'//suffix, 'Contact width '//number, sum(closed%length, &
+            mask=closed%set == i), length, between_nodes, dimension='L'), &
+            quantity_t('stick_width'//suffix, 'Stick width '//number, sum(stuck%length, mask=stuck%set == i), length, &
+            between_nodes, dimension='L'), &
+            quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
+            quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
+            quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
+            quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
+         ! In a body of revolution the forces around the axis have no moment.
+         if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
+            length*scale, dimension='F L')]
       end do
    end function set_results
-
-   !> What a contact set carries.
-   pure function results_of_set(body, force, widths, set, number) result(list)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      real(dp), intent(in) :: widths(2) !! lengths of what is closed and of what sticks [L]
-      integer, intent(in) :: set !! number of the set
-      character(*), intent(in) :: number !! what tells it from others; empty for the only one
-      type(quantity_t), allocatable :: list(:)
-      ! Ends between nodes are found to about a tenth of a side each.
-      real(dp), parameter :: between_nodes = 0.2_dp
-      character(:), allocatable :: suffix
-      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
-      integer :: p
-
-      sums = 0.0_dp
-      center = 0.0_dp
-      moment = 0.0_dp
-      normal_force = 0.0_dp
-      associate (zone => body%zone)
-         do p = 1, zone%n_points
-            if (zone%set(p) /= set) cycle
-            acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
-            sums = sums + acting
-            moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
-            center = center + force(p)*zone%position(:, p)
-            normal_force = normal_force + force(p)
-         end do
-         if (abs(normal_force) > 0.0_dp) center = center/normal_force
-         length = maxval(abs(zone%position))
-         scale = sum(abs(force))
-      end associate
-      suffix = number
-      if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, between_nodes, &
-         dimension='L'), &
-         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, between_nodes, dimension='L'), &
-         quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
-         quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
-         quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
-         quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
-      ! In a body of revolution the forces around the axis have no moment.
-      if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
-         length*scale, dimension='F L')]
-   end function results_of_set
 
    !> The largest displacement and von Mises stress of a node.
    pure function body_peaks(mesh, displacement, stress) result(list)
@@ -493,17 +481,22 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: stress(:, :) !! stress at each node (4, n_nodes) [F/L^2]
       type(quantity_t) :: list(2)
-      real(dp), allocatable :: mises(:)
-      integer :: i
 
-      allocate (mises(mesh%n_nodes))
-      do i = 1, mesh%n_nodes
-         mises(i) = von_mises(stress(:, i))
-      end do
       list = body_peaks_at_rest()
-      call find_peak(list(1), mises, mesh%coordinates)
+      call find_peak(list(1), all_von_mises(stress), mesh%coordinates)
       call find_peak(list(2), hypot(displacement(1, :), displacement(2, :)), mesh%coordinates)
    end function body_peaks
+
+   !> Von Mises stresses [F/L^2].
+   pure function all_von_mises(stress) result(mises)
+      real(dp), intent(in) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, any) [F/L^2]
+      real(dp) :: mises(size(stress, 2))
+      integer :: i
+
+      do i = 1, size(stress, 2)
+         mises(i) = von_mises(stress(:, i))
+      end do
+   end function all_von_mises
 
    !> What `body_peaks` finds of a body that nothing loads.
    pure function body_peaks_at_rest() result(list)

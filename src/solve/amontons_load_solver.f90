@@ -105,9 +105,11 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error
+      logical :: is_loose
 
       reason = ''
       if (present(error_kind)) error_kind = numerical_failure
+      is_loose = any(body%motions%n_free > 0)
       start = solution
       call solution%reset()
       if (self%is_auto .and. has_place(solution)) call solve_components(newton_t(tolerance=self%method%tolerance, &
@@ -119,7 +121,7 @@ contains
          > self%size_of_body) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
          !$omp critical (texts_of_solver)
-         if (is_loose(body)) then
+         if (is_loose) then
             call self%loads%load_case(body, acting, load_case)
             call check_balance(body, load_case, error)
          end if
@@ -133,7 +135,7 @@ contains
          if (.not. solution%is_converged) then
             first = solution
             solution = start
-            if (is_loose(body)) then
+            if (is_loose) then
                call solve_from_obstacles(self%method, body, load_case, problem, solution, error)
             else
                call solve_components(self%method, problem, solution, error)
@@ -161,13 +163,6 @@ contains
       end if
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
-
-   !> Whether supports leave some piece of a body free to move.
-   pure logical function is_loose(body)
-      type(body_t), intent(in) :: body !! the body
-
-      is_loose = any(body%motions%n_free > 0)
-   end function is_loose
 
    !> Whether a body has a place to start from: it has none before it meets its obstacles.
    pure logical function has_place(solution)

@@ -14,7 +14,7 @@ module amontons_model_warnings
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing
    use amontons_surface, only: surface_t
-   use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
+   use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text
    implicit none (type, external)
    private
@@ -55,8 +55,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), parameter :: radial(2) = [1.0_dp, 0.0_dp]
-      integer :: i, n_free, node
-      integer, allocatable :: nodes(:)
+      integer :: i, n_free, n_pieces, node
+      integer, allocatable :: nodes(:), piece(:)
       type(error_t), allocatable :: error
 
       do i = 1, body%mesh%warnings%n()
@@ -103,7 +103,15 @@ contains
                'total_force gives the sum')
          end associate
       end do
-      call add_loose_pieces(warnings, body)
+      ! Parts of a mesh that share no nodes and that no contact or tie joins.
+      if (body%mesh%has_pieces) then
+         associate (of_ties => bonds_of(body%ties, body%constraints), of_pairs => bonds_of(body%zone%pairs))
+            call number_pieces(body%mesh, piece, n_pieces, reshape([of_ties(:2, :), of_pairs(:2, :)], &
+               [2, size(of_ties, 2) + size(of_pairs, 2)]))
+         end associate
+         if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no '// &
+            'nodes and that no pair of contact sets or tie joins')
+      end if
       associate (is_on_axis => on_axis(body%mesh, body%materials))
          n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
             node=1, body%mesh%n_nodes)])
@@ -149,22 +157,6 @@ contains
          any(abs(body%materials%list%largest_expansion()) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')
    end subroutine add_material_warnings
-
-   !> Warns where parts of a mesh share no nodes and no contact or tie joins them.
-   pure subroutine add_loose_pieces(warnings, body)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      type(body_t), intent(in) :: body !! the body
-      integer, allocatable :: piece(:)
-      integer :: n_pieces
-
-      if (.not. body%mesh%has_pieces) return
-      associate (of_ties => bonds_of(body%ties, body%constraints), of_pairs => bonds_of(body%zone%pairs))
-         call number_pieces(body%mesh, piece, n_pieces, reshape([of_ties(:2, :), of_pairs(:2, :)], &
-            [2, size(of_ties, 2) + size(of_pairs, 2)]))
-      end associate
-      if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no nodes '// &
-         'and that no pair of contact sets or tie joins')
-   end subroutine add_loose_pieces
 
    !> Warns of a support or load at a point where bodies that are not joined both have a node.
    pure subroutine add_shared_place(warnings, what, coordinates, point)
@@ -269,7 +261,12 @@ contains
 
       do i = 1, size(sweep%axes)
          associate (axis => sweep%axes(i), name => 'sweep of '//sweep%axes(i)%label()//': ')
-            call add_repetition(warnings, name, axis)
+            ! A value that a list gives twice; equal steps repeat one only if they are 0.
+            do k = 2, merge(2, size(axis%values), axis%is_range)
+               if (.not. any(abs(axis%values(:k - 1) - axis%values(k)) <= 0.0_dp)) cycle
+               call warnings%add(name//'the value '//short_text(axis%values(k))//' is given twice')
+               exit
+            end do
             if (axis%target == swept_friction) call add_large_friction(warnings, name, maxval(axis%values))
             if (axis%target /= swept_friction_factor) cycle
             is_varied = [(axis%acts_on(load_case%contacts(k)%set), k=1, size(is_varied))]
@@ -299,21 +296,6 @@ contains
          end associate
       end do
    end subroutine add_history_warnings
-
-   !> Warns of a value that a list gives twice.
-   pure subroutine add_repetition(warnings, name, axis)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! how the warning begins
-      type(sweep_axis_t), intent(in) :: axis !! the quantity
-      integer :: i
-
-      ! Equal steps repeat a value only if they are 0.
-      do i = 2, merge(2, size(axis%values), axis%is_range)
-         if (.not. any(abs(axis%values(:i - 1) - axis%values(i)) <= 0.0_dp)) cycle
-         call warnings%add(name//'the value '//short_text(axis%values(i))//' is given twice')
-         return
-      end do
-   end subroutine add_repetition
 
    !> Adds the warnings on a pair, in contact or bonded.
    pure subroutine add_pair_warnings(warnings, pair)

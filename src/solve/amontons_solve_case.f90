@@ -74,12 +74,17 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      logical :: has_body
 
       call new_timings(result%timings)
       result%warnings%units = config%units
       result%wants_error_estimate = config%accuracy%wants_estimate()
       result%method = config%method
-      if (has_body(cache, config)) then
+      has_body = allocated(cache%body) .and. allocated(cache%key)
+      if (has_body) has_body = cache%key == body_text(config)
+      ! A history has left it locked.
+      if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
+      if (has_body) then
          call check_names(config, cache%body%mesh, error)
       else
          call make_body(cache, config, error)
@@ -112,17 +117,6 @@ contains
       cache%first_case = config%name
       if (allocated(cache%state) .and. .not. cache%is_refining) deallocate (cache%state)
    end subroutine make_body
-
-   !> Whether the body at hand is that of a case.
-   logical function has_body(cache, config)
-      type(cache_t), intent(in) :: cache !! the body at hand
-      type(config_t), intent(in) :: config !! the case
-
-      has_body = allocated(cache%body) .and. allocated(cache%key)
-      if (has_body) has_body = cache%key == body_text(config)
-      ! A history has left it locked.
-      if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
-   end function has_body
 
    !> Makes a single case ready, and finds out whether its loads have an equilibrium before anything is factorized.
    subroutine prepare_single_case(cache, config, result, error)

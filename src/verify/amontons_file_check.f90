@@ -89,7 +89,9 @@ contains
             is_skipping = is_skipping .or. part%is_recorded
             if (part%is_recorded) cycle
             if (is_skipping) then
-               head = head_of(part%text)
+               ! A part is found by its heading, or the name of its member.
+               head = part%text(:1 + index(part%text(2:), newline))
+               if (index(part%text, '  "') == 1) head = newline//part%text(:index(part%text, '": ') + 2)
                k = index(stated(max(1, at - 1):), head)
                if (k == 0) then
                   ! The head without quotes, blanks and line ends.
@@ -181,25 +183,17 @@ contains
          j = last_j + 1
       end do
       is_lost = i <= len(stated) .or. j <= len(computed)
-      if (is_lost) fault = member_contradiction(stated, computed)
+      if (is_lost) then
+         fault = '?'
+         ! Two members of JSON.
+         i = index(computed, '": ') + 3
+         if (index(computed, '  "') == 1 .and. index(stated, computed(:i - 1)) == 1) fault = computed(4:i - 4)// &
+            ' is '//without_comma(stated(i:))//', but '//without_comma(computed(i:))
+      end if
       if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
          trim(adjustl(computed))//"'"
       if (len(fault) > 0) fault = fault//' follows from the other files'
    end subroutine compare_line
-
-   !> Text describing how two members of JSON differ; '?' for lines that are no members.
-   pure function member_contradiction(stated, computed) result(sentence)
-      character(*), intent(in) :: stated !! the line as it was written
-      character(*), intent(in) :: computed !! what should stand there
-      character(:), allocatable :: sentence
-      integer :: first
-
-      sentence = '?'
-      if (index(computed, '  "') /= 1) return
-      first = index(computed, '": ') + 3
-      if (index(stated, computed(:first - 1)) == 1) sentence = computed(4:first - 4)//' is '// &
-         without_comma(stated(first:))//', but '//without_comma(computed(first:))
-   end function member_contradiction
 
    !> A text without the comma at its end.
    pure function without_comma(text) result(shorter)
@@ -278,18 +272,6 @@ contains
          end if
       end if
    end function place_name
-
-   !> Text by which a part is found: the name of a member, or a heading.
-   pure function head_of(text) result(head)
-      character(*), intent(in) :: text !! the part
-      character(:), allocatable :: head
-
-      if (index(text, '  "') == 1) then
-         head = newline//text(:index(text, '": ') + 2)
-      else
-         head = text(:1 + index(text(2:), newline))
-      end if
-   end function head_of
 
    !> Number of the line that a place of a text is in.
    pure integer function line_number(text, place)

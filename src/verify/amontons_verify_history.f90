@@ -18,7 +18,7 @@ module amontons_verify_history
       n_kinds, number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
-      prepare_history, start_history, worst_step_t
+      of_identities, of_indicator, of_violation, prepare_history, start_history, worst_names, worst_step_t
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
@@ -128,9 +128,9 @@ contains
          ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
          ! another machine, as far as they can be true.
          associate (result => again%result, walk => again%result%walk)
-            call take_stated_worst(case, 'energy_identities', walk%n_steps, result%imbalance)
-            result%indicator = again%indicator
-            call take_stated_worst(case, 'violation', walk%n_steps, result%violation)
+            call take_stated_worst(case, of_identities, walk%n_steps, result%worst(of_identities))
+            result%worst(of_indicator) = again%indicator
+            call take_stated_worst(case, of_violation, walk%n_steps, result%worst(of_violation))
             stated = nint(case%number('load_history', 'steps_done_earlier'))
             if (stated > 0 .and. stated <= walk%n_steps) result%n_resumed = stated
             ! The iterations of steps that were given up are in no row.
@@ -427,15 +427,18 @@ contains
    end subroutine go_on
 
    !> Takes the largest number of all steps from the summary, if it agrees up to rounding.
-   subroutine take_stated_worst(case, name, n_steps, worst)
+   subroutine take_stated_worst(case, number, n_steps, worst)
       type(verified_case_t), intent(in) :: case !! the history
-      character(*), intent(in) :: name !! name of the number
+      integer, intent(in) :: number !! which number it is, a place in `worst_names`
       integer, intent(in) :: n_steps !! number of the last step
       type(worst_step_t), intent(inout) :: worst !! the number as it was computed again
       real(dp), parameter :: rounding = 1.0e-8_dp
       type(worst_step_t) :: stated
 
-      stated = worst_step_t(case%number('load_history', name), nint(case%number('load_history', name//'_step')))
+      associate (name => worst_names(number))
+         stated = worst_step_t(case%number('load_history', trim(name)), &
+            nint(case%number('load_history', trim(name)//'_step')))
+      end associate
       if (.not. agree(stated%value, worst%value, 1.0_dp)) return
       ! Of numbers that are rounding any may be the largest.
       if (worst%value <= rounding .and. stated%step > 0 .and. stated%step <= n_steps) worst%step = stated%step

@@ -29,7 +29,7 @@ module amontons_history_files
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_row, history_table_t, history_tables, new_history_files, read_start, &
+   public :: history_files_t, history_row, history_table_t, history_tables, open_history_files, read_start, &
       step_numbers, table_rows
 
    !> What a table has: the steps.
@@ -86,7 +86,6 @@ module amontons_history_files
       procedure, public :: add_fields => history_files_add_fields
       procedure, public :: add_step => history_files_add_step
       procedure, public :: finish => history_files_finish
-      procedure, public :: open => history_files_open
    end type history_files_t
 
 contains
@@ -99,8 +98,11 @@ contains
       integer, intent(in) :: n_noted !! how many numbers a state notes of the cycle under way
       character(*), parameter :: endings(*) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
          '.history.pvd', '.cycles.csv']
+      character(*), parameter :: state_labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
+         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
+         'added_gap', 'wear_depth']
       integer, allocatable :: contents(:)
-      integer :: i
+      integer :: i, k, p
 
       associate (history => model%history)
          contents = pack([of_steps, of_points, of_states, of_grids, of_cycles], [.true., history%points_every > 0, &
@@ -115,11 +117,42 @@ contains
             case (of_steps)
                call describe_steps(tables(i), model, body)
             case (of_points)
-               call describe_points(tables(i), history)
+               call tables(i)%add('step,'//history%name//',point', number_alone)
+               call tables(i)%add('x,y,area', own_scale)
+               call tables(i)%add('normal_force,tangential_force', a_force)
+               call tables(i)%add('contact_pressure,contact_shear', own_scale)
+               call tables(i)%add('gap,slip,slip_step,slip_accumulated', a_length)
+               call tables(i)%add('dissipation', an_energy)
+               call tables(i)%add('wear_integral', own_scale)
+               call tables(i)%add('wear_depth', a_length)
+               do k = 1, merge(n_parameters, 0, history%has_fretting)
+                  call tables(i)%add(trim(parameter_names(k)), parameter_kinds(k))
+               end do
+               call tables(i)%add('status', number_alone)
             case (of_states)
-               call describe_states(tables(i), history%name, body, n_noted)
+               call tables(i)%add('step,steps_given_up,iterations,length,noted,'//history%name// &
+                  ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
+               do k = 1, size(body%lockable)
+                  call tables(i)%add('lock_'//to_text(k), number_alone)
+               end do
+               do k = 1, size(state_labels)
+                  do p = 1, body%zone%n_points
+                     call tables(i)%add(trim(state_labels(k))//'_'//to_text(p), number_alone)
+                  end do
+               end do
+               do k = 1, n_noted
+                  call tables(i)%add('noted_'//to_text(k), number_alone)
+               end do
             case (of_cycles)
-               call describe_cycles(tables(i), history%has_fretting)
+               call tables(i)%add('cycle,begin,end,steps', number_alone)
+               call tables(i)%add('work,strain_energy_change,dissipation,energy_error', an_energy)
+               call tables(i)%add('max_slip_accumulated,max_drift', a_length)
+               call tables(i)%add('dissipation_change,force_change', number_alone)
+               call tables(i)%add('drift_change', a_length)
+               do k = 2, merge(n_parameters - 1, 0, history%has_fretting)
+                  call tables(i)%add('max_'//trim(parameter_names(k)), parameter_kinds(k))
+               end do
+               call tables(i)%add('outcome', number_alone)
             case default
                tables(i)%header = collection_head
             end select
@@ -193,71 +226,6 @@ contains
       several = merge(n_sets, 0, n_sets > 1)
    end function several
 
-   !> Describes the table of the contact points.
-   pure subroutine describe_points(table, history)
-      type(history_table_t), intent(inout) :: table !! the table
-      type(history_t), intent(in) :: history !! the history
-      integer :: i
-
-      call table%add('step,'//history%name//',point', number_alone)
-      call table%add('x,y,area', own_scale)
-      call table%add('normal_force,tangential_force', a_force)
-      call table%add('contact_pressure,contact_shear', own_scale)
-      call table%add('gap,slip,slip_step,slip_accumulated', a_length)
-      call table%add('dissipation', an_energy)
-      call table%add('wear_integral', own_scale)
-      call table%add('wear_depth', a_length)
-      do i = 1, merge(n_parameters, 0, history%has_fretting)
-         call table%add(trim(parameter_names(i)), parameter_kinds(i))
-      end do
-      call table%add('status', number_alone)
-   end subroutine describe_points
-
-   !> Describes the table of the states.
-   pure subroutine describe_states(table, time, body, n_noted)
-      type(history_table_t), intent(inout) :: table !! the table
-      character(*), intent(in) :: time !! what the pseudo-time is called
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
-      character(23), parameter :: labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
-         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
-         'added_gap', 'wear_depth']
-      integer :: i, p
-
-      call table%add('step,steps_given_up,iterations,length,noted,'//time// &
-         ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
-      do i = 1, size(body%lockable)
-         call table%add('lock_'//to_text(i), number_alone)
-      end do
-      do i = 1, size(labels)
-         do p = 1, body%zone%n_points
-            call table%add(trim(labels(i))//'_'//to_text(p), number_alone)
-         end do
-      end do
-      do i = 1, n_noted
-         call table%add('noted_'//to_text(i), number_alone)
-      end do
-   end subroutine describe_states
-
-   !> Describes the table of the cycles.
-   pure subroutine describe_cycles(table, has_fretting)
-      type(history_table_t), intent(inout) :: table !! the table
-      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
-      integer :: i
-
-      call table%add('cycle,begin,end,steps', number_alone)
-      call table%add('work,strain_energy_change,dissipation,energy_error', an_energy)
-      call table%add('max_slip_accumulated,max_drift', a_length)
-      call table%add('dissipation_change,force_change', number_alone)
-      call table%add('drift_change', a_length)
-      if (has_fretting) then
-         do i = 2, n_parameters - 1
-            call table%add('max_'//trim(parameter_names(i)), parameter_kinds(i))
-         end do
-      end if
-      call table%add('outcome', number_alone)
-   end subroutine describe_cycles
-
    !> The rows of a table that the last step adds; none for that of the grids.
    function table_rows(table, model, body, walk) result(rows)
       type(history_table_t), intent(in) :: table !! the table
@@ -278,7 +246,12 @@ contains
          numbers = walk%numbers()
          rows = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
       case (of_cycles)
-         if (walk%watch%is_finished) rows = cycle_row(model%history%has_fretting, walk%watch%numbers)
+         if (.not. walk%watch%is_finished) return
+         numbers = walk%watch%numbers
+         rows = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
+            comma_separated(numbers(5:n_plain_numbers - 1))
+         if (model%history%has_fretting) rows = rows//','//comma_separated(numbers(n_plain_numbers + 1:))
+         rows = rows//','//trim(cycle_outcomes(nint(numbers(n_plain_numbers))))//newline
       case default
          continue
       end select
@@ -367,26 +340,18 @@ contains
       rows = as_lines(lines)
    end function points_rows
 
-   !> The row of a cycle.
-   pure function cycle_row(has_fretting, numbers) result(row)
-      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
-      real(dp), intent(in) :: numbers(:) !! the numbers of the cycle
-      character(:), allocatable :: row
-
-      row = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
-         comma_separated(numbers(5:n_plain_numbers - 1))
-      if (has_fretting) row = row//','//comma_separated(numbers(n_plain_numbers + 1:))
-      row = row//','//trim(cycle_outcomes(nint(numbers(n_plain_numbers))))//newline
-   end function cycle_row
-
-   !> Names the files that the deck asks for.
-   subroutine new_history_files(files, model, body, walk, directory, label)
+   !> Opens the files that the deck asks for, behind what an earlier run has left of the same history.
+   ! allow(S902): what the files are of, where they are, and what an earlier run left
+   subroutine open_history_files(files, model, body, walk, directory, label, key, progress, error)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(history_walk_t), intent(in) :: walk !! the way, where it begins
       character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! what the case is called
+      character(*), intent(in) :: key !! what the history depends on, lines of text
+      type(archive_t), allocatable, intent(out) :: progress !! how far an earlier run came; not allocated for nothing
+      type(error_t), allocatable, intent(out) :: error !! they cannot be written
       integer :: i
 
       files%directory = directory//'/'
@@ -400,23 +365,11 @@ contains
          call files%checkpoint%add_table(files%directory//files%name//files%tables(i)%ending//'.part', &
             files%tables(i)%header)
       end do
-   end subroutine new_history_files
-
-   !> Opens the files, behind what an earlier run has left of the same history.
-   subroutine history_files_open(self, model, key, progress, error)
-      class(history_files_t), intent(inout) :: self !! the files
-      type(history_model_t), intent(in) :: model !! the history
-      character(*), intent(in) :: key !! what the history depends on, lines of text
-      type(archive_t), allocatable, intent(out) :: progress !! how far an earlier run came; not allocated for nothing
-      type(error_t), allocatable, intent(out) :: error !! they cannot be written
-
-      call make_directory(self%directory, error)
-      if (.not. allocated(error) .and. model%history%fields_every > 0) call make_directory(self%directory// &
-         self%folder, error)
-      if (.not. allocated(error)) call self%checkpoint%open(key, progress, error)
-      if (.not. allocated(error) .and. model%history%fields_every > 0) call remove_temporaries(self%directory// &
-         self%folder)
-   end subroutine history_files_open
+      call make_directory(files%directory, error)
+      if (.not. allocated(error) .and. files%grids_table > 0) call make_directory(files%directory//files%folder, error)
+      if (.not. allocated(error)) call files%checkpoint%open(key, progress, error)
+      if (.not. allocated(error) .and. files%grids_table > 0) call remove_temporaries(files%directory//files%folder)
+   end subroutine open_history_files
 
    !> Adds the rows of a step to all tables.
    subroutine history_files_add_step(self, model, body, walk)

@@ -7,14 +7,12 @@ module amontons_history_study
    use amontons_document, only: json_logical, json_number, json_string, quantity_members
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, is_shown, moved_things, steps_t
-   use amontons_history_files, only: history_files_t, new_history_files, read_start
-   use amontons_history_model, only: find_probes, history_model_t, new_history_model
-   use amontons_history_results, only: contact_numbers, cycle_results, energies_of
+   use amontons_history_files, only: history_files_t, open_history_files, read_start
+   use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
    use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_cycle_numbers, n_plain_numbers, new_history_walk
-   use amontons_key_results, only: lengths_t, new_lengths, resultants
+   use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
-   use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_named_forces, only: named_quantities
    use amontons_quantity, only: quantity_t
@@ -46,8 +44,26 @@ module amontons_history_study
       integer :: step = 0 !! the step; 0 if none had more than 0
    contains
       procedure :: note => worst_step_note
-      procedure :: visit => worst_step_visit
    end type worst_step_t
+
+   !> Numbers of the steps whose largest is kept: the residual of the contact problem.
+   integer, parameter :: of_residual = 1
+   !> The violation of the energy identities.
+   integer, parameter, public :: of_identities = 2
+   !> The energy error of a step over its energies.
+   integer, parameter, public :: of_indicator = 3
+   !> The violation of the certificate.
+   integer, parameter, public :: of_violation = 4
+   !> The energy error of a step that cannot be made shorter, over its energies.
+   integer, parameter :: of_jump = 5
+   !> The share of a pressure that the depth worn in a step relieves.
+   integer, parameter :: of_feedback = 6
+   !> Names of the first of them in the summary.
+   character(17), parameter, public :: worst_names(of_violation) = [character(17) :: 'residual', 'energy_identities', &
+      'step_indicator', 'violation']
+   !> Names of the first of them in the listing.
+   character(17), parameter :: worst_labels(of_indicator) = [character(17) :: 'Largest residual', 'Energy identities', &
+      'Step indicator']
 
    !> The result of a history. Its steps are on the disk.
    type :: history_result_t
@@ -60,13 +76,8 @@ module amontons_history_study
       real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_watch_t` has them (n_cycle_numbers, n)
       real(dp), allocatable :: extremes(:, :)
          !! least and greatest of the numbers of all contact sets, of the probes, and of forces by name (n, 2)
-      type(worst_step_t) :: residual !! largest residual of the contact problems
-      type(worst_step_t) :: imbalance !! largest violation of the energy identities
-      type(worst_step_t) :: indicator !! largest energy error of a step over its energies
-      type(worst_step_t) :: violation !! largest violation of the certificates
-      type(worst_step_t) :: jump !! largest energy error of a step that cannot be made shorter, over its energies
-      type(worst_step_t) :: wear_feedback !! largest share of a pressure that the depth worn in a step relieves
-      integer :: n_jumps = 0 !! number of such steps
+      type(worst_step_t) :: worst(of_feedback) !! the largest of each number of the steps, `of_residual` and so on
+      integer :: n_jumps = 0 !! number of steps that cannot be made shorter although their energies do not balance
       integer :: n_warned(n_case_warnings) = 0 !! number of steps that each warning on a case is about
       integer :: warned_step(n_case_warnings) = 0 !! the first of them
       integer :: last_warned(n_case_warnings) = 0 !! the last of them
@@ -100,6 +111,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(history_model_t) :: model
       type(history_files_t) :: files
+      integer :: i
 
       call prepare_history(cache, config, model, result%last, error)
       if (allocated(error)) return
@@ -109,8 +121,12 @@ contains
       call take_steps(cache, model, files, monitor, result, error)
       result%last%is_complete = len(result%walk%fault) == 0
       result%last%outcome = result%walk%outcome
-      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
-         result, error)
+      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
+      ! The tables of changes are among the files that were read.
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call result%files%manifest%add_input(config%history%steps(i)%file)
+      end do
+      if (config%history%has_start()) call result%files%manifest%add_input(config%history%start)
       result%checkpoint = files%checkpoint
       if (result%is_interrupted) then
          call result%checkpoint%close()
@@ -139,8 +155,7 @@ contains
       call start_history(result, cache, model, start, error)
       if (allocated(error)) return
       if (allocated(start)) key = key//comma_separated(start)//newline
-      call new_history_files(files, model, cache%body, result%walk, directory, config)
-      call files%open(model, key, progress, error)
+      call open_history_files(files, model, cache%body, result%walk, directory, config, key, progress, error)
       if (allocated(error) .or. .not. allocated(progress)) return
       call result%visit(progress)
       call result%walk%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
@@ -204,12 +219,10 @@ contains
       integer :: n(3), i
 
       call archive%pass(self%n_certified)
-      call self%residual%visit(archive)
-      call self%imbalance%visit(archive)
-      call self%indicator%visit(archive)
-      call self%violation%visit(archive)
-      call self%jump%visit(archive)
-      call self%wear_feedback%visit(archive)
+      do i = 1, size(self%worst)
+         call archive%pass(self%worst(i)%value)
+         call archive%pass(self%worst(i)%step)
+      end do
       call archive%pass(self%n_jumps)
       call archive%pass(self%n_warned)
       call archive%pass(self%warned_step)
@@ -253,18 +266,6 @@ contains
       call set_factor(last%factor, cache%body)
    end subroutine prepare_history
 
-   !> Adds the tables of changes to the files that were read.
-   subroutine add_tables(manifest, config)
-      type(manifest_t), intent(inout) :: manifest !! the manifest
-      type(config_t), intent(in) :: config !! the deck
-      integer :: i
-
-      do i = 1, size(config%history%steps)
-         if (allocated(config%history%steps(i)%file)) call manifest%add_input(config%history%steps(i)%file)
-      end do
-      if (config%history%has_start()) call manifest%add_input(config%history%start)
-   end subroutine add_tables
-
    !> Takes the steps, as far as there is a way and the monitor does not stop it.
    subroutine take_steps(cache, model, files, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body
@@ -286,12 +287,7 @@ contains
             if (walk%n_steps == n_kept) exit
             call result%note_step(cache%body, model)
             call files%add_step(model, cache%body, walk)
-            ! Where contact reaches the end of a set, the boundary beyond it is looked at.
-            if (is_shown(walk%n_steps, history%fields_every)) then
-               call certify_step(cache, model, result, error, files)
-            else if (result%last_warned(end_of_set) == walk%n_steps) then
-               call certify_step(cache, model, result, error)
-            end if
+            call certify_step(cache, model, files, result, error)
             if (allocated(error)) return
             ! A step may take microseconds, or seconds.
             is_due = files%checkpoint%is_due()
@@ -317,11 +313,8 @@ contains
 
       associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
          if (walk%is_jump) self%n_jumps = self%n_jumps + 1
-         if (walk%is_jump) call self%jump%note(state%indicator, walk%n_steps)
-         call self%residual%note(state%solution%residual, walk%n_steps)
-         call self%imbalance%note(state%imbalance, walk%n_steps)
-         call self%indicator%note(state%indicator, walk%n_steps)
-         call self%wear_feedback%note(state%wear_feedback, walk%n_steps)
+         call self%worst%note([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
+            merge(state%indicator, 0.0_dp, walk%is_jump), state%wear_feedback], walk%n_steps)
          contact = contact_numbers(body, state)
          numbers = [contact%value, model%probed(state%instant%factor, state%solution%displacement), state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
@@ -400,7 +393,7 @@ contains
       class(history_result_t), intent(inout) :: self !! the history so far
       real(dp), intent(in) :: violation !! the largest violation of the step [-]
 
-      call self%violation%note(violation, self%walk%n_steps)
+      call self%worst(of_violation)%note(violation, self%walk%n_steps)
       self%n_certified = self%n_certified + 1
    end subroutine history_result_note_certificate
 
@@ -417,14 +410,16 @@ contains
       integer :: i
 
       associate (n_steps => self%walk%n_steps, warnings => self%last%warnings)
-         if (self%wear_feedback%value > well_below) call warnings%add('the depth worn in step '// &
-            to_text(self%wear_feedback%step)//' would relieve a contact point of '// &
-            short_text(self%wear_feedback%value)//' times its pressure: from '//short_text(well_below)//' on '// &
-            'pressures may swing from step to step; take '// &
-            to_text(ceiling(self%wear_feedback%value/well_below - rounding))//' times as many substeps there')
+         associate (feedback => self%worst(of_feedback))
+            if (feedback%value > well_below) call warnings%add('the depth worn in step '//to_text(feedback%step)// &
+               ' would relieve a contact point of '//short_text(feedback%value)//' times its pressure: from '// &
+               short_text(well_below)//' on pressures may swing from step to step; take '// &
+               to_text(ceiling(feedback%value/well_below - rounding))//' times as many substeps there')
+         end associate
          if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
             ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
-            'there; most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
+            'there; most in step '//to_text(self%worst(of_jump)%step)//', '// &
+            scientific(self%worst(of_jump)%value)//' of its energies')
          do i = 1, n_case_warnings
             if (.not. is_limit_of_model(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
             call warnings%add(to_text(self%n_warned(i))//' of '//to_text(n_steps)//' steps, step '// &
@@ -433,20 +428,24 @@ contains
       end associate
    end subroutine history_result_add_warnings
 
-   !> Certifies the present step, and writes its grids where they are asked for.
-   subroutine certify_step(cache, model, result, error, files)
+   !> Certifies the present step and writes its grids where they are asked for. Where contact reaches the end of a set,
+   !> the boundary beyond it is looked at.
+   subroutine certify_step(cache, model, files, result, error)
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
+      type(history_files_t), intent(inout) :: files !! gain the grids
       type(history_result_t), intent(inout) :: result !! gains the violation
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite, or the grids cannot be written
-      type(history_files_t), intent(inout), optional :: files !! gain the grids
       type(result_t) :: step
+      logical :: has_grids
 
+      has_grids = is_shown(result%walk%n_steps, model%history%fields_every)
+      if (.not. (has_grids .or. result%last_warned(end_of_set) == result%walk%n_steps)) return
       step%wants_error_estimate = result%last%wants_error_estimate
       call new_step_result(step, cache, model, result%walk, error)
       if (allocated(error)) return
       call result%note_certificate(step%certificate%largest())
-      if (present(files)) call files%add_fields(cache%body, result%walk%n_steps, &
+      if (has_grids) call files%add_fields(cache%body, result%walk%n_steps, &
          to_text(result%walk%state%instant%time), step, error)
    end subroutine certify_step
 
@@ -465,10 +464,9 @@ contains
    end subroutine new_step_result
 
    !> Certifies the last step, gives it what its files show, and ends the tables; without a step there are none.
-   subroutine finish_history(cache, model, config, files, result, error)
+   subroutine finish_history(cache, model, files, result, error)
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the last step
       type(history_model_t), intent(in) :: model !! the history
-      type(config_t), intent(in) :: config !! the deck
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the last step
       type(error_t), allocatable, intent(out) :: error
@@ -478,7 +476,6 @@ contains
          ! That there is no first state is an answer; an obstacle that is out of place is none.
          if (result%walk%fault_kind > 0 .and. result%walk%outcome /= outcome_no_equilibrium) call new_error(error, &
             result%walk%fault_kind, result%walk%fault)
-         if (.not. allocated(error)) call add_tables(result%files%manifest, config)
          return
       end if
       call result%last%timings%begin(phase_recover)
@@ -493,11 +490,10 @@ contains
       call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
       call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
-      if (.not. allocated(error)) call add_tables(result%files%manifest, config)
    end subroutine finish_history
 
    !> Notes the number of a step.
-   pure subroutine worst_step_note(self, value, step)
+   elemental subroutine worst_step_note(self, value, step)
       class(worst_step_t), intent(inout) :: self !! the largest so far
       real(dp), intent(in) :: value !! that of the step [-]
       integer, intent(in) :: step !! the step
@@ -506,15 +502,6 @@ contains
       self%value = value
       self%step = step
    end subroutine worst_step_note
-
-   !> Writes it to an archive, or reads it.
-   pure subroutine worst_step_visit(self, archive)
-      class(worst_step_t), intent(inout) :: self !! the largest so far
-      type(archive_t), intent(inout) :: archive !! the archive
-
-      call archive%pass(self%value)
-      call archive%pass(self%step)
-   end subroutine worst_step_visit
 
    !> Says in listing and summary of the last step what the history was, and how far its steps are from being solved.
    subroutine describe_history(result, config)
@@ -530,7 +517,7 @@ contains
       character(:), allocatable :: text, note, table
       integer :: i, k, n, width
 
-      result%last%earlier_violation = max(result%violation%value, result%imbalance%value)
+      result%last%earlier_violation = max(result%worst(of_violation)%value, result%worst(of_identities)%value)
       energies = energies_of(result%walk%state)
       ! They have a scale, sums over the steps have none.
       extremes = pack(result%last%history_results, result%last%history_results%scale > 0.0_dp)
@@ -561,11 +548,14 @@ contains
             ' of an interrupted run')
          if (walk%n_given_up > 0) text = text//labeled('Halved', to_text(walk%n_given_up)//' steps')
          text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
-            short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
-            worst_text('Largest residual', result%residual)//worst_text('Energy identities', result%imbalance)// &
-            worst_text('Step indicator', result%indicator)//labeled('Certified', counted(result%n_certified, 'step')// &
-            '; largest violation '//scientific(result%violation%value)//' in step '// &
-            to_text(result%violation%step))
+            short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')
+         do i = 1, size(worst_labels)
+            note = scientific(result%worst(i)%value)
+            if (result%worst(i)%step > 0) note = note//' in step '//to_text(result%worst(i)%step)
+            text = text//labeled(trim(worst_labels(i)), note)
+         end do
+         text = text//labeled('Certified', counted(result%n_certified, 'step')//'; largest violation '// &
+            scientific(result%worst(of_violation)%value)//' in step '//to_text(result%worst(of_violation)%step))
          call result%last%study_listing%add(text)
          text = ''
          if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
@@ -580,9 +570,10 @@ contains
             ' (work less strain energy and dissipation; it vanishes with the'//' size of the steps)'//newline//note, &
             [energy])
          ! The states at the times of the deck, with what the time since the one before took.
-         width = column_width(config%units)
+         ! Of numbers with six digits, or of a unit with a long name.
+         width = max(14, 1 + n_characters(unit_of(config%units, 'F L')))
          table = heading('States at the times of the deck (work and dissipation: since the time before)')// &
-            table_head(history%name(:min(12, len(history%name))), labels, dimensions, config%units)
+            table_head(history%name(:min(12, len(history%name))), labels, dimensions, config%units, width)
          before = 0.0_dp
          do i = 1, size(result%reached, 2)
             table = table//columns([result%reached(:7, i), result%reached(8:, i) - before], width)//newline
@@ -590,8 +581,8 @@ contains
          end do
          call result%last%study_listing%add(table, [0.0_dp, spread(0.0_dp, 1, 3), spread(force, 1, 2), spread(energy, &
             1, 3)])
-         call result%last%study_listing%add(cycles_table(config, result%cycles), [0.0_dp, 0.0_dp, energy, energy, &
-            length, length, 1.0_dp])
+         call result%last%study_listing%add(cycles_table(config, result%cycles, width), [0.0_dp, 0.0_dp, energy, &
+            energy, length, length, 1.0_dp])
          fretting = cycle_results(history, result%cycles)
          if (size(fretting) > 1) call result%last%study_listing%add( &
             heading('Fretting, last cycle (largest of all points)')//quantities_text(fretting(2:), config%units))
@@ -617,49 +608,34 @@ contains
       end do
    end function steps_text
 
-   !> The largest of a number over all steps.
-   pure function worst_text(label, worst) result(text)
-      character(*), intent(in) :: label !! what it is
-      type(worst_step_t), intent(in) :: worst !! the largest
-      character(:), allocatable :: text
-
-      text = labeled(label, scientific(worst%value))
-      if (worst%step > 0) text = labeled(label, scientific(worst%value)//' in step '//to_text(worst%step))
-   end function worst_text
-
-   !> Width of the columns of a table: of numbers with six digits, or of a unit with a long name.
-   pure integer function column_width(units) result(width)
-      character(*), intent(in) :: units !! names of the units of the case
-
-      width = max(14, 1 + n_characters(unit_of(units, 'F L')))
-   end function column_width
-
    !> The first line of a table and, where there are units, the second.
-   pure function table_head(first, labels, dimensions, units) result(text)
+   pure function table_head(first, labels, dimensions, units, width) result(text)
       character(*), intent(in) :: first !! what the first column is called, which is measured in nothing
       character(*), intent(in) :: labels(:) !! what the others are called
       character(*), intent(in) :: dimensions(:) !! what they are measured in
       character(*), intent(in) :: units !! names of the units of the case
+      integer, intent(in) :: width !! width of the columns
       character(:), allocatable :: text
       integer :: i
 
-      text = flush_right(first, column_width(units))
+      text = flush_right(first, width)
       do i = 1, size(labels)
-         text = text//flush_right(trim(labels(i)), column_width(units))
+         text = text//flush_right(trim(labels(i)), width)
       end do
       text = text//newline
       if (len_trim(units) == 0) return
-      text = text//repeat(' ', column_width(units))
+      text = text//repeat(' ', width)
       do i = 1, size(dimensions)
-         text = text//flush_right(unit_of(units, trim(dimensions(i))), column_width(units))
+         text = text//flush_right(unit_of(units, trim(dimensions(i))), width)
       end do
       text = trim(text)//newline
    end function table_head
 
    !> The cycles: of many the last ones, since these are like each other or not.
-   pure function cycles_table(config, cycles) result(text)
+   pure function cycles_table(config, cycles, width) result(text)
       type(config_t), intent(in) :: config !! the deck
       real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      integer, intent(in) :: width !! width of the columns
       character(:), allocatable :: text
       integer, parameter :: most_shown = 20
       character(10), parameter :: labels(*) = [character(10) :: 'end', 'work', 'dissipated', 'max. slip', &
@@ -672,43 +648,14 @@ contains
       if (n == 0) return
       n_passed = max(0, n - most_shown)
       text = heading('Cycles (d: changes from the one before, over the larger)')//table_head('cycle', labels, &
-         dimensions, config%units)
+         dimensions, config%units, width)
       do i = n_passed + 1, n
-         text = text//flush_right(to_text(nint(cycles(1, i))), column_width(config%units)) &
-            //columns(cycles([3, 5, 7, 9, 10, 11, 12], i), column_width(config%units)) &
-            //flush_right(trim(outcome_name(cycles(:, i))), column_width(config%units))//newline
+         text = text//flush_right(to_text(nint(cycles(1, i))), width)//columns(cycles([3, 5, 7, 9, 10, 11, 12], i), &
+            width)//flush_right(trim(cycle_outcomes(nint(cycles(n_plain_numbers, i)))), width)//newline
       end do
       if (n_passed > 0) text = text//labeled('Note', 'the first '//to_text(n_passed)//' of '//to_text(n)// &
          ' cycles are in '//config%name//'.cycles.csv')
    end function cycles_table
-
-   !> What a cycle is.
-   pure function outcome_name(cycle) result(name)
-      real(dp), intent(in) :: cycle(:) !! the numbers of the cycle
-      character(len(cycle_outcomes)) :: name
-
-      name = cycle_outcomes(nint(cycle(n_plain_numbers)))
-   end function outcome_name
-
-   !> The member of the cycles: how many, what the last one is, and since which one all are that.
-   function cycles_member(history, cycles) result(text)
-      type(history_t), intent(in) :: history !! the history
-      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
-      character(:), allocatable :: text
-      integer :: n, since
-
-      text = ''
-      n = size(cycles, 2)
-      if (n == 0) return
-      since = n
-      do while (since > 1)
-         if (nint(cycles(n_plain_numbers, since - 1)) /= nint(cycles(n_plain_numbers, n))) exit
-         since = since - 1
-      end do
-      text = ', "cycles": '//to_text(n)//', "cycle_outcome": '//json_string(trim(outcome_name(cycles(:, n))))// &
-         ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', '// &
-         quantity_members(cycle_results(history, cycles))
-   end function cycles_member
 
    !> The members of the summary.
    function history_members(config, result, numbers) result(text)
@@ -716,7 +663,7 @@ contains
       type(history_result_t), intent(in) :: result !! the result
       type(quantity_t), intent(in) :: numbers(:) !! energies and extremes
       character(:), allocatable :: text
-      integer :: i, k
+      integer :: i, k, since
 
       associate (walk => result%walk, state => result%walk%state)
          text = '{'//quantity_members(numbers)//', "complete": '//json_logical(len(walk%fault) == 0)// &
@@ -733,20 +680,23 @@ contains
          end do
          text = text//'], "time": '//json_number(state%instant%time)
       end associate
-      text = member('load_history', text//worst_members('residual', result%residual)// &
-         worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &
-         worst_members('violation', result%violation)// &
-         cycles_member(config%history, result%cycles)//'}')
+      do i = 1, size(worst_names)
+         text = text//', "'//trim(worst_names(i))//'": '//json_number(result%worst(i)%value)//', "'// &
+            trim(worst_names(i))//'_step": '//to_text(result%worst(i)%step)
+      end do
+      ! How many cycles, what the last one is, and since which one all are that.
+      associate (cycles => result%cycles, n => size(result%cycles, 2))
+         since = n
+         do while (since > 1)
+            if (nint(cycles(n_plain_numbers, since - 1)) /= nint(cycles(n_plain_numbers, n))) exit
+            since = since - 1
+         end do
+         if (n > 0) text = text//', "cycles": '//to_text(n)//', "cycle_outcome": '// &
+            json_string(trim(cycle_outcomes(nint(cycles(n_plain_numbers, n)))))//', "cycle_outcome_since": '// &
+            to_text(nint(cycles(1, since)))//', '//quantity_members(cycle_results(config%history, cycles))
+      end associate
+      text = member('load_history', text//'}')
    end function history_members
-
-   !> The largest of a number over all steps, behind others.
-   pure function worst_members(name, worst) result(text)
-      character(*), intent(in) :: name !! what it is
-      type(worst_step_t), intent(in) :: worst !! the largest
-      character(:), allocatable :: text
-
-      text = ', "'//name//'": '//json_number(worst%value)//', "'//name//'_step": '//to_text(worst%step)
-   end function worst_members
 
    !> Checks the history and reports its size.
    subroutine history_study_check(self, cache, outcome, error)
@@ -861,18 +811,64 @@ contains
       from_rest = result%error_from_rest(self%config%history)
       associate (walk => result%walk)
          outcome%text = self%config%name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', &
-            'INCOMPLETE', len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)// &
+            'INCOMPLETE', len(walk%fault) == 0))//', residual at most '// &
+            scientific(result%worst(of_residual)%value)// &
             '; dissipation '//with_unit(short_text(sum(walk%state%dissipation)), self%config%units, 'F L')// &
             ', energy error '//with_unit(short_text(walk%state%energy_error() - from_rest), self%config%units, 'F L')
          if (abs(from_rest) > rounding*walk%state%strain_energy) outcome%text = outcome%text// &
             ' and, in the first step from rest, '//with_unit(short_text(from_rest), self%config%units, 'F L')
       end associate
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
-         quantity_t('residual', '', result%residual%value), result%last%key_results, &
+         quantity_t('residual', '', result%worst(of_residual)%value), result%last%key_results, &
          resultants(result%last%solution%force)]
       outcome%has_grids = result%last%is_complete
-      if (result%last%is_complete) call outcome%judge(.true., result%residual%value, &
+      if (result%last%is_complete) call outcome%judge(.true., result%worst(of_residual)%value, &
          result%last%earlier_violation, self%config%method%tolerance)
    end subroutine history_study_solve
+
+   !> Pressure, shear and slip, and the forces, of all contact sets in a state. The slip is that since rest, on the
+   !> obstacle.
+   pure function contact_numbers(body, state) result(list)
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state
+      type(quantity_t), allocatable :: list(:)
+
+      associate (solution => state%solution)
+         list = [contact_peaks(body, solution%displacement(body%zone%n_points + 1:) - state%instant%motion, &
+            solution%force, solution%status, 0.0_dp), resultants(solution%force)]
+      end associate
+   end function contact_numbers
+
+   !> Where the work of the history went; the error is that of the size of the steps.
+   pure function energies_of(state) result(list)
+      type(step_state_t), intent(in) :: state !! the last state
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('work_loads', 'Work of loads', state%load_work), &
+         quantity_t('work_supports', 'Work of supports', state%support_work), &
+         quantity_t('work_obstacles', 'Work of obstacles', state%obstacle_work), &
+         quantity_t('strain_energy', 'Strain energy', state%strain_energy), &
+         quantity_t('dissipation', 'Dissipation', sum(state%dissipation)), &
+         quantity_t('energy_error', 'Energy error', state%energy_error())]
+      list%dimension = 'F L'
+   end function energies_of
+
+   !> What the last cycle took, and its largest parameters of fretting where the deck asks for them; nothing without a
+   !> cycle.
+   pure function cycle_results(history, cycles) result(list)
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      type(quantity_t), allocatable :: list(:)
+
+      allocate (list(0))
+      if (size(cycles, 2) == 0) return
+      associate (last => cycles(:, size(cycles, 2)))
+         list = [quantity_t('cycle_dissipation', 'Dissipation of cycle', last(7), dimension='F L')]
+         if (history%has_fretting) list = [list, &
+            quantity_t('max_ruiz_1', 'Ruiz 1', last(n_plain_numbers + 1), dimension='F/L'), &
+            quantity_t('max_ruiz_2', 'Ruiz 2', last(n_plain_numbers + 2), dimension='F^2/L^3'), &
+            quantity_t('max_swt', 'SWT', last(n_cycle_numbers), dimension='F/L^2')]
+      end associate
+   end function cycle_results
 
 end module amontons_history_study

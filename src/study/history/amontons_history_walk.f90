@@ -56,7 +56,6 @@ module amontons_history_walk
       real(dp), allocatable :: extreme(:, :) !! largest values over the cycle (n_extremes, m)
    contains
       procedure :: add => fretting_add
-      procedure :: begin => fretting_begin
       procedure :: parameters => fretting_parameters
    end type fretting_t
 
@@ -130,8 +129,10 @@ contains
       self%is_finished = .false.
       if (model%cycle_at(before%instant%time) >= 0) call self%start(before)
       if (allocated(model%surface)) then
-         if (model%cycle_at(before%instant%time) >= 0) call self%fretting%begin(model%surface, &
-            surface_stress(model, before), position(before))
+         if (model%cycle_at(before%instant%time) >= 0) then
+            self%fretting%extreme = -huge(1.0_dp)
+            call self%fretting%add(model%surface, surface_stress(model, before), position(before))
+         end if
          call self%fretting%add(model%surface, surface_stress(model, after), position(after))
       end if
       if (.not. self%is_begun) return
@@ -285,27 +286,16 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(archive_t) :: archive
 
-      if (allocated(model%surface)) call self%fretting%begin(model%surface, surface_stress(model, state), &
-         position(state))
+      self%fretting%extreme = -huge(1.0_dp)
+      if (allocated(model%surface)) call self%fretting%add(model%surface, surface_stress(model, state), position(state))
       if (size(numbers) /= size(self%noted())) return
       archive = archive_t(numbers, is_read=.true.)
       call visit(self, archive)
    end subroutine cycle_watch_restore
 
-   !> Begins a cycle.
-   pure subroutine fretting_begin(self, surface, stress, position)
-      class(fretting_t), intent(inout) :: self !! the cycle; becomes a new one
-      type(surface_stress_t), intent(in) :: surface !! the surface, for its material
-      real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
-      real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (m) [L]
-
-      self%stress = stress
-      self%extreme = sample(surface, stress, position)
-   end subroutine fretting_begin
-
-   !> Adds the end of a step.
+   !> Adds a state, the end of a step or the beginning of the cycle.
    pure subroutine fretting_add(self, surface, stress, position)
-      class(fretting_t), intent(inout) :: self !! the cycle; gains the step
+      class(fretting_t), intent(inout) :: self !! the cycle; gains the state
       type(surface_stress_t), intent(in) :: surface !! the surface, for its material
       real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
       real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (m) [L]

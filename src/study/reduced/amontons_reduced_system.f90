@@ -415,7 +415,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! sizes or numbers that cannot be
       type(entries_t) :: entries
       character(:), allocatable :: sentence
-      integer :: i, j, k, n, place
+      integer :: i, j, k, n, place, at(2)
 
       ! Three unknowns of a contact are those of space.
       n = merge(3, 2, size(q) == 3*size(friction))*size(friction)
@@ -423,9 +423,16 @@ contains
          call new_error(error, input_refused, 'expected W of '//to_text(n)//' rows and columns and '// &
             'as many numbers q for the '//to_text(size(friction))//' contacts of mu, found W of '// &
             to_text(size(w, 1))//' x '//to_text(size(w, 2))//' and '//to_text(size(q))//' numbers q')
-         return
+      else if (.not. all(ieee_is_finite(w))) then
+         at = findloc(ieee_is_finite(w), .false.)
+         call refuse(entry_name(at), w(at(1), at(2)), 'a finite number', error)
+      else if (.not. all(ieee_is_finite(q))) then
+         i = findloc(ieee_is_finite(q), .false., dim=1)
+         call refuse('q('//to_text(i)//')', q(i), 'a finite number', error)
+      else if (.not. all(ieee_is_finite(friction) .and. friction >= 0.0_dp)) then
+         i = findloc(ieee_is_finite(friction) .and. friction >= 0.0_dp, .false., dim=1)
+         call refuse('mu('//to_text(i)//')', friction(i), 'a finite number, at least 0', error)
       end if
-      call check_numbers(w, q, friction, error)
       if (allocated(error)) return
       entries%n = count(abs(w) > 0.0_dp)
       allocate (entries%row(entries%n), entries%column(entries%n), entries%value(entries%n))
@@ -444,30 +451,6 @@ contains
       if (allocated(sentence)) call new_error(error, input_refused, sentence)
       system%form = 'arrays'
    end subroutine new_dense_system
-
-   !> Refuses numbers that are not finite, and negative friction.
-   pure subroutine check_numbers(w, q, friction, error)
-      real(dp), intent(in) :: w(:, :) !! W (n, n) [L/F]
-      real(dp), intent(in) :: q(:) !! u without forces (n) [L]
-      real(dp), intent(in) :: friction(:) !! mu (m) [-]
-      type(error_t), allocatable, intent(out) :: error !! which number it is
-      integer :: place(2)
-
-      place = findloc(ieee_is_finite(w), .false.)
-      if (all(place > 0)) then
-         call refuse('W('//to_text(place(1))//', '//to_text(place(2))//')', w(place(1), place(2)), 'a finite number', &
-            error)
-         return
-      end if
-      place = findloc(ieee_is_finite(q), .false., dim=1)
-      if (place(1) > 0) then
-         call refuse('q('//to_text(place(1))//')', q(place(1)), 'a finite number', error)
-         return
-      end if
-      place = findloc(ieee_is_finite(friction) .and. friction >= 0.0_dp, .false., dim=1)
-      if (place(1) > 0) call refuse('mu('//to_text(place(1))//')', friction(place(1)), 'a finite number, at least 0', &
-         error)
-   end subroutine check_numbers
 
    !> Names a number and what was expected in its place.
    pure subroutine refuse(name, value, expected, error)

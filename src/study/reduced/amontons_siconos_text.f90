@@ -75,8 +75,20 @@ contains
       case default
          call read_csparse(entries, input, n, form)
       end select
-      call read_vectors(q, friction, input, n, n_contacts)
       if (allocated(input%error)) return
+      allocate (q(n), friction(n_contacts), source=0.0_dp)
+      do i = 1, size(q)
+         call input%skip_white()
+         call input%take_real(q(i), 'a number of q')
+         if (allocated(input%error)) return
+      end do
+      do i = 1, size(friction)
+         call input%skip_white()
+         call input%take_real(friction(i), 'a coefficient of friction mu')
+         if (friction(i) < 0.0_dp) call refuse_word(input, 'mu of contact '//to_text(i)//' is '// &
+            to_text(friction(i))//': expected a number that is not negative')
+         if (allocated(input%error)) return
+      end do
       ! Siconos writes a 1 behind the last coefficient.
       call input%skip_white()
       call scan_integer(input%text, input%position, flag, ok)
@@ -120,7 +132,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
       integer, allocatable :: row_end(:), column_end(:), first(:), block_column(:)
-      integer :: n_blocks, n_block_rows, n_block_columns, number, i, k
+      integer :: n_blocks, n_block_rows, n_block_columns, number, least, i, k
 
       call take_count(input, n_blocks, 'blocks', least=0)
       call take_count(input, n_block_rows, 'block rows', least=min(1, n))
@@ -133,7 +145,16 @@ contains
       call input%check_count(n_blocks, 2, 'blocks')
       if (allocated(input%error)) return
       allocate (first(0:n_block_rows), block_column(n_blocks))
-      call take_pointers(first, input, n_blocks)
+      ! Where the blocks of each block row begin, and their end.
+      least = 0
+      do i = 0, n_block_rows
+         call take_number(input, first(i), 'a block row pointer')
+         if (i == n_block_rows) least = n_blocks
+         if (first(i) < least .or. first(i) > merge(0, n_blocks, i == 0)) call refuse_word(input, 'expected block '// &
+            'row pointers that ascend from 0 to '//to_text(n_blocks)//', found '//to_text(first(i)))
+         if (allocated(input%error)) return
+         least = first(i)
+      end do
       do k = 1, n_blocks
          call take_number(input, block_column(k), 'the block column of a block')
          if (block_column(k) < 0 .or. block_column(k) >= n_block_columns) call refuse_word(input, &
@@ -182,50 +203,6 @@ contains
          if (allocated(input%error)) return
       end do
    end subroutine take_ends
-
-   !> Takes where the blocks of each block row begin, and their end.
-   pure subroutine take_pointers(first, input, n_blocks)
-      integer, intent(inout) :: first(0:) !! number of blocks in the block rows before each
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: n_blocks !! number of blocks
-      integer :: i, least, most
-
-      first = 0
-      least = 0
-      do i = 0, ubound(first, 1)
-         call take_number(input, first(i), 'a block row pointer')
-         most = merge(0, n_blocks, i == 0)
-         if (i == ubound(first, 1)) least = n_blocks
-         if (first(i) < least .or. first(i) > most) call refuse_word(input, 'expected block row pointers that '// &
-            'ascend from 0 to '//to_text(n_blocks)//', found '//to_text(first(i)))
-         if (allocated(input%error)) return
-         least = first(i)
-      end do
-   end subroutine take_pointers
-
-   !> Reads q and mu.
-   pure subroutine read_vectors(q, friction, input, n, n_contacts)
-      real(dp), allocatable, intent(out) :: q(:) !! u without forces (n) [L]
-      real(dp), allocatable, intent(out) :: friction(:) !! mu (m) [-]
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: n !! number of rows of W
-      integer, intent(in) :: n_contacts !! number m of contacts
-      integer :: i
-
-      allocate (q(n), friction(n_contacts), source=0.0_dp)
-      do i = 1, size(q)
-         call input%skip_white()
-         call input%take_real(q(i), 'a number of q')
-         if (allocated(input%error)) return
-      end do
-      do i = 1, size(friction)
-         call input%skip_white()
-         call input%take_real(friction(i), 'a coefficient of friction mu')
-         if (friction(i) < 0.0_dp) call refuse_word(input, 'mu of contact '//to_text(i)//' is '// &
-            to_text(friction(i))//': expected a number that is not negative')
-         if (allocated(input%error)) return
-      end do
-   end subroutine read_vectors
 
    !> Writes a reduced problem under its temporary name: dense, or as CSparse's columns where W is sparse.
    subroutine write_siconos_text(file, path, system, error)
@@ -432,7 +409,16 @@ contains
          if (.not. is_printed(found, entries%n)) call refuse_word(input, 'expected the column to begin at location '// &
             to_text(entries%n)//', found '//to_text(found))
          call take_word(input, 'to')
-         call take_last(input, next)
+         ! The last location of a column is -1 for an empty first one.
+         if (allocated(input%error)) return
+         call input%skip_white()
+         if (input%text(input%position:min(input%position + 1, len(input%text))) == '-1') then
+            input%position = input%position + 2
+            next = 0
+         else
+            call take_printed(input, next, 'the last location of a column')
+            next = next + 1
+         end if
          do while (.not. allocated(input%error))
             call input%skip_white()
             if (next < first_rounded .and. entries%n >= next .or. .not. is_entry(input, 1)) exit
@@ -446,22 +432,6 @@ contains
       if (.not. is_printed(n_entries, entries%n)) call input%refuse('expected '//to_text(n_entries)// &
          ' entries as nnz says, found '//to_text(entries%n), place)
    end subroutine read_compressed
-
-   !> Takes the last location of a column, which is -1 for an empty first one.
-   pure subroutine take_last(input, next)
-      type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(out) :: next !! the location behind the last one
-
-      next = 0
-      if (allocated(input%error)) return
-      call input%skip_white()
-      if (input%text(input%position:min(input%position + 1, len(input%text))) == '-1') then
-         input%position = input%position + 2
-      else
-         call take_printed(input, next, 'the last location of a column')
-         next = next + 1
-      end if
-   end subroutine take_last
 
    !> Whether a number of integers and a colon come next: an entry, and not yet the numbers of q.
    pure logical function is_entry(input, n_integers)

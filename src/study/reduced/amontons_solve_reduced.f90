@@ -23,15 +23,10 @@ module amontons_solve_reduced
    public :: find_reduced_solutions, new_reduced_check, prepare_reduced, reduced_check_t, reduced_result_t, &
       solve_reduced, solve_reduced_system
 
-   !> Violations, each over its natural scale: displacements over the largest of u and q, forces over the largest r.
-   type :: reduced_check_t
-      real(dp) :: penetration = 0.0_dp !! largest -u_N [-]
-      real(dp) :: tension = 0.0_dp !! largest -r_N [-]
-      real(dp) :: friction_excess = 0.0_dp !! largest |r_T| - mu r_N [-]
-      real(dp) :: complementarity = 0.0_dp !! largest smaller one of u_N and r_N [-]
-      real(dp) :: slip_below_bound = 0.0_dp !! largest smaller one of |u_T| and mu r_N - |r_T| [-]
-      real(dp) :: wrong_dissipation = 0.0_dp
-         !! how far the smaller one of u_T and r_T is at most from opposing the other, in the plane its size [-]
+   !> The largest violations, each over its natural scale: displacements over the largest of u and q, forces over the
+   !> largest r. The wrong dissipation is how far the smaller one of u_T and r_T is at most from opposing the other, in
+   !> the plane its size.
+   type, extends(point_violations_t) :: reduced_check_t
    contains
       procedure :: largest => reduced_check_largest
       procedure :: violations => reduced_check_violations

@@ -150,31 +150,24 @@ contains
       text = solution_line(name, result%solution)
       if (size(result%solution%status) == 0) then
          text = text//'; no contact set, largest von Mises stress '// &
-            number('max_von_mises', 'F/L^2')//', displacement '//number('max_displacement', 'L')
+            number(value_of(result%key_results, 'max_von_mises'), 'F/L^2')//', displacement '// &
+            number(value_of(result%key_results, 'max_displacement'), 'L')
       else
-         text = text//'; open '//length(result%lengths%open)//', slip '//length(result%lengths%slip)// &
-            ', stick '//length(result%lengths%stick)//'; '//closed_text(result%solution%status)// &
-            ', peak pressure '//number('max_contact_pressure', 'F/L^2')
+         text = text//'; open '//number(result%lengths%open, 'L')//', slip '//number(result%lengths%slip, 'L')// &
+            ', stick '//number(result%lengths%stick, 'L')//'; '//closed_text(result%solution%status)// &
+            ', peak pressure '//number(value_of(result%key_results, 'max_contact_pressure'), 'F/L^2')
       end if
 
    contains
 
-      !> A key result with its unit.
-      pure function number(key, dimension) result(labeled)
-         character(*), intent(in) :: key !! its name
+      !> A number with its unit.
+      pure function number(value, dimension) result(labeled)
+         real(dp), intent(in) :: value !! the number
          character(*), intent(in) :: dimension !! its dimension
          character(:), allocatable :: labeled
 
-         labeled = with_unit(short_text(value_of(result%key_results, key)), units, dimension)
+         labeled = with_unit(short_text(value), units, dimension)
       end function number
-
-      !> A length with its unit.
-      pure function length(value) result(labeled)
-         real(dp), intent(in) :: value !! the length [L]
-         character(:), allocatable :: labeled
-
-         labeled = with_unit(short_text(value), units, 'L')
-      end function length
    end function solved_text
 
 end module amontons_single_study

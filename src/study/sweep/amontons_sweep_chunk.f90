@@ -39,7 +39,7 @@ module amontons_sweep_chunk
 
    public :: append_row, case_keys, case_quantities, case_result_t, chunk_length, chunk_t, condense_task, &
       new_case, new_chunk, &
-      outcome_labels, prepare_sweep, ranked_quantities, read_warnings, set_numbers, solve_again, solve_chunks, &
+      outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, solve_chunks, &
       sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes, as listings have them.
@@ -79,7 +79,6 @@ module amontons_sweep_chunk
       procedure :: add => sweep_statistics_add
       procedure :: add_warnings => sweep_statistics_add_warnings
       procedure :: append => sweep_statistics_append
-      procedure :: is_answered => sweep_statistics_is_answered
       procedure :: outcome => sweep_statistics_outcome
       procedure :: visit => sweep_statistics_visit
    end type sweep_statistics_t
@@ -167,26 +166,6 @@ contains
       list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
    end function ranked_quantities
 
-   !> Sets the numbers of a case from its solution.
-   pure subroutine set_numbers(result, body, solution, friction, slip_bound, free_gap, peaks)
-      type(case_result_t), intent(inout) :: result !! what is kept; gains the numbers
-      type(body_t), intent(in) :: body !! the body
-      type(contact_solution_t), intent(in) :: solution !! the solution
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
-      real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
-      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks` and forces by name, if the deck asks for them
-      type(quantity_t), allocatable :: list(:)
-
-      list = expanded(case_quantities(body, solution, friction, slip_bound, free_gap, peaks))
-      result%quantity = list%value
-      result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
-      if (result%has_solution) return
-      ! What leaves the range of numbers is no solution, however small its residual.
-      result%outcome = outcome_numbers
-      result%is_warned = .false.
-   end subroutine set_numbers
-
    !> Whether there is no solution to take numbers from.
    elemental logical function case_result_is_empty(self) result(is_empty)
       class(case_result_t), intent(in) :: self !! the result
@@ -269,13 +248,6 @@ contains
             ' cases, case '//to_text(self%warned_case(i))//' the first: '//case_warning_sentence(i, zone))
       end do
    end subroutine sweep_statistics_add_warnings
-
-   !> Whether every case has its answer: a solution, or that there is no equilibrium.
-   pure logical function sweep_statistics_is_answered(self) result(is_answered)
-      class(sweep_statistics_t), intent(in) :: self !! the statistics
-
-      is_answered = sum(self%n_outcomes([outcome_not_converged, outcome_numbers])) == 0
-   end function sweep_statistics_is_answered
 
    !> What became of the cases together, in a word: one without an answer counts first, no equilibrium only where no
    !> case has one.
@@ -458,15 +430,6 @@ contains
       end do
    end function parting_of
 
-   !> The number of a case as a member of the family of loads.
-   pure subroutine set_case(task, number, acting)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      integer, intent(in) :: number !! number of the case
-      type(acting_t), intent(inout) :: acting !! a member; gains the factors of the case
-
-      acting%factor(2:) = task%sweep%values(number)
-   end subroutine set_case
-
    !> The load case of a case of the sweep, condensed if the loads are.
    subroutine new_case(load_case, task, body, number)
       type(load_case_t), intent(out) :: load_case !! the load case
@@ -476,7 +439,7 @@ contains
       type(acting_t) :: acting
 
       call task%solver%loads%at_rest(acting)
-      call set_case(task, number, acting)
+      acting%factor(2:) = task%sweep%values(number)
       call task%solver%loads%load_case(body, acting, load_case)
    end subroutine new_case
 
@@ -583,6 +546,8 @@ contains
       type(contact_solution_t), intent(inout) :: solutions(chunk_length) !! their solutions
       type(acting_t) :: acting
       character(:), allocatable :: reason
+      integer, allocatable :: reached(:)
+      real(dp) :: largest, wrong
       integer :: i, number, neighbor, outcome, kind
 
       call task%solver%loads%at_rest(acting)
@@ -590,7 +555,7 @@ contains
          if (.not. is_needed(i)) cycle
          number = chunk%first + i - 1
          neighbor = task%sweep%neighbor(number) - chunk%first + 1
-         call set_case(task, number, acting)
+         acting%factor(2:) = task%sweep%values(number)
          call task%solver%loads%pose(body, acting, problem)
          call new_contact_solution(solutions(i), problem%n_points)
          ! By a method of its own a deck is solved as it would be alone.
@@ -604,7 +569,24 @@ contains
             call move_alloc(reason, chunk%fault)
             if (chunk%is_broken()) return
          end if
-         call keep(task, body, acting, problem, solutions(i), outcome, chunk%results(i))
+         ! Keeps what became of the case, but for its numbers.
+         associate (kept => chunk%results(i), solution => solutions(i), base => task%solver%loads%base)
+            kept%outcome = outcome
+            kept%n_iterations = solution%n_iterations
+            if (kept%is_empty()) cycle
+            kept%residual = solution%residual
+            wrong = solution%residual*problem%force_scale() &
+               + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
+            largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
+            if (.not. largest > 0.0_dp) largest = problem%force_scale()
+            kept%force_error = min(wrong/largest, huge(kept%force_error))
+            if (.not. solution%is_converged) cycle
+            call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
+            ! What lies beyond an end of a set bears no force: that of the end is in doubt.
+            reached = body%free_boundary%reached_ends(base%contacts, body%mesh%coordinates, base%gap, solution%status)
+            kept%force_error = max(kept%force_error, max(0.0_dp, maxval(solution%force( &
+               body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
+         end associate
       end do
    end subroutine solve_cases
 
@@ -614,10 +596,11 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
       type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
-      type(quantity_t), allocatable :: peaks(:, :)
+      type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
       type(acting_t) :: acting
       integer :: i
 
+      allocate (named(0))
       call find_body_results(peaks, task, body, chunk, solutions)
       call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
@@ -625,26 +608,21 @@ contains
             if (kept%is_empty()) then
                kept%quantity = spread(0.0_dp, 1, task%n_quantities)
             else
-               call set_case(task, chunk%first + i - 1, acting)
-               call set_numbers(kept, body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), [peaks(:, i), forces_of(task, body, acting, solutions(i))])
+               acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
+               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
+                  solutions(i)%displacement, solutions(i)%force))
+               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
+                  loads%gap_of(acting), [peaks(:, i), named]))
+               kept%quantity = list%value
+               kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
+               if (kept%has_solution) cycle
+               ! What leaves the range of numbers is no solution, however small its residual.
+               kept%outcome = outcome_numbers
+               kept%is_warned = .false.
             end if
          end associate
       end do
    end subroutine find_numbers
-
-   !> The forces by name of a case, if the deck asks for them.
-   pure function forces_of(task, body, acting, solution) result(list)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(acting_t), intent(in) :: acting !! what acts in the case
-      type(contact_solution_t), intent(in) :: solution !! its solution
-      type(quantity_t), allocatable :: list(:)
-
-      allocate (list(0))
-      if (task%sweep%has_forces) list = named_quantities(body, task%forces%values(acting%factor, &
-         solution%displacement, solution%force))
-   end function forces_of
 
    !> Finds the key results of the whole body, if the deck asks for them, of all cases of a chunk.
    subroutine find_body_results(peaks, task, body, chunk, solutions)
@@ -657,7 +635,10 @@ contains
       ! How many cases are worked on together: fields of more take much memory beside a factor, and gain little.
       integer, parameter :: n_together = 4
       integer, allocatable :: cases(:)
-      integer :: first, i, n
+      type(condensed_load_t) :: condensed(n_together)
+      type(acting_t) :: acting
+      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strain(:), strains(:, :)
+      integer :: first, i, k, n
 
       n = chunk%last - chunk%first + 1
       peaks = spread(body_peaks_at_rest(), 2, n)
@@ -667,76 +648,30 @@ contains
       end if
       cases = [(i, i=1, n)]
       cases = pack(cases, .not. chunk%results(:n)%is_empty() .and. solutions(:n)%residual < huge(1.0_dp))
+      call task%solver%loads%at_rest(acting)
       do first = 1, size(cases), n_together
-         associate (some => cases(first:min(size(cases), first + n_together - 1)))
-            call find_peaks(peaks, task, body, chunk, solutions, some)
+         ! These cases take one pass over the factor and the elements.
+         associate (some => cases(first:min(size(cases), first + n_together - 1)), loads => task%solver%loads)
+            allocate (displacement(2*body%zone%n_points, size(some)), stress(4, body%mesh%n_nodes, size(some)))
+            do k = 1, size(some)
+               acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
+               displacement(:, k) = solutions(some(k))%displacement
+               call loads%sum_condensed(acting%factor, condensed(k))
+               call loads%sum_thermal(acting%factor, strain)
+               if (.not. allocated(strain)) cycle
+               if (.not. allocated(strains)) allocate (strains(size(strain), size(some)))
+               strains(:, k) = strain
+            end do
+            ! No quantity multiplies prescribed displacements: they are those of the first part.
+            call recover_displacements(field, body, loads%parts(1), condensed(:size(some)), displacement)
+            call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field, strains)
+            do k = 1, size(some)
+               peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
+            end do
          end associate
+         deallocate (displacement, stress)
+         if (allocated(strains)) deallocate (strains)
       end do
    end subroutine find_body_results
-
-   !> Finds the key results of the body of a few cases with one pass over the factor and the elements.
-   subroutine find_peaks(peaks, task, body, chunk, solutions, cases)
-      type(quantity_t), intent(inout) :: peaks(:, :) !! gains those of these cases (any, cases)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(chunk_t), intent(in) :: chunk !! the chunk
-      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! the solutions of its cases
-      integer, intent(in) :: cases(:) !! the cases, numbered from 1 in the chunk
-      type(condensed_load_t) :: condensed(size(cases))
-      type(acting_t) :: acting
-      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strain(:), strains(:, :)
-      integer :: k
-
-      allocate (displacement(2*body%zone%n_points, size(cases)), stress(4, body%mesh%n_nodes, size(cases)))
-      associate (loads => task%solver%loads)
-         call loads%at_rest(acting)
-         do k = 1, size(cases)
-            call set_case(task, chunk%first + cases(k) - 1, acting)
-            displacement(:, k) = solutions(cases(k))%displacement
-            call loads%sum_condensed(acting%factor, condensed(k))
-            call loads%sum_thermal(acting%factor, strain)
-            if (.not. allocated(strain)) cycle
-            if (.not. allocated(strains)) allocate (strains(size(strain), size(cases)))
-            strains(:, k) = strain
-         end do
-         ! No quantity multiplies prescribed displacements: they are those of the first part.
-         call recover_displacements(field, body, loads%parts(1), condensed, displacement)
-      end associate
-      call find_node_stresses(stress, size(cases), body%mesh, body%materials, body%coloring, field, strains)
-      do k = 1, size(cases)
-         peaks(:, cases(k)) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
-      end do
-   end subroutine find_peaks
-
-   !> Keeps what became of a case, but for its numbers.
-   subroutine keep(task, body, acting, problem, solution, outcome, kept)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(acting_t), intent(in) :: acting !! what acts
-      type(contact_problem_t), intent(in) :: problem !! the contact problem
-      type(contact_solution_t), intent(in) :: solution !! its solution
-      integer, intent(in) :: outcome !! what came of it
-      type(case_result_t), intent(out) :: kept !! what is kept of it
-      integer, allocatable :: reached(:)
-      real(dp) :: largest, wrong
-
-      kept%outcome = outcome
-      kept%n_iterations = solution%n_iterations
-      if (kept%is_empty()) return
-      kept%residual = solution%residual
-      wrong = solution%residual*problem%force_scale() &
-         + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
-      largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
-      if (.not. largest > 0.0_dp) largest = problem%force_scale()
-      kept%force_error = min(wrong/largest, huge(kept%force_error))
-      if (.not. solution%is_converged) return
-      associate (base => task%solver%loads%base)
-         call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
-         ! What lies beyond an end of a set bears no force: that of the end is in doubt.
-         reached = body%free_boundary%reached_ends(base%contacts, body%mesh%coordinates, base%gap, solution%status)
-         kept%force_error = max(kept%force_error, max(0.0_dp, maxval(solution%force( &
-            body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
-      end associate
-   end subroutine keep
 
 end module amontons_sweep_chunk

@@ -327,30 +327,21 @@ contains
 
    !> Makes the text files of a sweep, but for the table and the summary.
    subroutine sweep_documents(documents, config, body, result)
-      type(document_t), intent(out) :: documents(n_documents) !! the files
+      type(document_t), intent(out) :: documents(n_documents) !! the files: listing and deck
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result of all cases
-
-      call new_sweep_listing(documents(1), config, body, result)
-      documents(2)%ending = '.deck.nml'
-      call documents(2)%add(config%deck_text())
-   end subroutine sweep_documents
-
-   !> Makes the listing.
-   subroutine new_sweep_listing(listing, config, body, result)
-      type(document_t), intent(out) :: listing !! the listing
-      type(config_t), intent(in) :: config !! the deck
-      type(body_t), intent(in) :: body !! the body
-      type(sweep_result_t), intent(in) :: result !! the result
       integer, parameter :: width = 14
       type(quantity_t), allocatable :: list(:)
       character(:), allocatable :: text
       integer :: name_width, i
 
-      listing%ending = '.lst'
-      call listing%record(head_text(config))
-      associate (certified => result%certified, statistics => result%statistics, units => config%units)
+      documents(1)%ending = '.lst'
+      documents(2)%ending = '.deck.nml'
+      call documents(2)%add(config%deck_text())
+      call documents(1)%record(head_text(config))
+      associate (listing => documents(1), certified => result%certified, statistics => result%statistics, &
+         units => config%units)
          call listing%add(warnings_text(certified%warnings))
          call listing%add(model_text(body, certified%load_case, units)//list_axes(config))
          ! How the cases were solved.
@@ -396,7 +387,7 @@ contains
          end if
          call listing%record(times_text(certified%timings, listed_phases))
       end associate
-   end subroutine new_sweep_listing
+   end subroutine sweep_documents
 
    !> What varies, and in which combination; of many values the first and the last ones.
    pure function list_axes(config) result(text)
