@@ -15,7 +15,7 @@ from amontons.svg_axes import SvgAxes
 Canvas = Union[Axes, SvgAxes]
 # Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
-            ("slip against t", "#56B4E9", "<"))
+            ("slip against t", "#56B4E9", "<"), ("slip", "#0072B2", ">"))
 PRESSURE, SHEAR, BOUND, GAP, SLIP = "black", "#CC79A7", "#E69F00", "#D55E00", "#0072B2"
 ABSCISSAS = ("s", "x", "y")
 ROUNDING = 1e-9  # what is smaller over the largest value or displacement is drawn as 0
@@ -110,6 +110,8 @@ def draw_stress(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
     """Pressure, shear and the shear that friction can bear, statuses as markers."""
     data = case.line.point_data
     pressure, shear, bound = (data[name] for name in ("contact_pressure", "contact_shear", "shear_bound"))
+    if "contact_shear_theta" in data:
+        shear = np.hypot(shear, data["contact_shear_theta"])
     if bound.any():
         draw_lines(axes, sets, bound, BOUND, "friction bound", ":")
         draw_lines(axes, sets, -bound, BOUND, None, ":")
@@ -128,8 +130,19 @@ def draw_stress(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
 
 
 def draw_slip(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
-    """The slip."""
+    """The slip; of a twisted body its length, with arrows in its direction where the set is unrolled: along the contact
+    line to the right, around the axis upwards."""
     slip = case.line.point_data["slip"]
+    if "slip_theta" in case.line.point_data:
+        along, around = slip, case.line.point_data["slip_theta"]
+        slip = np.hypot(along, around)
+        slides = (case.line.point_data["status"] > 1) & (slip > ROUNDING * slip.max())
+        for one in sets:
+            here = slides[one.points].nonzero()[0][::max(1, len(one.points) // 20)]
+            points, way = one.points[here], np.sign(one.place[-1] - one.place[0])
+            axes.quiver(one.place[here], slip[points], way * along[points] / slip[points],
+                        around[points] / slip[points], color=SLIP, angles="uv", units="inches", width=0.012,
+                        scale=6.0, scale_units="inches")
     draw_lines(axes, sets, slip, SLIP)
     set_range(axes, slip[points_of(sets)], np.abs(case.mesh.point_data["displacement"]).max())
     axes.axhline(0, color="gray", linewidth=0.4)

@@ -15,14 +15,14 @@ from amontons.draw_sweep import quantity
 from amontons.grid import Array
 
 # In the order of the letters of run lengths.
-ZONES = {"open": "#D55E00", "stick": "#009E73", "slip +": "#0072B2", "slip -": "#56B4E9"}
-LETTERS = "os+-"
+ZONES = {"open": "#D55E00", "stick": "#009E73", "slip +": "#0072B2", "slip -": "#56B4E9", "slip": "#0072B2"}
+LETTERS = "os+-*"
 TEXTS = ("statuses",)
 
 
 def statuses_of(rows: list[dict[str, str]]) -> Array:
     """The status of each contact point (rows) at each step (columns), as its place in ZONES."""
-    steps = [[LETTERS.index(letter) for length, letter in re.findall(r"(\d+)([os+-])", row["statuses"])
+    steps = [[LETTERS.index(letter) for length, letter in re.findall(r"(\d+)([os+*-])", row["statuses"])
               for _ in range(int(length))] for row in rows]
     return np.array(steps).T
 

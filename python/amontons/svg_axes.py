@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 from matplotlib.colors import Colormap
@@ -105,6 +105,29 @@ class Line:
         return f' stroke-dasharray="{text}"' if text else ""
 
 
+@dataclass(frozen=True)
+class Arrows:
+    """Arrows from places in directions of the picture."""
+    x: Array
+    y: Array
+    across: Array  # in points
+    up: Array
+    color: str
+    label: Optional[str] = None
+    zorder: float = 2.0
+    is_across: bool = False
+
+    def drawn(self, x: Array, y: Array) -> str:
+        """The arrows at places in the picture."""
+        u, v = self.across, -self.up
+        # The shaft, and from its end back on both sides.
+        steps = np.stack([u, v, -0.3 * u - 0.15 * v, -0.3 * v + 0.15 * u, 0.3 * u + 0.15 * v, 0.3 * v - 0.15 * u,
+                          -0.3 * u + 0.15 * v, -0.3 * v - 0.15 * u], axis=-1)
+        path = "".join(f"M{one:.5g} {other:.5g}l" + " ".join(map(short, way))
+                       for one, other, way in zip(x.tolist(), y.tolist(), steps.tolist()))
+        return f'<path d="{path}" stroke="{color_of(self.color)}" stroke-width="0.9"/>' if path else ""
+
+
 def ticks_between(limits: tuple[float, float], most: float, are_whole: bool = False) \
         -> tuple[list[tuple[float, str]], str]:
     """Pairs of value and text of ticks, as many as there is room for, and the factor of the texts."""
@@ -156,7 +179,7 @@ class SvgAxes:
     def __init__(self, left: float, top: float, right: float, bottom: float) -> None:
         """The axes have this place, a part of it where their aspect is equal."""
         self.left, self.top, self.right, self.bottom = left, top, right, bottom
-        self.artists: list[Line] = []
+        self.artists: list[Union[Line, Arrows]] = []
         self.cells: Optional[Cells] = None
         self.words = {"title": "", "xlabel": "", "ylabel": ""}
         self.yticks: Optional[list[float]] = None
@@ -170,6 +193,10 @@ class SvgAxes:
         """Adds a line."""
         self.artists.append(Line(np.asarray(x, float), np.asarray(y, float), color, linestyle, linewidth, marker,
                                  markersize, markevery, label, zorder, is_across))
+
+    def quiver(self, x: Array, y: Array, u: Array, v: Array, *, color: str, scale: float, **_: Any) -> None:
+        """Adds arrows from places; a direction of the length `scale` is an inch long."""
+        self.artists.append(Arrows(x, y, 72 / scale * u, 72 / scale * v, color))
 
     def pcolormesh(self, x: Array, y: Array, values: Array, *, cmap: Colormap, vmin: float, vmax: float,
                    **_: Any) -> None:

@@ -15,7 +15,7 @@ module amontons_document
       read_status_runs, status_runs
 
    !> Letters of the statuses, in the order of their numbers in `amontons_friction_law`.
-   character(*), parameter :: letters = 'os+-'
+   character(*), parameter :: letters = 'os+-*'
 
    !> A part of a text: whole lines.
    type :: part_t
@@ -116,8 +116,8 @@ contains
       text = text//'"'
    end function json_string
 
-   !> The statuses along the contact lines as run lengths, `4o 12+ 17s`: o open, s stick, + and - slip; a bar stands
-   !> between two contact sets.
+   !> The statuses along the contact lines as run lengths, `4o 12+ 17s`: o open, s stick, + and - slip, * slip of a
+   !> twisted body; a bar stands between two contact sets.
    pure subroutine status_runs(runs, status, set)
       character(:), allocatable, intent(out) :: runs !! the run lengths
       integer, intent(in) :: status(:) !! status of each point (m)

@@ -71,6 +71,7 @@ module amontons_deck_visitor
       procedure :: close_group => visitor_close_group
       procedure :: reals => visitor_reals
       procedure :: text => visitor_text
+      procedure :: flag => visitor_flag
       procedure :: words => visitor_words
       procedure :: real => visitor_real
       procedure :: list => visitor_list
@@ -100,6 +101,7 @@ module amontons_deck_visitor
       procedure :: close_group => writer_close_group
       procedure :: reals => writer_reals
       procedure :: text => writer_text
+      procedure :: flag => writer_flag
       procedure :: words => writer_words
       procedure, private :: write_key => writer_write_key
    end type deck_writer_t
@@ -402,6 +404,15 @@ contains
       end if
    end subroutine writer_text
 
+   !> Writes a logical value that is true.
+   subroutine writer_flag(self, key, value)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      logical, intent(inout) :: value !! the value
+
+      call self%write_key(key, 'logical value: `.true.` or `.false.`', trim(merge('.true. ', '.false.', value)), value)
+   end subroutine writer_flag
+
    !> Writes a list of words; nothing without any.
    subroutine writer_words(self, key, choices, is_chosen)
       class(deck_writer_t), intent(inout) :: self !! the writer
@@ -607,6 +618,24 @@ contains
          if (key%is_file .and. len_trim(text) > 0) value = self%deck%path_of(self%place, key%name, text)
       end if
    end subroutine visitor_text
+
+   !> Visits a logical value.
+   subroutine visitor_flag(self, key, value)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      logical, intent(inout) :: value !! the value; stays as it is where the deck does not give it
+      character(*), parameter :: noun = 'logical value'
+      character(:), allocatable :: word
+      integer :: source(1)
+
+      call self%find(key, noun, source)
+      if (source(1) == 0) return
+      word = lower_case(bare_value(self%deck%contents, source(1)))
+      value = any(word == [character(6) :: '.true.', 'true', 't'])
+      if (.not. (value .or. any(word == [character(7) :: '.false.', 'false', &
+         'f']))) call &
+         refuse_value(self%deck%contents, self%place, key%name, source(1), 'a '//noun)
+   end subroutine visitor_flag
 
    !> Visits a list of words.
    subroutine visitor_words(self, key, choices, is_chosen)

@@ -12,7 +12,8 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, measure_terms, spring_forces, thermal_work, to_unknowns
+   public :: around_axis, assemble_stiffness, from_unknowns, magnitude, measure_terms, spring_forces, thermal_work, &
+      to_unknowns
 
 contains
 
@@ -26,12 +27,13 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
-      type(element_geometry_t) :: geometry
-      real(dp) :: block(2*max_nodes, 2*max_nodes)
-      integer, allocatable :: spring_start(:), start(:), node(:), unknowns(:)
-      integer :: axis, color, element, i, n
+      integer, allocatable :: spring_start(:), start(:), node(:), unknowns(:), starts(:)
+      real(dp) :: span
+      type(materials_t) :: twist
+      integer :: axis, i, n
 
       ! The unknowns of all elements, one element after the other, then those of all springs; 0 for a held component.
+      ! Those around the axis follow as elements and springs of their own: they act on no others.
       allocate (spring_start(size(springs)))
       n = size(mesh%node) + 1
       do i = 1, size(springs)
@@ -40,21 +42,53 @@ contains
       end do
       call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
          [mesh%node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))], start, node)
-      allocate (unknowns(2*size(node)))
+      allocate (unknowns(size(dof_map%dof, 1)*size(node)))
       do i = 1, size(node)
-         unknowns(2*i - 1:2*i) = dof_map%dof(:, node(i))
+         unknowns(2*i - 1:2*i) = dof_map%dof(:2, node(i))
       end do
-      call new_sparse_pattern(stiffness, dof_map%n_dofs, 2*start - 1, unknowns, error)
+      starts = 2*start - 1
+      if (size(dof_map%dof, 1) > 2) then
+         unknowns(2*size(node) + 1:) = dof_map%dof(3, node)
+         starts = [starts, 2*size(node) + start(2:)]
+      end if
+      call new_sparse_pattern(stiffness, dof_map%n_dofs, starts, unknowns, error)
       if (allocated(error)) return
-      ! Where the unknowns sit, for the ordering.
+      ! Where the unknowns sit, for the ordering: those around the axis beside the others.
+      span = maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
       allocate (stiffness%place(2, dof_map%n_dofs))
       do i = 1, mesh%n_nodes
-         do axis = 1, 2
-            if (dof_map%dof(axis, i) > 0) stiffness%place(:, dof_map%dof(axis, i)) = mesh%coordinates(:, i)
+         do axis = 1, size(dof_map%dof, 1)
+            if (dof_map%dof(axis, i) == 0) cycle
+            associate (place => stiffness%place(:, dof_map%dof(axis, i)))
+               place = mesh%coordinates(:, i)
+               if (axis > 2) place(1) = -place(1) - span
+            end associate
          end do
       end do
+      call add_elements(stiffness, mesh, materials, coloring, constraints, dof_map)
+      if (size(dof_map%dof, 1) > 2) then
+         call materials%take_twist(twist)
+         call add_elements(stiffness, mesh, twist, coloring, constraints, dof_map)
+      end if
+      do i = 1, size(springs)
+         n = springs(i)%n_nodes
+         call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
+      end do
+   end subroutine assemble_stiffness
+
+   !> Adds the stiffness of all elements to that of the unknowns.
+   subroutine add_elements(stiffness, mesh, materials, coloring, constraints, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements, or what the twist meets
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(element_geometry_t) :: geometry
+      integer :: color, element, i
+
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, block, n) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
@@ -62,42 +96,58 @@ contains
                ! Chunks of one color may share the unknowns that substituted displacements are made of.
                if (dof_map%substitution%is_substituted(mesh%node(mesh%node_start(element): &
                   mesh%node_start(element + 1) - 1))) cycle
-               call new_element_geometry(geometry, mesh, element, materials%list(materials%of_element(element)))
-               call element_stiffness(geometry, materials%list(materials%of_element(element)), block)
-               n = geometry%n_nodes
-               call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+               call add_element(stiffness, geometry, element, mesh, materials, constraints, dof_map)
             end do
          end do
          !$omp end parallel do
       end do
       do i = 1, mesh%n_elements
          if (.not. dof_map%substitution%is_substituted(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1))) cycle
-         call new_element_geometry(geometry, mesh, i, materials%list(materials%of_element(i)))
-         call element_stiffness(geometry, materials%list(materials%of_element(i)), block)
-         n = geometry%n_nodes
-         call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+         call add_element(stiffness, geometry, i, mesh, materials, constraints, dof_map)
       end do
-      do i = 1, size(springs)
-         n = springs(i)%n_nodes
-         call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
-      end do
-   end subroutine assemble_stiffness
+   end subroutine add_elements
+
+   !> Adds the stiffness of one element to that of the unknowns.
+   pure subroutine add_element(stiffness, geometry, element, mesh, materials, constraints, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
+      type(element_geometry_t), intent(inout) :: geometry !! shape functions, best those of an element of the same kind
+      integer, intent(in) :: element !! the element
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements, or what the twist meets
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: block(2*max_nodes, 2*max_nodes)
+
+      associate (material => materials%list(materials%of_element(element)), n => geometry%n_nodes)
+         call new_element_geometry(geometry, mesh, element, material)
+         call element_stiffness(geometry, material, block)
+         if (material%is_twist) then
+            call add_block(stiffness, geometry%node(:n), block(:2*n:2, :2*n:2), constraints, dof_map)
+         else
+            call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+         end if
+      end associate
+   end subroutine add_element
 
    !> Adds the stiffness between some nodes to that of the unknowns.
    pure subroutine add_block(stiffness, nodes, block, constraints, dof_map)
       type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
       integer, intent(in) :: nodes(:) !! the nodes
-      real(dp), intent(in) :: block(:, :) !! stiffness in x and y (2 nodes, 2 nodes) [F/L]
+      real(dp), intent(in) :: block(:, :)
+         !! stiffness in x and y, or around the axis alone (2 nodes, 2 nodes) or (nodes, nodes) [F/L]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: own(:)
       real(dp), allocatable :: transform(:, :), turned(:, :)
       real(dp) :: frame(2, 2)
-      integer :: i
+      integer :: first, i, last
 
+      ! The components.
+      first = merge(1, 3, size(block, 1) > size(nodes))
+      last = merge(2, 3, first == 1)
       if (dof_map%substitution%is_substituted(nodes)) then
          own = dof_map%substitution%element_nodes(nodes)
-         transform = dof_map%substitution%transform(nodes, own)
+         transform = dof_map%substitution%transform(nodes, own, first, last)
          turned = matmul(transpose(transform), matmul(block, transform))
       else
          own = nodes
@@ -105,12 +155,12 @@ contains
       end if
       ! Into the frames of supports that are aslant.
       do i = 1, size(own)
-         if (.not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
+         if (first > 1 .or. .not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
          frame = constraints%frame(own(i))
          turned(2*i - 1:2*i, :) = matmul(transpose(frame), turned(2*i - 1:2*i, :))
          turned(:, 2*i - 1:2*i) = matmul(turned(:, 2*i - 1:2*i), frame)
       end do
-      call stiffness%add_element(reshape(dof_map%dof(:, own), [2*size(own)]), turned)
+      call stiffness%add_element(reshape(dof_map%dof(first:last, own), shape(turned(1, :))), turned)
    end subroutine add_block
 
    !> The integral of stress times thermal strain over the body: what the work of the stresses on all strains exceeds
@@ -142,18 +192,19 @@ contains
    !> What stiffness times displacement would add up to if no two terms canceled, which rounding errors of the internal
    !> forces are a share of. The forces of an element that is not strained are as small a share of it; the displacements
    !> of an element at rest, beside others that move, are rounding errors themselves.
-   pure subroutine measure_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
+   pure recursive subroutine measure_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: magnitude(:, :) !! magnitudes of these, or of what makes them up (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: magnitude(:, :) !! magnitudes of these, or of what makes them up (components, n_nodes) [L]
       real(dp), intent(out) :: uncanceled !! norm of the nodal forces |K| |u| [F]
       real(dp), intent(out) :: strained_share
          !! the largest share that the forces of an element are of what they would be if its nodes had the largest of
          !! all displacements and no two terms canceled [-]
+      type(materials_t) :: twist
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: forces(:, :)
-      real(dp) :: stiffness(2*max_nodes, 2*max_nodes), largest
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes), largest, of_twist, share_of_twist
       integer :: element, n
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
@@ -165,17 +216,41 @@ contains
             call element_stiffness(geometry, material, stiffness)
          end associate
          n = 2*geometry%n_nodes
-         associate (nodes => geometry%node(:n/2), u => reshape(displacement(:, geometry%node(:n/2)), [n]), &
-            sizes => abs(stiffness(:n, :n)), size_of_u => reshape(magnitude(:, geometry%node(:n/2)), [n]))
+         associate (nodes => geometry%node(:n/2), u => reshape(displacement(:2, geometry%node(:n/2)), [n]), &
+            sizes => abs(stiffness(:n, :n)), size_of_u => reshape(magnitude(:2, geometry%node(:n/2)), [n]))
             forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, size_of_u), [2, n/2])
             strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
                /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
          end associate
       end do
       uncanceled = norm2(forces)
+      if (size(displacement, 1) == 2) return
+      call materials%take_twist(twist)
+      call measure_terms(mesh, twist, around_axis(displacement), around_axis(magnitude), of_twist, share_of_twist)
+      uncanceled = hypot(uncanceled, of_twist)
+      strained_share = max(strained_share, share_of_twist)
    end subroutine measure_terms
 
-   !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
+   !> The lengths of displacements, of two components or of three (any) [L].
+   pure function magnitude(displacement) result(length)
+      real(dp), intent(in) :: displacement(:, :) !! the displacements (components, any) [L]
+      real(dp), allocatable :: length(:)
+
+      length = hypot(displacement(1, :), displacement(2, :))
+      if (size(displacement, 1) > 2) length = hypot(length, displacement(3, :))
+   end function magnitude
+
+   !> The third component of a field, around the axis, as the first one of a plane field, see `materials_take_twist`.
+   pure function around_axis(field) result(plane)
+      real(dp), intent(in) :: field(:, :) !! the field (3, any)
+      real(dp), allocatable :: plane(:, :)
+
+      allocate (plane(2, size(field, 2)))
+      plane(1, :) = field(3, :)
+      plane(2, :) = 0.0_dp
+   end function around_axis
+
+   !> Nodal forces that springs take: spring stiffness times displacement (components, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
       type(spring_side_t), intent(in) :: springs(:) !! the springs
@@ -183,19 +258,19 @@ contains
       real(dp), allocatable :: forces(:, :)
       integer :: i, n
 
-      allocate (forces(2, n_nodes), source=0.0_dp)
+      allocate (forces(size(displacement, 1), n_nodes), source=0.0_dp)
       do i = 1, size(springs)
          n = springs(i)%n_nodes
          associate (nodes => springs(i)%node(:n))
-            forces(:, nodes) = forces(:, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
-               reshape(displacement(:, nodes), [2*n])), [2, n])
+            forces(:2, nodes) = forces(:2, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
+               reshape(displacement(:2, nodes), [2*n])), [2, n])
          end associate
       end do
    end function spring_forces
 
    !> Collects nodal forces into a vector of the unknowns: their components along the free axes.
    pure function to_unknowns(field, constraints, dof_map) result(vector)
-      real(dp), intent(in) :: field(:, :) !! forces on the nodes, x and y (2, n_nodes) [F]
+      real(dp), intent(in) :: field(:, :) !! forces on the nodes (components, n_nodes) [F]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: vector(:), own(:, :)
@@ -208,7 +283,10 @@ contains
          frame = constraints%frame(node)
          do axis = 1, 2
             if (dof_map%dof(axis, node) == 0) cycle
-            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:, node))
+            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:2, node))
+         end do
+         do axis = 3, size(own, 1)
+            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = own(axis, node)
          end do
       end do
    end function to_unknowns
@@ -216,19 +294,23 @@ contains
    !> Spreads a vector of the unknowns to the nodes, prescribed displacements included.
    pure function from_unknowns(vector, prescribed, constraints, dof_map) result(displacement)
       real(dp), intent(in) :: vector(:) !! the unknowns (n_dofs) [L]
-      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: displacement(:, :)
       real(dp) :: frame(2, 2)
       integer :: node, axis
 
-      allocate (displacement(2, size(prescribed, 2)), source=0.0_dp)
+      allocate (displacement, mold=prescribed)
+      displacement = 0.0_dp
       do node = 1, size(displacement, 2)
          frame = constraints%frame(node)
          do axis = 1, 2
             if (dof_map%dof(axis, node) == 0) cycle
-            displacement(:, node) = displacement(:, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
+            displacement(:2, node) = displacement(:2, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
+         end do
+         do axis = 3, size(displacement, 1)
+            if (dof_map%dof(axis, node) > 0) displacement(axis, node) = vector(dof_map%dof(axis, node))
          end do
       end do
       displacement = prescribed + dof_map%substitution%displacement(displacement)

@@ -11,7 +11,7 @@ module amontons_constraints
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: find_named, mesh_t, side_number
    use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
    use amontons_text, only: place_text, to_text
@@ -21,8 +21,10 @@ module amontons_constraints
    public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, &
       spring_side_t, substitution_t, support_t, supported_components
 
-   !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent.
-   character(2), parameter :: supported_components(4) = ['ux', 'uy', 'un', 'ut']
+   !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent, around
+   !> the axis, and the angle of a rotation about it.
+   character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'un', 'ut', 'utheta', &
+      'turn']
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
@@ -31,7 +33,7 @@ module amontons_constraints
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
-      real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values [L]
+      real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values; that of a turn an angle [L], [rad]
       real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
       type(rigid_face_t) :: rigid
          !! whether sets, separated by commas in `set`, move as one rigid body; the first three components are those
@@ -47,13 +49,15 @@ module amontons_constraints
    !> Which components the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement is
    !> what a load case prescribes plus the free parts along e1 and e2.
    type :: constraints_t
-      logical, allocatable :: is_free(:, :) !! whether the node can move along e1, e2 (2, n_nodes)
+      logical, allocatable :: is_free(:, :)
+         !! whether the node can move along e1, e2, and in a twisted body around the axis (components, n_nodes)
       real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
       type(rigid_set_t), allocatable :: rigid(:)
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
       integer, allocatable :: rigid_of(:) !! the set that each node belongs to, 0 for none (n_nodes)
-      integer, allocatable :: holder(:, :) !! number of the support that holds e1, e2; 0 for none (2, n_nodes)
+      integer, allocatable :: holder(:, :)
+         !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :)
          !! what its direction has of the other axis, over what it has of this one (2, n_nodes) [-]
    contains
@@ -91,9 +95,9 @@ module amontons_constraints
    type :: substitution_t
       integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
       integer, allocatable :: node(:) !! node whose own unknowns take part
-      real(dp), allocatable :: block(:, :, :) !! how, in x and y: u = sum block y (2, 2, blocks) [-]
+      real(dp), allocatable :: block(:, :, :) !! how: u = sum block y (components, components, blocks) [-]
       logical, allocatable :: is_bonded(:, :)
-         !! whether the own unknowns of a node are held at 0, or at a prescribed jump (2, n_nodes)
+         !! whether the own unknowns of a node are held at 0, or at a prescribed jump (components, n_nodes)
    contains
       procedure :: displacement => substitution_displacement
       procedure :: element_nodes => substitution_element_nodes
@@ -109,7 +113,8 @@ module amontons_constraints
       integer :: n_dofs = 0 !! number of unknowns
       integer :: n_schur = 0 !! how many of them belong to the nodes put last
       integer :: n_lockable = 0 !! how many of these, the last ones, no contact point has, and a history may lock
-      integer, allocatable :: dof(:, :) !! unknown of the component along e1, e2 of a node, 0 if held (2, n_nodes)
+      integer, allocatable :: dof(:, :)
+         !! unknown of the component along e1, e2, around the axis of a node, 0 if held (components, n_nodes)
       type(substitution_t) :: substitution !! how the displacements of nodes follow from the unknowns
    end type dof_map_t
 
@@ -127,23 +132,19 @@ contains
 
    !> Applies all supports to the nodes of a mesh. Supports that hold the same components make the same constraints,
    !> whatever displacements they prescribe. Of a set of nodes all are held, where the support asks for no normal.
-   subroutine new_constraints(constraints, prescribed, mesh, supports, error)
+   subroutine new_constraints(constraints, prescribed, mesh, supports, error, materials)
       type(constraints_t), intent(out) :: constraints !! the constraints
-      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, x and y (2, n_nodes) [L]
+      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: supports(:) !! the supports
       type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
+      type(materials_t), intent(in), optional :: materials
+         !! the materials, which say whether the body is twisted; it is not without them
       type(boundary_line_t) :: line
       logical :: is_done
       integer :: i, set
 
-      allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
-      allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
-      constraints%axis(1, :) = 1.0_dp
-      allocate (constraints%holder(2, mesh%n_nodes), source=0)
-      allocate (constraints%skew(2, mesh%n_nodes), source=0.0_dp)
-      allocate (constraints%rigid_of(mesh%n_nodes), source=0)
-      allocate (constraints%rigid(0))
+      call begin_constraints(constraints, prescribed, mesh, materials)
       do i = 1, size(supports)
          if (.not. supports(i)%is_driven()) cycle
          if (any([(supports(set)%is_driven() .and. supports(set)%name == supports(i)%name, set=1, i - 1)])) then
@@ -161,7 +162,7 @@ contains
             if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
                i, error)
             set = find_named(mesh%node_sets, support%set)
-            if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
+            if (set > 0 .and. .not. any(support%is_held(3:4)) .and. any(support%is_held)) then
                call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, i, error)
                ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
                is_done = allocated(error) .or. find_named(mesh%sets, support%set) == 0
@@ -175,6 +176,26 @@ contains
          end associate
       end do
    end subroutine new_constraints
+
+   !> Leaves all nodes free, but those on the axis of a twisted body around it.
+   pure subroutine begin_constraints(constraints, prescribed, mesh, materials)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, 0 (components, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in), optional :: materials !! as in `new_constraints`
+      integer :: n_components
+
+      n_components = 2
+      if (present(materials)) n_components = materials%n_components()
+      allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
+      allocate (constraints%axis(2, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
+      constraints%axis(1, :) = 1.0_dp
+      if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
+      allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
+      allocate (constraints%skew(2, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%rigid_of(mesh%n_nodes), source=0)
+      allocate (constraints%rigid(0))
+   end subroutine begin_constraints
 
    !> Whether it is no support of nodes, but prescribes the motion of a rigid set or the jump of a preload.
    elemental logical function support_is_driven(self) result(is_driven)
@@ -294,26 +315,37 @@ contains
             to_text(support%point(2)))
          return
       end if
+      if (any(support%is_held(5:)) .and. size(prescribed, 1) == 2) then
+         call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
+         return
+      end if
       direction = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 4], pad=[0.0_dp])
       do i = 1, size(nodes)
          if (present(normal)) direction(:, 3:) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
-         do component = 1, 4
+         do component = 1, size(support%is_held)
             if (.not. support%is_held(component)) cycle
+            if (component > 4) then
+               call hold_around(constraints, prescribed(:, nodes(i)), nodes(i), support%displacement(component) &
+                  *merge(mesh%coordinates(1, nodes(i)), 1.0_dp, component > 5), number, is_consistent)
+               if (.not. is_consistent) exit
+               cycle
+            end if
             if (constraints%rigid_of(nodes(i)) > 0) then
                call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), &
                   support%displacement(component), error)
                if (allocated(error)) return
                cycle
             end if
-            call constraints%hold(prescribed(:, nodes(i)), nodes(i), direction(:, component), &
+            call constraints%hold(prescribed(:2, nodes(i)), nodes(i), direction(:, component), &
                support%displacement(component), number, is_consistent)
-            if (is_consistent) cycle
-            associate (position => mesh%coordinates(:, nodes(i)))
-               call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
-                  to_text(position(1))//', '//to_text(position(2)))
-            end associate
-            return
+            if (.not. is_consistent) exit
          end do
+         if (component > size(support%is_held)) cycle
+         associate (position => mesh%coordinates(:, nodes(i)))
+            call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
+               to_text(position(1))//', '//to_text(position(2)))
+         end associate
+         return
       end do
    end subroutine hold_nodes
 
@@ -330,12 +362,12 @@ contains
       integer :: free
 
       missing = displacement - dot_product(direction, prescribed)
-      if (all(self%is_free(:, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
+      if (all(self%is_free(:2, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
       share = matmul(direction, frame)
       along = abs(share)
-      free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
+      free = maxloc(along, dim=1, mask=self%is_free(:2, node) .and. along > negligible)
       if (free == 0) then
          is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
          return
@@ -347,28 +379,48 @@ contains
       prescribed = prescribed + frame(:, free)*missing/share(free)
    end subroutine constraints_hold
 
+   !> Holds the displacement of a node around the axis; on the axis it is 0, whatever the supports say of others.
+   pure subroutine hold_around(constraints, prescribed, node, displacement, support, is_consistent)
+      type(constraints_t), intent(inout) :: constraints !! the constraints of a twisted body
+      real(dp), intent(inout) :: prescribed(:) !! prescribed displacement of the node [L]
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: displacement !! where to [L]
+      integer, intent(in) :: support !! number of the support
+      logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere
+      is_consistent = constraints%holder(3, node) == 0 .or. &
+         abs(displacement - prescribed(3)) <= negligible*abs(displacement)
+      if (.not. constraints%is_free(3, node)) return
+      constraints%is_free(3, node) = .false.
+      constraints%holder(3, node) = support
+      prescribed(3) = displacement
+   end subroutine hold_around
+
    !> What of a motion the forces of some supports do work on: the work of the reactions on this part is that of the
    !> forces of these supports on the motion. Each support acts along the directions that it holds; what another one
-   !> before it holds, is the other's (2, n_nodes) [L].
+   !> before it holds, is the other's (components, n_nodes) [L].
    pure function constraints_part_of(self, supports, motion) result(part)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: supports(:) !! numbers of the supports
-      real(dp), intent(in) :: motion(:, :) !! the motion (2, n_nodes) [L]
+      real(dp), intent(in) :: motion(:, :) !! the motion (components, n_nodes) [L]
       real(dp), allocatable :: part(:, :)
       real(dp) :: frame(2, 2), along(2), work(2)
       integer :: axis, node
 
-      allocate (part(2, size(motion, 2)), source=0.0_dp)
+      allocate (part, mold=motion)
+      part = 0.0_dp
       do node = 1, size(motion, 2)
          if (all(self%holder(:, node) == 0)) cycle
          frame = self%frame(node)
-         along = matmul(motion(:, node), frame)
+         along = matmul(motion(:2, node), frame)
          do axis = 1, 2
             work(axis) = 0.0_dp
             if (any(supports == self%holder(axis, node))) work(axis) = along(axis) &
                + self%skew(axis, node)*along(3 - axis)
          end do
-         part(:, node) = matmul(frame, work - self%skew(:, node)*work(2:1:-1))
+         part(:2, node) = matmul(frame, work - self%skew(:, node)*work(2:1:-1))
+         do axis = 3, size(part, 1)
+            if (any(supports == self%holder(axis, node))) part(axis, node) = motion(axis, node)
+         end do
       end do
    end function constraints_part_of
 
@@ -379,7 +431,7 @@ contains
       real(dp), intent(in) :: direction(2) !! unit vector [-]
 
       is_free = self%rigid_of(node) == 0 .and. &
-         any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
+         any(self%is_free(:2, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
    end function constraints_leaves_free
 
    !> The projector on the directions in which supports leave a node free [-].
@@ -419,7 +471,8 @@ contains
       frame(:, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 
-   !> Makes the springs of all supports: integral of N_i N_j (k_n n n^T + k_t t t^T) along each side.
+   !> Refuses supports that a twisted body cannot have, and makes the springs of all others: the integral of
+   !> N_i N_j (k_n n n^T + k_t t t^T) along each side.
    pure subroutine new_foundation(sides, mesh, materials, supports, error)
       type(spring_side_t), allocatable, intent(out) :: sides(:) !! the springs, side by side
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -434,6 +487,11 @@ contains
 
       allocate (sides(0))
       do i = 1, size(supports)
+         if (materials%n_components() > 2 .and. (supports(i)%is_driven() .or. any(supports(i)%spring > 0.0_dp))) then
+            call new_error(error, input_refused, supports(i)%origin// &
+               'elastic foundations, &rigid and &preload do not go with twist = .true.')
+            return
+         end if
          if (.not. any(supports(i)%spring > 0.0_dp)) cycle
          call mesh%set_sides(supports(i)%set, nodes, error)
          if (allocated(error)) then
@@ -479,7 +537,8 @@ contains
       integer, intent(in) :: last_nodes(:) !! nodes whose unknowns come last
       type(substitution_t), intent(in), optional :: substitution
          !! nodes whose displacements are no unknowns; all are without it
-      logical :: is_last(size(constraints%is_free, 2)), is_free(2, size(constraints%is_free, 2))
+      logical :: is_last(size(constraints%is_free, 2)), is_free(size(constraints%is_free, 1), &
+         size(constraints%is_free, 2))
       integer, allocatable :: order(:)
       integer :: axis, i, node
 
@@ -490,10 +549,10 @@ contains
       end if
       is_last = .false.
       is_last(last_nodes) = .true.
-      allocate (dof_map%dof(2, size(is_last)), source=0)
+      allocate (dof_map%dof(size(is_free, 1), size(is_last)), source=0)
       order = [pack([(node, node=1, size(is_last))], .not. is_last), last_nodes]
       do i = 1, size(order)
-         do axis = 1, 2
+         do axis = 1, size(is_free, 1)
             if (.not. is_free(axis, order(i))) cycle
             dof_map%n_dofs = dof_map%n_dofs + 1
             dof_map%dof(axis, order(i)) = dof_map%n_dofs
@@ -514,7 +573,7 @@ contains
    !> P y: the displacements of all nodes.
    pure function substitution_displacement(self, own) result(displacement)
       class(substitution_t), intent(in) :: self !! the substitution
-      real(dp), intent(in) :: own(:, :) !! y, the nodes' own unknowns (2, n_nodes) [L]
+      real(dp), intent(in) :: own(:, :) !! y, the nodes' own unknowns (components, n_nodes) [L]
       real(dp), allocatable :: displacement(:, :)
       integer :: node, i
 
@@ -617,25 +676,32 @@ contains
       self%block = body%block(:, :, row)
    end subroutine substitution_take_part
 
-   !> The rows of P of some nodes, in the columns of the nodes of `element_nodes` (2 nodes, 2 own_nodes) [-].
-   pure function substitution_transform(self, nodes, own_nodes) result(transform)
+   !> The rows of P of some nodes and components, in the columns of the nodes of `element_nodes` (components nodes,
+   !> components own_nodes) [-].
+   pure function substitution_transform(self, nodes, own_nodes, first, last) result(transform)
       class(substitution_t), intent(in) :: self !! the substitution
       integer, intent(in) :: nodes(:) !! the nodes
       integer, intent(in) :: own_nodes(:) !! the nodes whose own unknowns they are made of
+      integer, intent(in) :: first !! the first of the components
+      integer, intent(in) :: last !! the last of them
       real(dp), allocatable :: transform(:, :)
-      integer :: i, k, j
+      integer :: i, k, j, n, axis
 
-      allocate (transform(2*size(nodes), 2*size(own_nodes)), source=0.0_dp)
+      n = last - first + 1
+      allocate (transform(n*size(nodes), n*size(own_nodes)), source=0.0_dp)
       do i = 1, size(nodes)
          if (.not. self%is_substituted(nodes(i:i))) then
             j = findloc(own_nodes, nodes(i), dim=1)
-            transform(2*i - 1, 2*j - 1) = 1.0_dp
-            transform(2*i, 2*j) = 1.0_dp
+            do axis = 0, n - 1
+               transform(n*i - axis, n*j - axis) = 1.0_dp
+            end do
             cycle
          end if
          do k = self%start(nodes(i)), self%start(nodes(i) + 1) - 1
             j = findloc(own_nodes, self%node(k), dim=1)
-            transform(2*i - 1:2*i, 2*j - 1:2*j) = transform(2*i - 1:2*i, 2*j - 1:2*j) + self%block(:, :, k)
+            associate (block => transform(n*(i - 1) + 1:n*i, n*(j - 1) + 1:n*j))
+               block = block + self%block(first:last, first:last, k)
+            end associate
          end do
       end do
    end function substitution_transform

@@ -27,7 +27,8 @@ module amontons_elasticity
       ! No defaults here: setting them would take as long as all the rest, once for each element.
       integer :: n_nodes !! number of nodes
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
-      real(dp) :: gradient(2, max_nodes, max_points) !! gradients of the functions (x and y, node, point) [1/L]
+      real(dp) :: gradient(2, max_nodes, max_points)
+         !! gradients of the functions (x and y, node, point); of a twist see `materials_take_twist` [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
       logical :: has_mean_dilatation !! whether the change of volume is that of the whole element: B-bar
@@ -117,6 +118,14 @@ contains
          end if
          geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
       end do
+      if (material%is_twist) then
+         do point = 1, geometry%n_points
+            do i = 1, geometry%n_nodes
+               geometry%gradient(1, i, point) = geometry%gradient(1, i, point) &
+                  - geometry%values(i, point)/geometry%position(1, point)
+            end do
+         end do
+      end if
       geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
       if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
@@ -284,7 +293,7 @@ contains
       integer :: i
 
       do i = 1, geometry%n_nodes
-         u(:, i) = displacement(:, geometry%node(i))
+         u(:, i) = displacement(:2, geometry%node(i))
       end do
    end function nodal_values
 

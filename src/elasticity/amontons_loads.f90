@@ -33,6 +33,10 @@ module amontons_loads
       character(:), allocatable :: region !! region of a body force or temperature; empty for the whole body
       real(dp) :: traction(2) = 0.0_dp !! force per area at the origin, x and y [F/L^2]
       real(dp) :: traction_slope(2, 2) = 0.0_dp !! its change per length: (:, 1) along x, (:, 2) along y [F/L^3]
+      real(dp) :: traction_theta = 0.0_dp !! force per area around the axis of a twisted body [F/L^2]
+      real(dp) :: torque = 0.0_dp
+         !! moment about the axis of a traction around it on the set in proportion to the radius; 0 for none [F L]
+      real(dp) :: torque_traction = 0.0_dp !! this traction over the radius [F/L^3]
       real(dp) :: pressure = 0.0_dp !! force per area against the outward normal, at the origin [F/L^2]
       real(dp) :: pressure_slope(2) = 0.0_dp !! its change per length along x and y [F/L^3]
       real(dp) :: total_force(2) = 0.0_dp
@@ -70,14 +74,14 @@ contains
 
    !> Nodal forces of all loads but those on motions; temperatures have none, see `amontons_thermal_strain`.
    subroutine load_vector(forces, mesh, materials, loads, error)
-      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load names a set, region or point that the mesh has not
       integer :: i
 
-      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      allocate (forces(materials%n_components(), mesh%n_nodes), source=0.0_dp)
       do i = 1, size(loads)
          select case (loads(i)%target)
          case (load_on_sides)
@@ -96,40 +100,44 @@ contains
       end do
    end subroutine load_vector
 
-   !> Makes the total force of a load the uniform traction that it is the resultant of.
+   !> Makes the total force of a load the uniform traction that it is the resultant of, and a torque a traction, too.
    subroutine spread_total_force(load, mesh, materials, error)
-      type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force
+      type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force or a torque
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(error_t), allocatable, intent(out) :: error !! no such set, or one without area
       type(side_geometry_t) :: geometry
       integer, allocatable :: sides(:, :)
-      real(dp) :: area
+      real(dp) :: area, polar_moment, share
       integer :: i, point
 
-      if (.not. any(abs(load%total_force) > 0.0_dp)) return
+      if (.not. any(abs([load%total_force, load%torque]) > 0.0_dp)) return
       call mesh%set_sides(load%set, sides, error)
       if (allocated(error)) return
       area = 0.0_dp
+      polar_moment = 0.0_dp
       do i = 1, size(sides, 2)
          call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
          associate (material => materials%list(materials%of_element(sides(4, i))))
             do point = 1, size(geometry%along, 2)
-               area = area + norm2(geometry%along(:, point))*material%depth(geometry%position(1, point))
+               share = norm2(geometry%along(:, point))*material%depth(geometry%position(1, point))
+               area = area + share
+               polar_moment = polar_moment + share*geometry%position(1, point)**2
             end do
          end associate
       end do
       if (area > 0.0_dp) then
-         load%traction = load%total_force/area
+         if (any(abs(load%total_force) > 0.0_dp)) load%traction = load%total_force/area
+         load%torque_traction = load%torque/polar_moment
       else
-         call new_error(error, input_refused, &
-            "total_force: set '"//load%set//"' lies on the axis of revolution and has no area")
+         call new_error(error, input_refused, merge('torque     ', 'total_force', abs(load%torque) > 0.0_dp)// &
+            ": set '"//load%set//"' lies on the axis of revolution and has no area")
       end if
    end subroutine spread_total_force
 
    !> Adds the nodal forces of a traction and a pressure on the sides of a set.
    subroutine add_side_forces(forces, mesh, materials, given, error)
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(load_t), intent(in) :: given !! the load
@@ -137,10 +145,14 @@ contains
       type(load_t) :: load
       integer, allocatable :: sides(:, :)
       type(side_geometry_t) :: geometry
-      real(dp) :: force(2)
+      real(dp) :: force(2), around
       integer :: i, k, point
 
       load = given
+      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. size(forces, 1) == 2) then
+         call new_error(error, input_refused, 'torque and traction_theta need twist = .true. in &material')
+         return
+      end if
       call spread_total_force(load, mesh, materials, error)
       if (.not. allocated(error)) call mesh%set_sides(load%set, sides, error)
       if (allocated(error)) return
@@ -151,10 +163,13 @@ contains
                material => materials%list(materials%of_element(sides(4, i))))
                force = (load%traction + matmul(load%traction_slope, x))*norm2(along) &
                   - (load%pressure + dot_product(load%pressure_slope, x))*[along(2), -along(1)]
+               around = (load%traction_theta + load%torque_traction*x(1))*norm2(along)*material%depth(x(1))
                force = force*material%depth(x(1))
             end associate
             do k = 1, count(sides(:3, i) > 0)
-               forces(:, sides(k, i)) = forces(:, sides(k, i)) + geometry%values(k, point)*force
+               forces(:2, sides(k, i)) = forces(:2, sides(k, i)) + geometry%values(k, point)*force
+               if (size(forces, 1) > 2) forces(3, sides(k, i)) = forces(3, sides(k, i)) + geometry%values(k, &
+                  point)*around
             end do
          end do
       end do
@@ -162,7 +177,7 @@ contains
 
    !> Adds a point force to the node at a point, or to every node of a set.
    subroutine add_point_forces(forces, mesh, materials, load, error)
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
       type(load_t), intent(in) :: load !! the load
@@ -186,13 +201,13 @@ contains
          return
       end if
       do i = 1, size(nodes)
-         forces(:, nodes(i)) = forces(:, nodes(i)) + load%force
+         forces(:2, nodes(i)) = forces(:2, nodes(i)) + load%force
       end do
    end subroutine add_point_forces
 
    !> Adds the nodal forces of a force per volume.
    subroutine add_body_force(forces, mesh, materials, load, error)
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for depth and density
       type(load_t), intent(in) :: load !! the load
@@ -234,7 +249,7 @@ contains
                force = geometry%volume(point)*(load%body_force + material%density*(load%gravity &
                   + load%angular_speed**2*way))
                do k = 1, geometry%n_nodes
-                  forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + geometry%values(k, point)*force
+                  forces(:2, geometry%node(k)) = forces(:2, geometry%node(k)) + geometry%values(k, point)*force
                end do
             end do
          end associate

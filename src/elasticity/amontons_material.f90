@@ -48,6 +48,8 @@ module amontons_material
          !! the same in a plane body, where the stress zz follows from the hypothesis [L^2/F]
       logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
+      logical :: is_twisted = .false. !! whether its body may twist about the axis of revolution
+      logical :: is_twist = .false. !! whether it is what `take_twist` makes of a material
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: choose_formulation => material_choose_formulation
@@ -65,6 +67,9 @@ module amontons_material
    type :: materials_t
       type(material_t), allocatable :: list(:) !! the materials
       integer, allocatable :: of_element(:) !! which of them each element has (n_elements)
+   contains
+      procedure :: n_components => materials_n_components
+      procedure :: take_twist => materials_take_twist
    end type materials_t
 
 contains
@@ -107,6 +112,10 @@ contains
 
       self%is_plane_stress = self%hypothesis == 'plane stress'
       self%is_axisymmetric = self%hypothesis == 'axisymmetric'
+      if (self%is_twisted .and. (self%shear > 0.0_dp .or. .not. self%is_axisymmetric)) then
+         call new_error(error, input_refused, "twist needs hypothesis = 'axisymmetric' and an isotropic material")
+         return
+      end if
       self%compliance = compliance_of(self)
       if (self%shear > 0.0_dp) then
          law = self%compliance
@@ -229,8 +238,12 @@ contains
       materials%list = list
       allocate (materials%of_element(mesh%n_elements), source=0)
       do i = 1, size(list)
-         if (list(i)%hypothesis /= list(1)%hypothesis) call new_error(error, input_refused, list(i)%origin// &
-            'all materials of a body must have the same hypothesis')
+         if (list(i)%hypothesis /= list(1)%hypothesis) then
+            call new_error(error, input_refused, list(i)%origin// &
+               'all materials of a body must have the same hypothesis')
+         else if (list(i)%is_twisted .neqv. list(1)%is_twisted) then
+            call new_error(error, input_refused, list(i)%origin//'all materials of a body must have the same twist')
+         end if
          if (allocated(error)) return
          if (len(list(i)%region) == 0) then
             if (rest > 0) call new_error(error, input_refused, list(i)%origin// &
@@ -262,6 +275,37 @@ contains
          input_refused, 'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
+
+   !> Makes what the displacement around the axis meets, as the first one of a plane field whose other one is 0, of the
+   !> materials: with the gradient (dN/dr - N/r, dN/dz) the strains xx and 2 xy of the field are the shears r-theta and
+   !> z-theta.
+   pure subroutine materials_take_twist(self, twist)
+      class(materials_t), intent(in) :: self !! the materials, isotropic
+      type(materials_t), intent(out) :: twist !! what the displacement around the axis meets
+      integer :: i
+
+      twist%list = self%list
+      twist%of_element = self%of_element
+      do i = 1, size(twist%list)
+         associate (material => twist%list(i))
+            material%is_twist = .true.
+            material%has_mean_dilatation = .false.
+            material%law = 0.0_dp
+            material%compliance = 0.0_dp
+            material%law(1, 1) = material%mu
+            material%law(3, 3) = material%mu
+            material%compliance(1, 1) = 1.0_dp/material%mu
+            material%compliance(3, 3) = 1.0_dp/material%mu
+         end associate
+      end do
+   end subroutine materials_take_twist
+
+   !> Number of components of a displacement: x and y, and in a twisted body that around the axis.
+   pure integer function materials_n_components(self) result(n_components)
+      class(materials_t), intent(in) :: self !! the materials
+
+      n_components = merge(3, 2, self%list(1)%is_twisted)
+   end function materials_n_components
 
    !> Whether a node of a body of revolution lies on the axis (n_nodes).
    pure function on_axis(mesh, materials)

@@ -11,8 +11,9 @@ module amontons_rigid_motion
 
    public :: new_rigid_motions, rigid_motions_t
 
-   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle and, where
-   !> free jumps divide it in parts, of the translations of these against each other.
+   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle, or in a
+   !> twisted body about the axis, and, where free jumps divide it in parts, of the translations of these against each
+   !> other.
    type :: rigid_motions_t
       integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each jump
       real(dp), allocatable :: mode(:, :)
@@ -21,6 +22,7 @@ module amontons_rigid_motion
       real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales the rotation [L]
       integer, allocatable :: node(:) !! the nodes of the piece, ascending
       logical :: is_whole = .true. !! whether the piece is the whole body
+      integer :: n_components = 2 !! number of components of a displacement
       integer :: n_jumps = 0 !! number of jumps
       integer, allocatable :: part(:) !! the part that each node belongs to; not allocated without jumps (n_nodes)
       real(dp), allocatable :: way(:, :, :) !! how far each part moves per jump (2, jumps, parts) [-]
@@ -39,7 +41,8 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
-      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
+      logical, intent(in) :: is_axisymmetric
+         !! whether only the translation along the axis (y) and, of a twisted body, the rotation about it are rigid ones
       integer, intent(in), optional :: bonds(:, :)
          !! pairs of nodes that hold together, too, and the free jump of the first one against the second, 0 for none
          !! (3, bonds)
@@ -49,7 +52,7 @@ contains
       ! A quadratic side has three nodes.
       integer, parameter :: most_components = 6
       integer, allocatable :: piece(:), start(:), node(:)
-      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :)
+      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
       real(dp) :: frame(2, 2), largest
       integer :: axis, i, info, k, n_jumps, n_pieces, p
 
@@ -66,6 +69,7 @@ contains
       do p = 1, n_pieces
          motions(p)%node = node(start(p):start(p + 1) - 1)
          motions(p)%is_whole = n_pieces == 1
+         motions(p)%n_components = size(constraints%is_free, 1)
          associate (lowest => minval(mesh%coordinates(:, motions(p)%node), dim=2), &
             highest => maxval(mesh%coordinates(:, motions(p)%node), dim=2))
             motions(p)%center = 0.5_dp*(lowest + highest)
@@ -76,9 +80,14 @@ contains
          do i = start(p), start(p + 1) - 1
             if (constraints%rigid_of(node(i)) > 0) cycle
             frame = constraints%frame(node(i))
-            do axis = 1, 2
+            do axis = 1, motions(p)%n_components
                if (constraints%is_free(axis, node(i))) cycle
-               row = matmul(frame(:, axis), motions(p)%unit_motions(mesh%coordinates(:, node(i)), node(i)))
+               unit = motions(p)%unit_motions(mesh%coordinates(:, node(i)), node(i))
+               if (axis > 2) then
+                  row = unit(3, :)
+               else
+                  row = matmul(frame(:, axis), unit(:2, :))
+               end if
                do k = 1, size(row)
                   gram(:, k) = gram(:, k) + row*row(k)
                end do
@@ -87,7 +96,8 @@ contains
          do i = 1, size(constraints%rigid)
             associate (rigid => constraints%rigid(i))
                if (piece(rigid%node(1)) /= p) cycle
-               motion(:2, :) = motions(p)%unit_motions(rigid%point, rigid%node(1))
+               unit = motions(p)%unit_motions(rigid%point, rigid%node(1))
+               motion(:2, :) = unit(:2, :)
                motion(3, :) = 0.0_dp
                motion(3, 3) = rigid%length/motions(p)%radius
                do axis = 1, 3
@@ -103,14 +113,15 @@ contains
                largest = maxval(abs(side%stiffness))
                if (.not. largest > 0.0_dp) cycle
                do k = 1, side%n_nodes
-                  motion(2*k - 1:2*k, :) = motions(p)%unit_motions(mesh%coordinates(:, side%node(k)), side%node(k))
+                  unit = motions(p)%unit_motions(mesh%coordinates(:, side%node(k)), side%node(k))
+                  motion(2*k - 1:2*k, :) = unit(:2, :)
                end do
                gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
             end associate
          end do
          if (is_axisymmetric) then
             gram(1, 1) = gram(1, 1) + real(size(motions(p)%node), dp)
-            gram(3, 3) = gram(3, 3) + real(size(motions(p)%node), dp)
+            if (motions(p)%n_components == 2) gram(3, 3) = gram(3, 3) + real(size(motions(p)%node), dp)
             do k = 1, n_jumps
                gram(3 + k, 3 + k) = gram(3 + k, 3 + k) + jumps(1, k)**2*real(size(motions(p)%node), dp)
             end do
@@ -170,25 +181,30 @@ contains
       end do
    end subroutine divide_piece
 
-   !> Displacement of a point under the two translations, the rotation and the jumps (2, 3 + jumps) [-].
+   !> Displacement of a point under the two translations, the rotation and the jumps (components, 3 + jumps) [-].
    pure function rigid_motions_unit_motions(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! center, radius and parts
       real(dp), intent(in) :: point(2) !! coordinates [L]
       integer, intent(in) :: node !! the node that moves with it
-      real(dp) :: displacement(2, 3 + self%n_jumps)
+      real(dp) :: displacement(self%n_components, 3 + self%n_jumps)
 
-      displacement(:, 1) = [1.0_dp, 0.0_dp]
-      displacement(:, 2) = [0.0_dp, 1.0_dp]
-      displacement(:, 3) = [-(point(2) - self%center(2)), point(1) - self%center(1)]/self%radius
-      if (self%n_jumps > 0) displacement(:, 4:) = self%way(:, :, self%part(node))
+      displacement = 0.0_dp
+      displacement(1, 1) = 1.0_dp
+      displacement(2, 2) = 1.0_dp
+      if (self%n_components == 2) then
+         displacement(:, 3) = [-(point(2) - self%center(2)), point(1) - self%center(1)]/self%radius
+      else
+         displacement(3, 3) = point(1)/self%radius
+      end if
+      if (self%n_jumps > 0) displacement(:2, 4:) = self%way(:, :, self%part(node))
    end function rigid_motions_unit_motions
 
-   !> Displacement of a point under each free motion (2, n_free) [-].
+   !> Displacement of a point under each free motion (components, n_free) [-].
    pure function rigid_motions_displacement(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: point(2) !! coordinates [L]
       integer, intent(in) :: node !! the node that moves with it
-      real(dp) :: displacement(2, self%n_free)
+      real(dp) :: displacement(self%n_components, self%n_free)
 
       displacement = matmul(self%unit_motions(point, node), self%mode)
    end function rigid_motions_displacement
@@ -211,7 +227,11 @@ contains
          short(motion(2))//')'
       if (abs(motion(3)) > negligible) then
          if (norm2(motion(1:2)) > negligible) text = text//' and'
-         text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
+         if (self%n_components > 2) then
+            text = text//' rotate about the axis'
+         else
+            text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
+         end if
       end if
       if (any(abs(motion(4:)) > negligible)) then
          if (maxval(abs(motion(:3))) > negligible) text = text//' and'

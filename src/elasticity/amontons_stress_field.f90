@@ -8,7 +8,7 @@
 !> at its sides on the boundary. In an element the recovered stress is the mean of the polynomials of its corners,
 !> weighted by the linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
 module amontons_stress_field
-   use amontons_assembly, only: spring_forces
+   use amontons_assembly, only: around_axis, spring_forces
    use amontons_constraints, only: spring_side_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: add_point_forces, element_geometry_t, element_stress, find_elastic_strains, &
@@ -27,16 +27,17 @@ module amontons_stress_field
    private
 
    public :: error_estimate_t, find_node_stresses, internal_forces, new_error_estimate, new_recovered_stress, &
-      new_stress_field, recovered_stress_t, stress_field_t, von_mises
+      new_stress_field, recovered_stress_t, stress_field_t, von_mises, with_twist
 
-   !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop.
+   !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop, and in a twisted one the shears
+   !> r-theta and z-theta, too.
    type :: stress_field_t
-      real(dp), allocatable :: element(:, :) !! mean stress of each element (4, n_elements) [F/L^2]
+      real(dp), allocatable :: element(:, :) !! mean stress of each element (4 or 6, n_elements) [F/L^2]
       real(dp), allocatable :: energy_density(:) !! mean strain energy density of each element (n_elements) [F/L^2]
       real(dp), allocatable :: node(:, :)
-         !! stress at each node: the mean of what its elements say; 0 at a node without elements (4, n_nodes) [F/L^2]
+         !! stress at each node: the mean of what its elements say; 0 at one without elements (4 or 6, n_nodes) [F/L^2]
       real(dp), allocatable :: force(:, :)
-         !! nodal forces that the stresses amount to, x and y; K u - f_th where there are no springs (2, n_nodes) [F]
+         !! nodal forces that the stresses amount to; K u - f_th where there are no springs (components, n_nodes) [F]
    end type stress_field_t
 
    !> One element at work.
@@ -65,38 +66,64 @@ module amontons_stress_field
       real(dp), allocatable :: element(:) !! norm of the error of each element (n_elements) [sqrt(F L)]
       real(dp) :: norm = 0.0_dp !! norm of the error of the body [sqrt(F L)]
       real(dp) :: relative = 0.0_dp !! its ratio to the norm of the stresses, the error's included [-]
+      real(dp), private :: squares = 0.0_dp !! square of this norm of the stresses [F L]
    contains
+      procedure :: add => error_estimate_add
       procedure :: quantities => error_estimate_quantities
    end type error_estimate_t
 
 contains
 
    !> Evaluates the stresses of a displacement field.
-   subroutine new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
+   recursive subroutine new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       real(dp), allocatable :: node(:, :), strain(:, :)
+      type(stress_field_t) :: twist
+      type(materials_t) :: twist_materials
 
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes))
       allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
       if (present(thermal_strain)) strain = reshape(thermal_strain, [size(thermal_strain), 1])
-      call find_node_stresses(node, 1, mesh, materials, coloring, displacement, strain, field)
+      call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), strain, field)
       call move_alloc(node, field%node)
+      if (size(displacement, 1) == 2) return
+      call materials%take_twist(twist_materials)
+      call new_stress_field(twist, mesh, twist_materials, coloring, around_axis(displacement))
+      field%element = with_twist(field%element, twist%element)
+      field%node = with_twist(field%node, twist%node)
+      field%energy_density = field%energy_density + twist%energy_density
+      call move_alloc(field%force, node)
+      allocate (field%force(3, mesh%n_nodes))
+      field%force(:2, :) = node
+      field%force(3, :) = twist%force(1, :)
    end subroutine new_stress_field
+
+   !> Stresses with those of a twist, see `materials_take_twist`, behind them (6, any) [F/L^2].
+   pure function with_twist(stress, twist) result(whole)
+      real(dp), intent(in) :: stress(:, :) !! stresses xx, yy, xy, zz (4, any) [F/L^2]
+      real(dp), intent(in) :: twist(:, :) !! those of the field around the axis (4, any) [F/L^2]
+      real(dp), allocatable :: whole(:, :)
+
+      allocate (whole(6, size(stress, 2)))
+      whole(:4, :) = stress
+      whole(5, :) = twist(1, :)
+      whole(6, :) = twist(3, :)
+   end function with_twist
 
    !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
-      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_stress_field` [-]
       type(stress_field_t) :: field
 
@@ -289,7 +316,7 @@ contains
 
    !> Von Mises stress [F/L^2].
    pure real(dp) function von_mises(stress)
-      real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz [F/L^2]
+      real(dp), intent(in) :: stress(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
       real(dp), parameter :: least = tiny(least)/epsilon(least)
       real(dp) :: square
       integer :: power
@@ -306,9 +333,10 @@ contains
 
    !> The square of the von Mises stress [F^2/L^4].
    pure real(dp) function deviatoric_square(s)
-      real(dp), intent(in) :: s(4) !! stress xx, yy, xy, zz [F/L^2]
+      real(dp), intent(in) :: s(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
 
       deviatoric_square = 0.5_dp*((s(1) - s(2))**2 + (s(2) - s(4))**2 + (s(4) - s(1))**2) + 3.0_dp*s(3)**2
+      if (size(s) > 4) deviatoric_square = deviatoric_square + 3.0_dp*(s(5)**2 + s(6)**2)
    end function deviatoric_square
 
    !> Fits the polynomial of a patch.
@@ -557,9 +585,21 @@ contains
       !$omp end parallel do
       sums = sum(squares, dim=2)
       estimate%norm = sqrt(sums(1))
+      estimate%squares = sum(sums)
       if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(sums))
       estimate%element = sqrt(squares(1, :))
    end subroutine new_error_estimate
+
+   !> Adds the estimate of a field that does no work on the first one.
+   pure subroutine error_estimate_add(self, other)
+      class(error_estimate_t), intent(inout) :: self !! the estimate of the first field
+      type(error_estimate_t), intent(in) :: other !! that of the other one
+
+      self%element = hypot(self%element, other%element)
+      self%norm = hypot(self%norm, other%norm)
+      self%squares = self%squares + other%squares
+      if (self%norm > 0.0_dp) self%relative = self%norm/sqrt(self%squares)
+   end subroutine error_estimate_add
 
    !> Estimates the error of a block of elements.
    pure subroutine estimate_block(squares, mesh, materials, displacement, patches, recovered, block, thermal_strain)

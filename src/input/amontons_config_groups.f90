@@ -81,14 +81,19 @@ module amontons_config_groups
    !> The group of a load.
    type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
 
-   !> Meanings of `ux`, `uy`, `un` and `ut`.
-   character(67), parameter :: component_meanings(*) = [character(67) :: &
+   !> Meanings of `supported_components`.
+   character(82), parameter :: component_meanings(*) = [character(82) :: &
       'prescribed displacement along x', &
       'prescribed displacement along y', &
       'prescribed displacement along the outward normal; with `set` only', &
-      'prescribed displacement along the tangent; with `set` only']
-   !> Names of `ux`, `uy`, `un` and `ut` in other programs.
-   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t']
+      'prescribed displacement along the tangent; with `set` only', &
+      'prescribed displacement around the axis; with `twist = .true.` in `&material` only', &
+      'prescribed angle of rotation about the axis, likewise']
+   !> Their names in other programs.
+   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t', 'u_theta', &
+      'angle']
+   !> Units of them.
+   character(3), parameter :: component_units(*) = [character(3) :: 'L', 'L', 'L', 'L', 'L', 'rad']
 
    !> The group of a contact set.
    type(group_t), parameter, public :: contact_group = group_t('contact', is_repeatable=.true.)
@@ -347,6 +352,9 @@ contains
          ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
       call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
          also='type plane model state plane_stress plane_strain'), material%hypothesis, hypothesis_names)
+      call visitor%flag(key_t('twist', &
+         "with `hypothesis = 'axisymmetric'`: whether the body may twist about its axis; the"// &
+         ' same for all materials', default='`.false.`', also='torsion'), material%is_twisted)
       call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
          " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
          formulation_names)
@@ -384,7 +392,8 @@ contains
       if (is_orthotropic) material%poisson = poisson
       if (size(expansion) > 1) material%expansion = expansion
       call material%derive(error)
-      if (allocated(error)) call visitor%require(.false., 'young', error%message)
+      if (allocated(error)) call visitor%require(.false., trim(merge('twist', 'young', material%is_twisted)), &
+         error%message)
    end subroutine describe_material
 
    !> Describes one `&support`.
@@ -407,7 +416,7 @@ contains
          also='nset boundary'), support%set, has_set)
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
       do k = 1, size(supported_components)
-         call visitor%real(key_t(supported_components(k), component_meanings(k), 'L', default='free', &
+         call visitor%real(key_t(supported_components(k), component_meanings(k), component_units(k), default='free', &
             also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
       end do
       call visitor%real(key_t('spring_n', 'elastic foundation: stress per displacement along the normal; with `set`'// &
@@ -420,8 +429,8 @@ contains
       if (.not. visitor%is_judging()) return
       call visitor%require(has_set .neqv. has_point, 'set', '&support needs either set or point')
       call visitor%require(any([support%is_held, has_spring]), '', &
-         '&support needs one of ux, uy, un, ut, spring_n and spring_t')
-      call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
+         '&support needs one of ux, uy, un, ut, utheta, turn, spring_n and spring_t')
+      call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:4)))), 'point', &
          'un, ut, spring_n and spring_t need set: a point has no normal')
    end subroutine describe_support
 
@@ -588,7 +597,8 @@ contains
          also='elset'), load%region, has_region)
       ! Describes the keys of a load on sides.
       has_total = load%target == load_on_sides .and. any(abs(load%total_force) > 0.0_dp)
-      has = load%target == load_on_sides .and. .not. has_total
+      has = load%target == load_on_sides .and. .not. any(abs([load%total_force, load%traction_theta, load%torque]) &
+         > 0.0_dp)
       slopes = reshape(load%traction_slope, [4])
       call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
          also='t trac stress shear'), load%traction, has(1))
@@ -602,6 +612,7 @@ contains
          has_total)
       load%traction_slope = reshape(slopes, [2, 2])
       is_given(load_on_sides) = any(has) .or. has_total
+      call describe_twist(visitor, load, is_given(load_on_sides))
       call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
          'give either total_force, or traction and pressure')
       call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
@@ -631,21 +642,37 @@ contains
       call visitor%locate('set', load%origin)
       ! Judges the keys of a `&load` together.
       if (.not. visitor%is_judging()) return
-      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, force, body_force, '// &
-         'gravity, angular_speed or temperature')
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, traction_theta, '// &
+         'torque, force, body_force, gravity, angular_speed or temperature')
       call visitor%require(count(is_given) <= 1, '', &
-         'traction and pressure or total_force, force, body forces, and temperature need a &load for each')
+         'tractions, pressure, total_force and torque, force, body forces, and temperature need a &load for each')
       if (count(is_given) /= 1) return
-      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force or force')
+      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force, torque or force')
       call visitor%only('point', load%target == load_on_nodes, 'force')
       call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
       call visitor%only('center axis', visitor%has('angular_speed'), 'angular_speed')
       call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
-         'traction, pressure and total_force need set')
+         'traction, pressure, total_force and torque need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
          'force', 'force needs either set or point')
       if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
    end subroutine describe_load
+
+   !> Describes the keys of what acts around the axis of a twisted body.
+   subroutine describe_twist(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(inout) :: is_given !! whether it acts on sides; true if it has any of them
+      logical :: has_traction, has_torque
+
+      has_traction = abs(load%traction_theta) > 0.0_dp
+      has_torque = abs(load%torque) > 0.0_dp
+      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
+         'F/L²', default='`0.0`'), load%traction_theta, has_traction)
+      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
+         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, has_torque)
+      is_given = is_given .or. has_traction .or. has_torque
+   end subroutine describe_twist
 
    !> Describes the keys of a temperature.
    subroutine describe_temperature(visitor, load, is_given)

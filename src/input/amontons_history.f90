@@ -86,8 +86,8 @@ module amontons_history
    !> Keys of whose change it is.
    type(key_t), parameter :: name_keys(4) = [ &
       key_t(moved_things(stepped_load), 'with `factor`: the name of the load'), &
-      key_t(moved_things(stepped_support), 'with `factor`: the name of the support, whose `ux`, `uy`, `un` and `ut`'// &
-      ' are multiplied'), &
+      key_t(moved_things(stepped_support), 'with `factor`: the name of the support, whose prescribed'// &
+      ' displacements are multiplied'), &
       key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y` and `turn`: the `name` or `set` of the'// &
       ' `&contact`'), &
       key_t(moved_things(stepped_friction), 'with `friction_factor`: the `name` or `set` of the `&contact`')]
@@ -508,7 +508,7 @@ contains
          case (stepped_support)
             are_known = all([visitor%deck%knows('support', 'name'), visitor%deck%knows('rigid', 'name'), &
                visitor%deck%knows('preload', 'name')])
-            missing = 'no &support with ux, uy, un or ut has the name'
+            missing = 'no &support with a prescribed displacement has the name'
             has_target = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
          case default
             are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')

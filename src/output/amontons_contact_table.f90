@@ -95,13 +95,13 @@ contains
       line%segment = reshape([line%segment, place], [2, size(line%segment, 2) + 1])
    end subroutine add_segment
 
-   !> The forces of the contact points on the nodes of the masters (2, n_nodes) [F].
+   !> The forces of the contact points on the nodes of the masters (components, n_nodes) [F].
    pure function master_line_forces(self, zone, force, n_nodes) result(forces)
       class(master_line_t), intent(in) :: self !! the lines
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      real(dp) :: forces(2, self%n_nodes)
+      real(dp) :: forces(1 + zone%n_tangents, self%n_nodes)
       type(contact_rows_t) :: rows
       real(dp), allocatable :: on_nodes(:, :)
       integer :: set, k
@@ -109,7 +109,8 @@ contains
       rows = side_rows(zone, .true.)
       do set = 1, size(zone%pairs)
          if (.not. any(self%set == set)) cycle
-         on_nodes = rows%forces(merge(force, 0.0_dp, [zone%set == set, zone%set == set]), n_nodes)
+         on_nodes = rows%forces(merge(force, 0.0_dp, [(zone%set == set, k=0, zone%n_tangents)]), n_nodes, &
+            1 + zone%n_tangents)
          do k = 1, self%n_nodes
             if (self%set(k) == set) forces(:, k) = on_nodes(:, self%node(k))
          end do
@@ -138,6 +139,7 @@ contains
       rows%node = pack(zone%rows%node, is_wanted)
       rows%part = reshape(pack(zone%rows%part, spread(is_wanted, 1, 2)), [2, size(rows%node)])
       rows%tangent = reshape(pack(zone%rows%tangent, spread(is_wanted, 1, 2)), [2, size(rows%node)])
+      rows%around = pack(zone%rows%around, is_wanted)
    end function side_rows
 
    !> Gathers the columns, in the order of the table.
@@ -146,14 +148,16 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       real(dp), parameter :: known_share = 1.0e-2_dp
-      real(dp) :: at_points(2*body%zone%n_points), length, slip_scales(size(slip_keys))
+      real(dp) :: at_points(body%zone%n_rows), motion(body%zone%n_rows - body%zone%n_points), length, &
+         slip_scales(size(slip_keys))
       integer :: i
 
       allocate (list(0))
       associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
          m => body%zone%n_points)
          at_points = zone%rows%displacement(result%displacement)
-         where (.not. zone%is_tangent_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
+         where (.not. zone%is_slip_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
+         motion = at_points(m + 1:) - load_case%obstacle_motion
          ! A gap is the difference of a gap and a displacement, a slip that of displacements.
          length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)))
          call add('x', 'x', 'L', zone%position(1, :), maxval(abs(zone%position)))
@@ -162,12 +166,17 @@ contains
          call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
          call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
-         call add('slip', 'slip', 'L', at_points(m + 1:) - load_case%obstacle_motion, max(length, &
+         call add('slip', 'slip', 'L', motion(:m), max(length, &
             maxval(abs(load_case%obstacle_motion))), .true.)
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
-         call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
+         call add('tangential_force', 'tang. force', 'F', force(m + 1:2*m), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, 0.0_dp, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:2*m)/zone%area, 0.0_dp, .true.)
+         if (zone%n_tangents == 2) then
+            call add('slip_theta', 'slip theta', 'L', motion(m + 1:), length, .true.)
+            call add('tangential_force_theta', 'force theta', 'F', force(2*m + 1:), 0.0_dp)
+            call add('contact_shear_theta', 'shear theta', 'F/L^2', force(2*m + 1:)/zone%area, 0.0_dp, .true.)
+         end if
          ! The shear stress that friction can bear.
          call add('shear_bound', '', 'F/L^2', (load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m))) &
             /zone%area, 0.0_dp, .true.)

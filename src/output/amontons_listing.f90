@@ -180,6 +180,7 @@ contains
 
       n = merge(3, 1, material%shear > 0.0_dp)
       text = trim(material%hypothesis)
+      if (material%is_twisted) text = text//' with twist'
       do i = 1, n
          text = text//', Young '//with_unit(short_text(material%young(i)), units, 'F/L^2')
       end do
@@ -245,8 +246,8 @@ contains
          text = 'point '//with_unit(pair_text(support%point), units, 'L')
       end if
       do k = 1, size(supported_components)
-         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '// &
-            with_unit(short_text(support%displacement(k)), units, 'L')
+         if (support%is_held(k)) text = text//', '//trim(supported_components(k))//' = '// &
+            with_unit(short_text(support%displacement(k)), units, trim(merge('L  ', 'rad', k < 6)))
       end do
       if (any(support%spring > 0.0_dp)) text = text//', springs '// &
          with_unit(pair_text(support%spring), units, 'F/L^3')//' along normal and tangent'
@@ -421,6 +422,9 @@ contains
             with_unit(pair_text(load%total_force), units, 'F')//', '
          text = text//'traction '//with_unit(pair_text(load%traction), units, 'F/L^2')// &
             ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
+         if (abs(load%traction_theta) > 0.0_dp) text = text//', traction around the axis '// &
+            with_unit(short_text(load%traction_theta), units, 'F/L^2')
+         if (abs(load%torque) > 0.0_dp) text = text//', torque '//with_unit(short_text(load%torque), units, 'F L')
          if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
             pair_text(load%traction_slope(:, 1))//' along x, '//pair_text(load%traction_slope(:, 2))//' along y'
          if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair_text(load%pressure_slope)
@@ -473,7 +477,7 @@ contains
             n = size(result%key_results)
             if (allocated(result%certificate%named)) n = n - size(result%certificate%named)
             text = heading('Key results')//quantities_text(result%key_results(:n), label%units)// &
-               counts_text(solution%status)
+               counts_text(solution%status, 1 + body%zone%n_tangents)
             if (n < size(result%key_results)) text = text//heading('Forces by name')// &
                quantities_text(result%key_results(n + 1:), label%units)
             call listing%add(text, [maxval([force_scale(result), result%key_results%scale])])
@@ -491,11 +495,12 @@ contains
          if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, result%method%tolerance)//uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
+            merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed))
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
-         if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status)// &
+         if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status, &
+            1 + body%zone%n_tangents)// &
             quantities_text(result%lengths%quantities(), label%units)// &
             intervals_text('Closed zone', result%closed, label%units)// &
             intervals_text('Stick zone', result%stuck, label%units), [max(0.0_dp, maxval(abs(body%zone%position)))])
@@ -504,7 +509,8 @@ contains
                labeled('Loads', with_unit(pair_text(certificate%load), label%units, 'F'))// &
                labeled('Support reactions', with_unit(pair_text(certificate%reaction), label%units, 'F'))// &
                labeled('Contact forces', with_unit(pair_text(certificate%contact), label%units, 'F'))// &
-               quantities_text([resultants(solution%force), certificate%energies()], label%units), &
+               quantities_text([resultants(solution%force, size(solution%status)), certificate%energies()], &
+                  label%units), &
                [force_scale(result)])
          end associate
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
@@ -519,12 +525,14 @@ contains
    end subroutine new_listing
 
    !> The contact points by status; nothing where there are none.
-   pure function counts_text(status) result(text)
+   pure function counts_text(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
+      integer, intent(in) :: dimension !! components of their displacements, 2 or 3
       character(:), allocatable :: text
 
       text = ''
-      if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status))
+      if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status, &
+         dimension))
    end function counts_text
 
    !> The scale of sums of forces and of energies.

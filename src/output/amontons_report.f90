@@ -206,8 +206,8 @@ contains
          call summary%add(quantities_member('lengths', result%lengths%quantities()))
          call summary%add(intervals_member('closed_zones', result%closed), [maxval(abs(body%zone%position))])
          call summary%add(intervals_member('stick_zones', result%stuck), [maxval(abs(body%zone%position))])
-         call summary%add(quantities_member('resultants', resultants(solution%force)), &
-            scales(resultants(solution%force)))
+         call summary%add(quantities_member('resultants', resultants(solution%force, &
+            size(solution%status))), scales(resultants(solution%force, size(solution%status))))
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
             result%error_estimate%quantities()))
          if (allocated(result%convergence)) then

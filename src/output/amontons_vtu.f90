@@ -69,10 +69,10 @@ module amontons_vtu
    integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
-   !> Components of vectors of the plane as VTK has them, in space; 0 for a zero.
-   integer, parameter :: in_space(*) = [1, 2, 0]
-   !> Components of stresses xx, yy, xy, zz as VTK has them: xx, yy, zz, xy, yz, xz.
-   integer, parameter :: as_tensor(*) = [1, 2, 4, 3, 0, 0]
+   !> Components of vectors as VTK has them, in space: the third one is 0 in the plane.
+   integer, parameter :: in_space(*) = [1, 2, 3]
+   !> Components of stresses xx, yy, xy, zz, and of a twist xz, yz, as VTK has them: xx, yy, zz, xy, yz, xz.
+   integer, parameter :: as_tensor(*) = [1, 2, 4, 3, 6, 5]
 
 contains
 
@@ -288,14 +288,15 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
-      integer, intent(in) :: component(:) !! which component each number is, 0 for a zero
+      integer, intent(in) :: component(:) !! which component each number is; 0 where there is none
       real(dp), allocatable :: spread_out(:)
       integer :: i, k
 
       allocate (spread_out(size(component, kind=int64)*size(values, 2)))
       do i = 1, size(values, 2)
          do k = 1, size(component)
-            spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
+            spread_out((i - 1)*size(component) + k) = merge(values(min(size(values, 1), component(k)), i), &
+               0.0_dp, component(k) <= size(values, 1))
          end do
       end do
       call self%put_reals(section, name, dimension, size(component), spread_out)
@@ -442,7 +443,7 @@ contains
          if (line%n_nodes > 0) then
             vtk%scale = maxval(abs(u))
             call vtk%put_spread('PointData', 'jump', 'L', &
-               joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal), in_space)
+               joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*u(:, line%node)), in_space)
             vtk%scale = maxval([0.0_dp, abs(force)])
             call vtk%put_spread('PointData', 'force', 'F', &
                joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)), in_space)
@@ -471,11 +472,11 @@ contains
 
    !> Vectors of the contact points, those of the masters' nodes behind them.
    pure function joined(at_points, at_masters)
-      real(dp), intent(in) :: at_points(:, :) !! the vectors of the points (2, m)
-      real(dp), intent(in) :: at_masters(:, :) !! those of the nodes (2, n_nodes)
+      real(dp), intent(in) :: at_points(:, :) !! the vectors of the points (components, m)
+      real(dp), intent(in) :: at_masters(:, :) !! those of the nodes (components, n_nodes)
       real(dp), allocatable :: joined(:, :)
 
-      allocate (joined(2, size(at_points, 2) + size(at_masters, 2)))
+      allocate (joined(size(at_points, 1), size(at_points, 2) + size(at_masters, 2)))
       joined(:, :size(at_points, 2)) = at_points
       joined(:, size(at_points, 2) + 1:) = at_masters
    end function joined
@@ -498,15 +499,16 @@ contains
       have_neighbor(pack(zone%next, zone%next > 0)) = .true.
    end function have_neighbor
 
-   !> Vectors of the contact points from their components along normals and tangents (2, m).
+   !> Vectors of the contact points from their components along normals and tangents (components, m).
    pure function vectors(zone, components)
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: components(:) !! the normal ones, then the tangential ones (2m)
-      real(dp) :: vectors(2, zone%n_points)
+      real(dp), intent(in) :: components(:) !! the normal ones, then the tangential ones (n_rows)
+      real(dp) :: vectors(1 + zone%n_tangents, zone%n_points)
       integer :: p
 
       do p = 1, zone%n_points
-         vectors(:, p) = components(p)*zone%normal(:, p) + components(p + zone%n_points)*turned(zone%normal(:, p))
+         vectors(:2, p) = components(p)*zone%normal(:, p) + components(p + zone%n_points)*turned(zone%normal(:, p))
+         vectors(3:, p) = components(p + 2*zone%n_points::zone%n_points)
       end do
    end function vectors
 

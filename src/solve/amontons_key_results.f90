@@ -10,12 +10,13 @@
 !> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
 !> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
 module amontons_key_results
+   use amontons_assembly, only: magnitude
    use amontons_body, only: body_t, of_contact
    use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners, n_element_nodes
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
@@ -329,13 +330,14 @@ contains
    end function place_at
 
    !> Sums of the contact forces [F].
-   pure function resultants(force) result(list)
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+   pure function resultants(force, m) result(list)
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      integer, intent(in) :: m !! number of points
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('normal_force', 'Normal forces', sum(force(:size(force)/2)), sum(abs(force)), &
+      list = [quantity_t('normal_force', 'Normal forces', sum(force(:m)), sum(abs(force)), &
          dimension='F'), &
-         quantity_t('tangential_force', 'Tangential forces', sum(force(size(force)/2 + 1:)), &
+         quantity_t('tangential_force', 'Tangential forces', sum(force(m + 1:2*m)), &
          sum(abs(force)), dimension='F')]
    end function resultants
 
@@ -343,13 +345,13 @@ contains
    !> direction a support holds, is left out. A body without contact points has none of these.
    pure function contact_peaks(body, slip, force, status, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: slip(:) !! slip of the points (m) [L]
+      real(dp), intent(in) :: slip(:) !! slip of the points (n_rows - m) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: displacement !! largest displacement that is known [L]
       type(quantity_t), allocatable :: list(:)
       real(dp) :: area(size(status)), scale
-      integer :: m
+      integer :: i, m
 
       m = size(status)
       allocate (list(merge(3, 0, m > 0)))
@@ -357,13 +359,15 @@ contains
       associate (zone => body%zone)
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
          list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
-         list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value, &
+         list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &
+            list(1)%value, &
             'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
-         scale = max(displacement, maxval([0.0_dp, abs(force/[area, area])])/maxval(body%materials%list%young(1)) &
+         scale = max(displacement, maxval([0.0_dp, abs(force)/[area, (area, i=1, &
+            zone%n_tangents)]])/maxval(body%materials%list%young(1)) &
             *maxval([0.0_dp, maxval(zone%position, dim=2) - minval(zone%position, dim=2)]))
-         list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
-            status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale, 'L')
+         list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(slip, m), 0.0_dp, &
+            status /= open_point .and. .not. zone%is_shear_fixed), zone%position, scale, 'L')
       end associate
    end function contact_peaks
 
@@ -401,6 +405,7 @@ contains
       ! Slips that are as small beside the displacements are what rounding leaves of none.
       real(dp), parameter :: rounding = 1.0e-12_dp
       type(trace_t) :: trace
+      real(dp), allocatable :: slip(:)
       logical :: has_middles
       integer :: m
 
@@ -410,13 +415,15 @@ contains
       trace%gap = merge(motion(:m), 0.0_dp, status == open_point)
       trace%slip = 0.0_dp*motion(:m)
       call find_edges(closed, body%zone, status /= open_point, trace)
-      trace%force = bound - abs(force(m + 1:))
+      trace%force = bound - tangential_norm(force(m + 1:), m)
+      slip = motion(m + 1:2*m)
+      if (body%zone%n_tangents == 2) slip = tangential_norm(motion(m + 1:), m)
       has_middles = any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))
       ! Of quadratic sides a corner and a middle together.
       trace%n_summed = merge(2, 1, has_middles)
       trace%gap = 0.0_dp*motion(:m)
-      if (has_middles) trace%slip = merge(motion(m + 1:), 0.0_dp, (status == slip_plus .or. status == slip_minus) &
-         .and. abs(motion(m + 1:)) > rounding*maxval(abs(displacement)))
+      if (has_middles) trace%slip = merge(slip, 0.0_dp, (status == slip_plus .or. status == slip_minus .or. &
+         status == slip_point) .and. abs(slip) > rounding*maxval(abs(displacement)))
       ! Without friction rounding makes a point stick or slip.
       call find_edges(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
    end subroutine find_zones
@@ -432,7 +439,7 @@ contains
       real(dp), parameter :: between_nodes = 0.2_dp
       character(12) :: number
       character(13) :: suffix
-      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
+      real(dp) :: sums(2), moment, torque, center(2), acting(2), normal_force, length, scale
       integer :: i, p, n_sets
 
       n_sets = 0
@@ -447,6 +454,7 @@ contains
          sums = 0.0_dp
          center = 0.0_dp
          moment = 0.0_dp
+         torque = 0.0_dp
          normal_force = 0.0_dp
          associate (zone => body%zone)
             do p = 1, zone%n_points
@@ -454,6 +462,7 @@ contains
                acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
                sums = sums + acting
                moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
+               if (zone%n_tangents == 2) torque = torque - zone%position(1, p)*force(2*zone%n_points + p)
                center = center + force(p)*zone%position(:, p)
                normal_force = normal_force + force(p)
             end do
@@ -472,6 +481,8 @@ contains
          ! In a body of revolution the forces around the axis have no moment.
          if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
             length*scale, dimension='F L')]
+         if (body%zone%n_tangents == 2) list = [list, quantity_t('contact_torque'//suffix, 'Torque '//number, torque, &
+            length*scale, dimension='F L')]
       end do
    end function set_results
 
@@ -484,7 +495,7 @@ contains
 
       list = body_peaks_at_rest()
       call find_peak(list(1), all_von_mises(stress), mesh%coordinates)
-      call find_peak(list(2), hypot(displacement(1, :), displacement(2, :)), mesh%coordinates)
+      call find_peak(list(2), magnitude(displacement), mesh%coordinates)
    end function body_peaks
 
    !> Von Mises stresses [F/L^2].

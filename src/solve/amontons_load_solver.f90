@@ -25,6 +25,7 @@ module amontons_load_solver
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_equilibrium, only: check_balance, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_load_family, only: acting_t, load_family_t, new_load_family, parting_t
@@ -177,7 +178,8 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem, posed
       type(contact_solution_t), intent(inout) :: solution !! the start
 
-      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points)
+      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points, &
+         problem%matrix%n_tangents)
    end subroutine forget_start
 
    !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
@@ -215,7 +217,7 @@ contains
    !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
    !> obstacles, where loads or overlaps move it.
    subroutine find_origin(motion, body, load_case, problem, is_at_rest)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       type(contact_problem_t), intent(in) :: problem !! its contact problem
@@ -223,7 +225,7 @@ contains
       real(dp), allocatable :: laid(:)
 
       if (is_at_rest .and. problem%is_unloaded()) then
-         allocate (motion(2*problem%n_points), source=0.0_dp)
+         allocate (motion(problem%matrix%n), source=0.0_dp)
          return
       end if
       call fit_rigid_motion(motion, body, load_case, problem%load)
@@ -238,7 +240,7 @@ contains
 
    !> Solves a contact problem for the displacements from a rigid motion.
    subroutine solve_from(motion, method, problem, solution, error)
-      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (2m) [L]
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       class(contact_method_t), intent(in) :: method !! the contact method
       type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
       type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
@@ -346,24 +348,34 @@ contains
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
       real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
-      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (2m, motions) [-]
+      real(dp), intent(in) :: on_round(:, :)
+         !! displacements of the points in frames of the round line (n_rows, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
       ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
-      real(dp) :: motion(2*problem%n_points), drive, capacity, share, allowed
+      real(dp) :: motion(problem%matrix%n), drive, capacity, share, allowed
+      integer :: trial
 
       share = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
-      amounts = matmul(matmul(matmul(problem%load, modes) - matmul(force, on_round), spins), transpose(spins))
-      motion = matmul(on_round, amounts)
-      associate (m => problem%n_points, load => problem%load)
-         drive = dot_product(load, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
-         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
-         allowed = sum((share*abs(load) + rounding)*abs(matmul(modes, amounts)))
-         if (.not. drive > capacity + allowed) deallocate (amounts)
-      end associate
+      do trial = 1, 2
+         ! Along what the forces leave of the loads; in space, where they are not all along that, along the loads.
+         amounts = matmul(problem%load, modes)
+         if (trial == 1) amounts = amounts - matmul(force, on_round)
+         ! The motion of the points is along these forces, whatever the size of the motions.
+         amounts = matmul(matmul(amounts, spins)/sum(matmul(modes, spins)**2, dim=1), transpose(spins))
+         motion = matmul(on_round, amounts)
+         associate (m => problem%n_points, load => problem%load)
+            drive = dot_product(load, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
+            capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
+            allowed = sum((share*abs(load) + rounding)*abs(matmul(modes, amounts)))
+            if (drive > capacity + allowed) return
+         end associate
+         if (problem%matrix%n_tangents == 1) exit
+      end do
+      deallocate (amounts)
    end subroutine find_unbalanced
 
    !> Whether all friction acts against the spin that the loads drive. A round line then still turns, and what its
@@ -371,23 +383,24 @@ contains
    !> bear the loads.
    pure logical function is_exhausted(problem, force, spins, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: force(:) !! contact forces that a method found (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces that a method found (n_rows) [F]
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
-      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (2m, motions) [-]
+      real(dp), intent(in) :: on_round(:, :)
+         !! displacements of the points in frames of the round line (n_rows, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
       ! What facets leave of the tangents of the round line.
       real(dp), parameter :: almost = 0.99_dp
-      real(dp) :: motion(2*problem%n_points), capacity
+      real(dp) :: motion(problem%matrix%n), capacity
 
       motion = matmul(on_round, matmul(matmul(matmul(problem%load, modes), spins), transpose(spins)))
       associate (m => problem%n_points)
-         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
+         capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
          is_exhausted = capacity > 0.0_dp .and. dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
       end associate
    end function is_exhausted
 
    !> Displacements of the contact points under the free motions, along the normals and tangents of the round line that
-   !> they lie on (2m, motions) [-].
+   !> they lie on (n_rows, motions) [-].
    pure function on_round_line(zone, motions) result(on_round)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
@@ -405,13 +418,15 @@ contains
          across = dot_product(normals(:, p), turned(zone%normal(:, p)))
          on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
          on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
+         if (zone%n_tangents == 2) on_round(2*m + p, :) = modes(2*m + p, :)
       end do
    end function on_round_line
 
    !> Finds the free motions that all points in reach follow along the tangents of the round line.
    subroutine new_spins(spins, on_round, body, is_in_reach)
       real(dp), allocatable, intent(out) :: spins(:, :) !! amounts of the free motions, orthonormal (motions, spins)
-      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
+      real(dp), intent(in) :: on_round(:, :)
+         !! displacements of the points in frames of the round line (n_rows, motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
       ! A square: what meshes of curves leave of a thousandth of the motion.
@@ -434,9 +449,9 @@ contains
 
    !> Finds the contact forces while a body spins: those of the problem with weak springs against the motions.
    subroutine find_forces_of_spin(force, problem, spins)
-      real(dp), allocatable, intent(out) :: force(:) !! the contact forces; not allocated if none are found (2m) [F]
+      real(dp), allocatable, intent(out) :: force(:) !! the contact forces; not allocated if none are found (n_rows) [F]
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: spins(:, :) !! displacements of the points under each motion (2m, spins) [-]
+      real(dp), intent(in) :: spins(:, :) !! displacements of the points under each motion (n_rows, spins) [-]
       ! Points slip before such springs bear much; matrices of more points are left alone: they take minutes.
       real(dp), parameter :: weak = 1.0e-3_dp
       integer, parameter :: most_points = 2000
@@ -457,7 +472,7 @@ contains
          stiffness = weak*maxval(problem%augmentation())/sum(spins(:, i)**2)
          call matrix%add_motion(stiffness, spins(:, i))
       end do
-      call new_contact_solution(found, problem%n_points)
+      call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
       call solve_components(method, held, found, error)
       if (allocated(error) .or. .not. found%is_converged) return
       force = found%force

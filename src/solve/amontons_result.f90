@@ -87,7 +87,7 @@ module amontons_result
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
       type(method_options_t) :: method !! the contact method and its options
       type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
-      real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
+      real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (components, n_nodes) [L]
       type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result

@@ -1,6 +1,7 @@
 !> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds; among those on the mesh,
 !> zones of the contact line of few sides, and ends of zones that most of the estimated error comes from.
 module amontons_result_warnings
+   use amontons_assembly, only: magnitude
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_contact_rows, only: turned
@@ -10,7 +11,7 @@ module amontons_result_warnings
    use amontons_element, only: max_corners, n_corners, n_element_nodes
    use amontons_error, only: warning_list_t
    use amontons_free_boundary, only: find_corner_penetration
-   use amontons_friction_law, only: open_point, stick_point
+   use amontons_friction_law, only: open_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
@@ -67,14 +68,15 @@ contains
       call add_size_warnings(result%warnings, body, result%displacement)
       associate (m => body%zone%n_points, force => result%solution%force)
          ! A point whose force is rounding counts as open.
-         status = merge(result%solution%status, open_point, hypot(force(:m), force(m + 1:))/body%zone%area &
+         status = merge(result%solution%status, open_point, hypot(force(:m), &
+            tangential_norm(force(m + 1:), m))/body%zone%area &
             > rounding_pressure(body, maxval(abs(result%displacement)), body_size(body)))
       end associate
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, status)
       call add_reached_ends(result, body, reached)
       call find_corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
-         result%displacement, depth, place, set)
+         result%displacement(:2, :), depth, place, set)
       if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
          result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
@@ -139,7 +141,7 @@ contains
       integer :: i, deepest
 
       call body%free_boundary%penetration(result%load_case%contacts, result%load_case%lies_outside, &
-         body%mesh%coordinates, result%displacement, depth, deepest)
+         body%mesh%coordinates, result%displacement(:2, :), depth, deepest)
       do i = 1, size(reached)
          associate (set_end => body%free_boundary%ends(reached(i)))
             set = result%load_case%contacts(set_end%set)%set
@@ -202,7 +204,7 @@ contains
 
       if (.not. any(zone%pairs%is_set())) return
       at_points = zone%rows%displacement(displacement)
-      associate (slip => abs(at_points(zone%n_points + 1:)))
+      associate (slip => tangential_norm(at_points(zone%n_points + 1:), zone%n_points))
          do set = 1, size(zone%pairs)
             if (.not. any(zone%set == set .and. status /= open_point) .or. .not. zone%pairs(set)%is_set()) cycle
             p = maxloc(slip, dim=1, mask=zone%set == set .and. status /= open_point)
@@ -222,7 +224,7 @@ contains
       ! Slips, over the largest displacement, and shares of the force that count [-].
       real(dp), parameter :: least_slip = 1.0e-3_dp, least_share = 1.0e-4_dp
       character(*), parameter :: without = ' of the normal force slides without friction: supports hold '
-      real(dp) :: lost(body%zone%n_points), slip(2*body%zone%n_points), share
+      real(dp) :: lost(body%zone%n_points), slip(body%zone%n_rows), share
       integer :: set, p, nearest
 
       slip = body%zone%rows%displacement(result%displacement)
@@ -233,7 +235,7 @@ contains
             - load_case%obstacle_motion
          lost = 0.0_dp
          do p = 1, zone%n_points
-            if (.not. zone%is_tangent_fixed(p) .or. zone%is_cell(p) .or. &
+            if (.not. any(zone%is_slip_fixed(p::zone%n_points)) .or. zone%is_cell(p) .or. &
                .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
             ! By how much a corner of a slave slides along the nearest corner of its master [L].
             if (zone%pairs(zone%set(p))%is_set()) then
@@ -242,11 +244,14 @@ contains
                      nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
                         - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
                   end associate
-                  slip(zone%n_points + p) = dot_product(turned(zone%normal(:, p)), result%displacement(:, pair%node(p &
-                     - findloc(zone%set, zone%set(p), dim=1) + 1)) - result%displacement(:, nearest))
+                  associate (u => result%displacement(:, pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1)) &
+                     - result%displacement(:, nearest))
+                     slip(zone%n_points + p::zone%n_points) = [dot_product(turned(zone%normal(:, p)), u(:2)), u(3:)]
+                  end associate
                end associate
             end if
-            if (abs(slip(zone%n_points + p)) > least_slip*largest) lost(p) = normal(p)
+            if (any(zone%is_slip_fixed(p::zone%n_points) .and. abs(slip(zone%n_points + p::zone%n_points)) &
+               > least_slip*largest)) lost(p) = normal(p)
          end do
          do set = 1, size(zone%pairs)
             if (.not. any(lost > 0.0_dp .and. zone%set == set)) cycle
@@ -302,7 +307,8 @@ contains
       m = body%zone%n_points
       is_raised = .false.
       if (m == 0) return
-      is_raised(1) = maxval(hypot(solution%displacement(:m), solution%displacement(m + 1:))) &
+      is_raised(1) = maxval(hypot(solution%displacement(:m), &
+         tangential_norm(solution%displacement(m + 1:), m))) &
          > large_displacement*size_of_body
       is_raised(2:3) = lacks_points(solution%status)
       is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young(1))
@@ -351,7 +357,7 @@ contains
 
       if (.not. result%condition > 0.0_dp) return
       call find_strain(body%mesh, result%displacement, strain, at)
-      distance = maxval(hypot(result%displacement(1, :), result%displacement(2, :)))
+      distance = maxval(magnitude(result%displacement))
       travel = ''
       if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
          result%warnings%number(distance, 'L')//', far more than it is strained: place it closer to its obstacle'
@@ -368,7 +374,7 @@ contains
       real(dp) :: strain, largest
       integer :: node, at
 
-      largest = maxval(hypot(displacement(1, :), displacement(2, :)))
+      largest = maxval(magnitude(displacement))
       if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
@@ -407,7 +413,7 @@ contains
          do i = 1, n
             node = mesh%node(mesh%node_start(element) - 1 + i)
             x(:, i) = mesh%coordinates(:, node)
-            u(:, i) = displacement(:, node)
+            u(:, i) = displacement(:2, node)
             do k = 1, i - 1
                distance = x(:, i) - x(:, k)
                ! Times the distance, whose square an element's area has in it, too.

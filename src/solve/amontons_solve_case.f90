@@ -5,7 +5,7 @@
 !> `--verify` reads certified by the same procedures.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: measure_terms
+   use amontons_assembly, only: around_axis, measure_terms
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
@@ -25,6 +25,7 @@ module amontons_solve_case
    use amontons_load_family, only: acting_t, one_part
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_t
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: method_options_t
@@ -154,7 +155,7 @@ contains
          result%uniqueness = cache%state%uniqueness
          result%started_from = cache%state%case_name
       else
-         call new_contact_solution(result%solution, cache%body%zone%n_points)
+         call new_contact_solution(result%solution, cache%body%zone%n_points, cache%body%zone%n_tangents)
       end if
       call solve_load_case(result, cache%body, cache%problem, error)
       if (allocated(error)) return
@@ -200,7 +201,7 @@ contains
 
       m = size(self%set)
       n = zone%n_points
-      call new_contact_solution(solution, n)
+      call new_contact_solution(solution, n, zone%n_tangents)
       do p = 1, n
          distance = merge(hypot(self%position(1, :) - zone%position(1, p), self%position(2, :) - zone%position(2, p)), &
             huge(1.0_dp), self%set == zone%set(p))
@@ -214,10 +215,9 @@ contains
          share = share/sum(share)
          do k = 1, 2
             associate (q => nearest(k))
-               solution%displacement([p, n + p]) = solution%displacement([p, n + p]) &
-                  + share(k)*self%solution%displacement([q, m + q])
-               if (self%area(q) > 0.0_dp) solution%force([p, n + p]) = solution%force([p, n + p]) &
-                  + share(k)*zone%area(p)/self%area(q)*self%solution%force([q, m + q])
+               solution%displacement(p::n) = solution%displacement(p::n) + share(k)*self%solution%displacement(q::m)
+               if (self%area(q) > 0.0_dp) solution%force(p::n) = solution%force(p::n) &
+                  + share(k)*zone%area(p)/self%area(q)*self%solution%force(q::m)
             end associate
          end do
          solution%status(p) = self%solution%status(nearest(1))
@@ -321,7 +321,7 @@ contains
    subroutine evaluate(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
-      real(dp) :: slip(body%zone%n_points)
+      real(dp) :: slip(body%zone%n_rows - body%zone%n_points)
       integer :: m
 
       m = body%zone%n_points
@@ -366,7 +366,7 @@ contains
       type(auto_t) :: method
 
       method%tolerance = tolerance
-      call new_contact_solution(exact, problem%n_points)
+      call new_contact_solution(exact, problem%n_points, problem%matrix%n_tangents)
       call method%solve(problem, exact, error)
       if (allocated(error) .or. .not. exact%is_converged) return
       result%method_error = maxval(abs(result%solution%force - exact%force))/max(maxval(abs(exact%force)), tiny(1.0_dp))
@@ -388,7 +388,7 @@ contains
       type(uniqueness_t) :: known
       type(result_t) :: empty
 
-      call new_contact_solution(start, body%zone%n_points)
+      call new_contact_solution(start, body%zone%n_points, body%zone%n_tangents)
       if (result%solution%is_converged) then
          if (size(result%solution%force) == size(start%force)) start = result%solution
          known = result%uniqueness
@@ -430,12 +430,15 @@ contains
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(body_t), intent(in), target :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       type(recovery_tables_t), allocatable, target :: own
       type(recovery_tables_t), pointer :: tables
       type(known_tractions_t) :: tractions
       type(recovered_stress_t) :: recovered
+      type(error_estimate_t) :: of_twist
+      type(materials_t) :: twist
+      real(dp), allocatable :: field(:, :)
 
       if (allocated(body%recovery)) then
          tables => body%recovery
@@ -447,10 +450,17 @@ contains
       tractions = tables%sides
       call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
       call set_contact_tractions(tractions, body, load_case, force)
-      call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, displacement, &
+      call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, &
+         displacement(:2, :), load_case%thermal_strain)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement(:2, :), tables%patches, recovered, &
          load_case%thermal_strain)
-      call new_error_estimate(estimate, body%mesh, body%materials, displacement, tables%patches, recovered, &
-         load_case%thermal_strain)
+      if (size(displacement, 1) == 2) return
+      ! Tractions around the axis are left to the fit.
+      call body%materials%take_twist(twist)
+      field = around_axis(displacement)
+      call new_recovered_stress(recovered, tables%patches, body%mesh, twist, tractions%side(:0), field)
+      call new_error_estimate(of_twist, body%mesh, twist, field, tables%patches, recovered)
+      call estimate%add(of_twist)
    end subroutine estimate_error
 
    !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
@@ -459,7 +469,7 @@ contains
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its contact sets
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: traction(:, :), on_nodes(:, :)
       logical, allocatable :: is_joined(:)
       type(boundary_line_t) :: line
@@ -468,7 +478,7 @@ contains
 
       on_nodes = body%zone%rows%forces(force, body%mesh%n_nodes)
       do i = 1, size(load_case%contacts)
-         traction = on_nodes
+         traction = on_nodes(:2, :)
          ! The contact zone was made of these lines, so they are sound.
          call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
          call divide_by_area(traction, line)

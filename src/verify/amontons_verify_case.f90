@@ -29,7 +29,7 @@ module amontons_verify_case
    private
 
    public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, restore_displacement, &
-      verify_answer, verify_case, verify_reduced, verify_result
+      state_of, verify_answer, verify_case, verify_reduced, verify_result
 
    !> Gaps, slips, forces and statuses of the contact points.
    type :: contact_state_t
@@ -45,7 +45,19 @@ module amontons_verify_case
       real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
    end type law_scales_t
 
+   !> Names of the columns of the tangential forces of bodies.
+   character(22), parameter :: shear_names(2) = [character(22) :: 'tangential_force', 'tangential_force_theta']
+
 contains
+
+   !> Names of the columns of the tangential forces of reduced problems.
+   pure function reduced_shears(dimension) result(names)
+      integer, intent(in) :: dimension !! components of the forces, 2 or 3
+      character(18) :: names(dimension - 1)
+
+      names(1) = 'tangential_force'
+      if (dimension == 3) names = [character(18) :: 'tangential_force_1', 'tangential_force_2']
+   end function reduced_shears
 
    !> Checks the files of a case.
    subroutine verify_case(case, cache)
@@ -88,9 +100,9 @@ contains
       type(result_t), intent(inout) :: result !! the load case; gains what the files state, and what follows
       character(:), allocatable :: fault
 
-      call new_contact_solution(result%solution, body%zone%n_points)
-      call read_points(case%stem//'.contact.csv', body%zone%n_points, 2, result%solution%force, &
-         result%solution%status, fault)
+      call new_contact_solution(result%solution, body%zone%n_points, body%zone%n_tangents)
+      call read_points(case%stem//'.contact.csv', body%zone%n_points, shear_names(:body%zone%n_tangents), &
+         result%solution%force, result%solution%status, fault)
       call case%fault('.contact.csv', fault)
       if (len(fault) > 0) return
       call restore_displacement(result, body, case%stem//'.vtu', fault)
@@ -113,33 +125,31 @@ contains
    end subroutine verify_result
 
    !> Reads forces and statuses from a table of contact points.
-   subroutine read_points(path, n_points, dimension, force, status, fault)
+   subroutine read_points(path, n_points, shears, force, status, fault)
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_points !! number of contact points
-      integer, intent(in) :: dimension !! components of their forces, 2 or 3
-      real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (dimension n_points) [F]
+      character(*), intent(in) :: shears(:) !! names of the columns of the tangential forces, 1 or 2
+      real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (any) [F]
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
       type(csv_table_t) :: rows
-      integer :: p, k, columns(0:dimension)
+      integer :: p, k, columns(0:1 + size(shears))
 
-      allocate (force(dimension*n_points), status(n_points))
+      allocate (force((1 + size(shears))*n_points), status(n_points))
       call read_csv_table(rows, path, fault=fault)
       if (len(fault) == 0 .and. rows%n_rows /= n_points) fault = to_text(rows%n_rows)//' rows, but there are '// &
          to_text(n_points)//' contact points'
       if (len(fault) > 0) return
-      columns(:1) = [rows%column('status'), rows%column('normal_force')]
-      if (dimension == 2) columns(2) = rows%column('tangential_force')
-      if (dimension == 3) columns(2:) = [rows%column('tangential_force_1'), rows%column('tangential_force_2')]
+      columns = [rows%column('status'), rows%column('normal_force'), (rows%column(trim(shears(k))), k=1, size(shears))]
       if (any(columns == 0)) fault = 'the first line is not the header of this table'
       do p = 1, n_points
          if (len(fault) > 0) return
-         do k = 1, dimension
+         do k = 1, 1 + size(shears)
             call rows%get_number(p, columns(k), force((k - 1)*n_points + p), fault)
          end do
          ! Each status is one of the known names, those of the plane or those of space.
          status(p) = findloc(status_names == rows%field(p, columns(0)), .true., dim=1)
-         if (status(p) > stick_point .and. (status(p) == slip_point .neqv. dimension == 3)) status(p) = 0
+         if (status(p) > stick_point .and. (status(p) == slip_point .neqv. size(shears) == 2)) status(p) = 0
          if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
             rows%field(p, columns(0))//"'"
       end do
@@ -158,7 +168,8 @@ contains
       allocate (vectors(n_space*body%mesh%n_nodes))
       call read_array(path, 'displacement', n_space, vectors, fault)
       if (len(fault) > 0) return
-      result%displacement = reshape([vectors(1::n_space), vectors(2::n_space)], [2, body%mesh%n_nodes], order=[2, 1])
+      result%displacement = reshape(vectors, [n_space, body%mesh%n_nodes])
+      result%displacement = result%displacement(:1 + body%zone%n_tangents, :)
       m = body%zone%n_points
       result%solution%displacement = body%zone%rows%displacement(result%displacement)
       ! Displacements that supports prescribe are not among the unknowns of the contact problem.
@@ -269,6 +280,27 @@ contains
       end do
    end subroutine check_statuses
 
+   !> Gaps, slips and forces as one checks them against the law: in space lengths, of a sliding point the slip along its
+   !> force.
+   pure function state_of(gap, slip, force, status) result(state)
+      real(dp), intent(in) :: gap(:) !! distances to the obstacle (m) [L]
+      real(dp), intent(in) :: slip(:) !! slips (n_tangents m) [L]
+      real(dp), intent(in) :: force(:) !! forces (n) [F]
+      integer, intent(in) :: status(:) !! statuses (m)
+      type(contact_state_t) :: state
+
+      state%gap = gap
+      state%slip = slip
+      state%force = force
+      state%status = status
+      associate (m => size(gap), tangential => force(size(gap) + 1:))
+         if (size(slip) == m) return
+         state%force = [force(:m), tangential_norm(tangential, m)]
+         state%slip = merge((slip(:m)*tangential(:m) + slip(m + 1:)*tangential(m + 1:)) &
+            /max(state%force(m + 1:), tiny(1.0_dp)), tangential_norm(slip, m), status == slip_point)
+      end associate
+   end function state_of
+
    !> Holds the statuses of a converged case against the contact law.
    subroutine check_law(faults, body, result, path, has_rows)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
@@ -283,9 +315,9 @@ contains
       if (m == 0) return
       limit = certificate_limit(result%method%tolerance)
       associate (load_case => result%load_case, solution => result%solution)
-         call check_statuses(faults, path, has_rows, contact_state_t(load_case%free_gap - solution%displacement(:m), &
+         call check_statuses(faults, path, has_rows, state_of(load_case%free_gap - solution%displacement(:m), &
             solution%displacement(m + 1:) - load_case%anchor, solution%force, solution%status), load_case%friction, &
-            load_case%slip_bound, body%zone%is_tangent_fixed, law_scales_t(limit*maxval(abs(result%displacement)), &
+            load_case%slip_bound, body%zone%is_shear_fixed, law_scales_t(limit*maxval(abs(result%displacement)), &
             limit*result%certificate%force_scale))
       end associate
    end subroutine check_law
@@ -308,8 +340,8 @@ contains
       associate (system => result%system, solution => result%solution, limit => certificate_limit( &
          case%config%method%tolerance))
          call new_contact_solution(solution, system%n_contacts, system%dimension - 1)
-         call read_points(case%stem//'.contact.csv', system%n_contacts, system%dimension, solution%force, &
-            solution%status, fault)
+         call read_points(case%stem//'.contact.csv', system%n_contacts, reduced_shears(system%dimension), &
+            solution%force, solution%status, fault)
          call case%fault('.contact.csv', fault)
          if (len(fault) > 0) return
          ! The tangential forces turn to the direction of the slip.
@@ -317,18 +349,8 @@ contains
          solution%is_converged = case%value('', 'converged') == 'true'
          call system%set_solution(solution%force, 1.0_dp)
          call new_reduced_check(result%check, system)
-         points%status = solution%status
-         associate (m => system%n_contacts, v => system%by_component(system%u), f => solution%force)
-            points%gap = -v(:m)
-            if (system%dimension == 2) then
-               points%slip = v(m + 1:)
-               points%force = f
-            else
-               ! Lengths; of a sliding contact the slip along its force.
-               points%force = [f(:m), tangential_norm(f(m + 1:), m)]
-               points%slip = merge((v(m + 1:2*m)*f(m + 1:2*m) + v(2*m + 1:)*f(2*m + 1:)) &
-                  /max(points%force(m + 1:), tiny(1.0_dp)), tangential_norm(v(m + 1:), m), points%status == slip_point)
-            end if
+         associate (m => system%n_contacts, v => system%by_component(system%u))
+            points = state_of(-v(:m), v(m + 1:), solution%force, solution%status)
          end associate
          if (solution%is_converged .and. system%n_contacts > 0) call check_statuses(case%faults, &
             case%stem//'.contact.csv', .true., points, system%friction, spread(0.0_dp, 1, system%n_contacts), &

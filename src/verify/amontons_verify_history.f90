@@ -26,7 +26,7 @@ module amontons_verify_history
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
    use amontons_text, only: newline, read_reals, to_text
-   use amontons_verify_case, only: check_grids, check_statuses, contact_state_t, law_scales_t, verify_answer, &
+   use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, &
       verify_result
    implicit none (type, external)
    private
@@ -261,9 +261,9 @@ contains
          call read_status_runs(status, csv%field(row, csv%column('statuses')), is_read)
          if (is_read) then
             associate (solution => next%solution, problem => cache%problem)
-               call check_statuses(faults, '', .false., contact_state_t(problem%gap - &
+               call check_statuses(faults, '', .false., state_of(problem%gap - &
                   solution%displacement(:problem%n_points), next%slip, solution%force, status), problem%friction, &
-                  problem%slip_bound, cache%body%zone%is_tangent_fixed, scales)
+                  problem%slip_bound, cache%body%zone%is_shear_fixed, scales)
                if (faults%n == 0) solution%status = status
             end associate
          end if
@@ -338,7 +338,7 @@ contains
       real(dp) :: length
 
       length = max(again%tables(1)%largest(a_length), maxval(abs(computed%solution%displacement)))
-      associate (force => again%tables(1)%largest(a_force)/size(computed%slip), &
+      associate (force => again%tables(1)%largest(a_force)/size(computed%worn), &
          energy => again%tables(1)%largest(an_energy))
          states_agree = all(found%solution%status == computed%solution%status) .and. &
             first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &

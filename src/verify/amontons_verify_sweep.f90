@@ -264,26 +264,30 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(row_t), intent(in) :: row !! the row
       character(:), allocatable :: fault, grid
-      real(dp), allocatable :: pressure(:), shear(:)
+      character(*), parameter :: stress_names(0:2) = [character(19) :: 'contact_pressure', 'contact_shear', &
+         'contact_shear_theta']
+      real(dp), allocatable :: stress(:)
       real(dp) :: limit
+      integer :: k
       type(case_result_t) :: computed
       type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
 
       grid = '.sweep/'//to_text(row%number)
       limit = certificate_limit(case%config%method%tolerance)
-      call new_contact_solution(result%solution, body%zone%n_points)
+      call new_contact_solution(result%solution, body%zone%n_points, body%zone%n_tangents)
       call restore_displacement(result, body, case%stem//grid//'.vtu', fault)
       call case%fault(grid//'.vtu', fault)
       if (len(fault) > 0) return
       ! Restores the contact forces from the stresses on the contact line.
-      allocate (pressure(n_line_points(body%zone)), shear(n_line_points(body%zone)))
-      call read_array(case%stem//grid//'.contact.vtu', 'contact_pressure', 1, pressure, fault)
-      if (len(fault) == 0) call read_array(case%stem//grid//'.contact.vtu', 'contact_shear', 1, shear, fault)
-      call case%fault(grid//'.contact.vtu', fault)
-      if (len(fault) > 0) return
-      associate (m => body%zone%n_points)
-         result%solution%force = [pressure(:m), shear(:m)]*[body%zone%area, body%zone%area]
-      end associate
+      allocate (stress(n_line_points(body%zone)))
+      do k = 0, body%zone%n_tangents
+         call read_array(case%stem//grid//'.contact.vtu', trim(stress_names(k)), 1, stress, fault)
+         call case%fault(grid//'.contact.vtu', fault)
+         if (len(fault) > 0) return
+         associate (m => body%zone%n_points)
+            result%solution%force(k*m + 1:(k + 1)*m) = stress(:m)*body%zone%area
+         end associate
+      end do
       result%solution%status = row%status
       call evaluate(result, body)
       call check_grids(case, body, result, case%stem//grid)

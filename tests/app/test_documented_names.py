@@ -145,6 +145,11 @@ class DocumentedNames(ProgramTest):
                  **{name: DECKS[name] for name in ("case", "sets", "pair", "history")},
                  "tied": TWO_BODIES + "&mesh name = 'c'  size = 1.0, 1.0  cells = 2, 2  origin = 4.0, 0.5 /\n"
                          "&tie set = 'c.left'  to = 'a.right' /\n"}
+        decks["twisted"] = decks["tied"]
+        for old, new in (("poisson = 0.25", "poisson = 0.25  hypothesis = 'axisymmetric'  twist = .true."),
+                         ("ux = 0.0  uy", "turn = 0.0  uy"), ("cells = 8, 4", "cells = 8, 4  origin = 1.0, 0.0"),
+                         ("-1.0, -2.0", "0.0, -2.0"), ("origin = 4.0, 0.5", "origin = 5.0, 0.5")):
+            decks["twisted"] = decks["twisted"].replace(old, new)
         checked = set()
         for name, deck in decks.items():
             self.write(f"{name}.nml", f"&case name = '{name}'  units = 'L, F' /\n{deck}")

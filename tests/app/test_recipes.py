@@ -36,6 +36,36 @@ class Recipes(ProgramTest):
         forces = [-float(row["tangential_force"]) for row in rows[20:]]
         self.assertEqual(max(forces[:5]), forces[4])
 
+    def test_press_fit_lets_go_of_the_pull_as_it_is_twisted(self):
+        rows, printed = self.table("press_fit_torque", "history")
+        self.assertNotIn("warning", printed)
+        pull, torque, normal = ([abs(float(row[name])) for row in rows]
+                                for name in ("tangential_force", "force_torque_fit", "normal_force"))
+        self.assertEqual(max(torque[:41]), 0.0)
+        self.assertEqual(max(pull), pull[40])
+        self.assert_close(sorted(pull[40:], reverse=True), pull[40:], 0.0)
+        self.assert_close(sorted(torque[40:]), torque[40:], 0.0)
+        # Forces of one size whose directions differ from point to point by some degrees.
+        self.assertAlmostEqual(math.hypot(torque[-1]/25.0, pull[-1])/(0.15*normal[-1]), 1.0, delta=1e-3)
+        with open(self.directory/"out"/"press_fit_torque.points.csv", newline="", encoding="utf-8") as table:
+            points = [row for row in csv.DictReader(table) if row["step"] in ("40", "60")]
+        for before, row in zip(points[:16], points[16:]):
+            force, around, pressed = (float(row[name]) for name in ("tangential_force", "tangential_force_theta",
+                                                                    "normal_force"))
+            self.assertAlmostEqual(math.hypot(force, around), 0.15*pressed, delta=1e-9*pressed)
+            # The force is along the slip of the last step, not along that since rest: the fit has been pulled first.
+            self.assertEqual(float(before["tangential_force_theta"]), 0.0)
+            self.assertGreater(around, abs(force))
+
+    def test_clutch_slips_from_outside_at_the_torque_of_uniform_pressure(self):
+        rows, _ = self.table("clutch", "history")
+        torque = 2/3*math.pi*0.3*0.25*(100.0**3 - 60.0**3)
+        self.assertRegex(rows[11]["statuses"], r"^\d+s \d+\*$")
+        for step, sign in ((20, -1), (30, 1), (40, -1)):
+            # The lower ring is held: the pressure is uniform but for 0.3 % at the edges.
+            self.assertAlmostEqual(float(rows[step]["force_torque_faces"])/torque, sign, delta=1e-3)
+            self.assertEqual(float(rows[step]["stick_length"]), 0.0)
+
     def test_bolt_and_gasket_share_preload_and_working_load(self):
         rows, _ = self.table("bolted_flange", "history")
         bolt, gasket = ([float(row[f"normal_force_{i}"]) for row in rows] for i in (1, 2))

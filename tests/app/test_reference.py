@@ -58,7 +58,8 @@ BESIDES = {
                                           "friction_factor")},
 }
 WORD = re.compile(r"`('[^`]*')`")
-NOUNS = {"text": "quoted text", "number": "number", "numbers": "number", "whole": "whole number"}
+NOUNS = {"text": "quoted text", "number": "number", "numbers": "number", "whole": "whole number",
+         "logical": "logical value"}
 
 
 class Key:

@@ -78,7 +78,7 @@ contains
             normal = normal/norm2(normal)
             associate (node => cells%rows%node(cells%rows%start(cell):cells%rows%start(cell + 1) - 1))
                cells%is_held(cell) = .not. any([(body%constraints%leaves_free(node(k), normal), k=1, size(node))])
-               cells%is_tangent_fixed(cell) = .not. any(all(body%constraints%is_free(:, node), dim=1))
+               cells%is_tangent_fixed(cell) = .not. any(all(body%constraints%is_free(:2, node), dim=1))
             end associate
          end associate
       end do
@@ -216,6 +216,7 @@ contains
                do k = 1, n_segment_nodes
                   cells%rows%part(:, before + k) = cells%rows%part(:, before + k) &
                      + geometry%values(k, point)*area*normal
+                  cells%rows%around(before + k) = cells%rows%around(before + k) + geometry%values(k, point)*area
                end do
             end associate
          end do
@@ -225,6 +226,7 @@ contains
          cells%normal(:, cell) = cells%normal(:, cell)/cells%area(cell)
          associate (first => cells%rows%start(cell), last => cells%rows%start(cell + 1) - 1)
             cells%rows%part(:, first:last) = cells%rows%part(:, first:last)/cells%area(cell)
+            cells%rows%around(first:last) = cells%rows%around(first:last)/cells%area(cell)
          end associate
          associate (first => cells%quadrature%start(cell), last => cells%quadrature%start(cell + 1) - 1)
             cells%quadrature%share(first:last) = cells%quadrature%share(first:last)/cells%area(cell)

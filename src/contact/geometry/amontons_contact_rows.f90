@@ -21,6 +21,8 @@ module amontons_contact_rows
       integer, allocatable :: node(:) !! node of each part (parts)
       real(dp), allocatable :: part(:, :) !! normal times share of the node (2, parts) [-]
       real(dp), allocatable :: tangent(:, :) !! tangent times its share in the tangential displacement (2, parts) [-]
+      real(dp), allocatable :: around(:)
+         !! its share in the displacement around the axis, the second tangential one of a twisted body (parts) [-]
    contains
       procedure :: add => contact_rows_add
       procedure :: begin => contact_rows_begin
@@ -77,6 +79,7 @@ contains
       self%node = [self%node, others%node]
       self%part = reshape([self%part, others%part], [2, size(self%node)])
       self%tangent = reshape([self%tangent, others%tangent], [2, size(self%node)])
+      self%around = [self%around, others%around]
    end subroutine contact_rows_add
 
    !> The rows of some of the points.
@@ -91,6 +94,7 @@ contains
       picked%node = self%node(places)
       picked%part = self%part(:, places)
       picked%tangent = self%tangent(:, places)
+      picked%around = self%around(places)
    end function contact_rows_picked
 
    !> Makes one part of all parts that a node has in the displacement of a point, and leaves out those of 0.
@@ -119,11 +123,11 @@ contains
       self%part = self%part(:, :n)
    end subroutine contact_rows_merge_nodes
 
-   !> C u: normal displacements of all points, then the tangential ones (2m).
+   !> C u: normal displacements of all points, then the tangential ones, those around the axis last (components m).
    pure function contact_rows_displacement(self, field) result(displacement)
       class(contact_rows_t), intent(in) :: self !! the rows
-      real(dp), intent(in) :: field(:, :) !! displacement of all nodes (2, n_nodes) [L]
-      real(dp) :: displacement(2*(size(self%start) - 1))
+      real(dp), intent(in) :: field(:, :) !! displacement of all nodes (components, n_nodes) [L]
+      real(dp) :: displacement(size(field, 1)*(size(self%start) - 1))
       integer :: p, i, m
 
       m = size(self%start) - 1
@@ -131,27 +135,32 @@ contains
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (u => field(:, self%node(i)))
-               displacement(p) = displacement(p) + dot_product(self%part(:, i), u)
-               displacement(p + m) = displacement(p + m) + dot_product(self%tangent(:, i), u)
+               displacement(p) = displacement(p) + dot_product(self%part(:, i), u(:2))
+               displacement(p + m) = displacement(p + m) + dot_product(self%tangent(:, i), u(:2))
+               if (size(u) > 2) displacement(p + 2*m) = displacement(p + 2*m) + self%around(i)*u(3)
             end associate
          end do
       end do
    end function contact_rows_displacement
 
-   !> -C^T lambda: the forces of the obstacle on the nodes (2, n_nodes) [F].
-   pure function contact_rows_forces(self, force, n_nodes) result(forces)
+   !> -C^T lambda: the forces of the obstacle on the nodes (components, n_nodes) [F].
+   pure function contact_rows_forces(self, force, n_nodes, n_components) result(forces)
       class(contact_rows_t), intent(in) :: self !! the rows
-      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (components m) [F]
       integer, intent(in) :: n_nodes !! number of nodes
+      integer, intent(in), optional :: n_components !! number of components of a force; 2 without it
       real(dp), allocatable :: forces(:, :)
       integer :: p, i, m
 
       m = size(self%start) - 1
-      allocate (forces(2, n_nodes), source=0.0_dp)
+      i = 2
+      if (present(n_components)) i = n_components
+      allocate (forces(i, n_nodes), source=0.0_dp)
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))
-               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*self%tangent(:, i)
+               on_node(:2) = on_node(:2) - force(p)*self%part(:, i) - force(p + m)*self%tangent(:, i)
+               if (size(on_node) > 2) on_node(3) = on_node(3) - force(p + 2*m)*self%around(i)
             end associate
          end do
       end do
@@ -221,7 +230,7 @@ contains
 
       self%start = starts(sizes)
       allocate (self%node(sum(sizes)), source=0)
-      allocate (self%part(2, sum(sizes)), self%tangent(2, sum(sizes)), source=0.0_dp)
+      allocate (self%part(2, sum(sizes)), self%tangent(2, sum(sizes)), self%around(sum(sizes)), source=0.0_dp)
    end subroutine contact_rows_begin
 
    !> The places in the list of all that belongs to some of the points.

@@ -351,6 +351,7 @@ contains
       end do
       call points%rows%merge_nodes()
       points%rows%tangent = points%rows%part
+      points%rows%around = points%rows%part(1, :)
       do p = 1, n
          do i = points%rows%start(p), points%rows%start(p + 1) - 1
             points%rows%tangent(:, i) = points%rows%part(2, i)*turned(pair%normal(:, p))
@@ -537,12 +538,12 @@ contains
                pair%shared_node = [pair%shared_node, node]
             else if (any(master_line%node == node)) then
                pair%joined_node = [pair%joined_node, node]
-            else if (.not. merge(any(constraints%is_free(:, node)), &
+            else if (.not. merge(any(constraints%is_free(:2, node)), &
                constraints%leaves_free(node, normal(:, node)), is_tied)) then
                pair%held_node = [pair%held_node, node]
             else
                pair%node = [pair%node, node]
-               pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. all(constraints%is_free(:, node))]
+               pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. all(constraints%is_free(:2, node))]
             end if
          end associate
       end do

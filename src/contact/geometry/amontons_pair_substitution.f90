@@ -24,7 +24,7 @@ module amontons_pair_substitution
    !> The displacement of a node as a sum: of own unknowns of nodes, and of displacements of nodes.
    type :: sum_t
       integer, allocatable :: node(:) !! the nodes
-      real(dp), allocatable :: block(:, :, :) !! what theirs are multiplied by (2, 2, nodes) [-]
+      real(dp), allocatable :: block(:, :, :) !! what theirs are multiplied by (components, components, nodes) [-]
       logical, allocatable :: is_own(:) !! whether the own unknowns of the node are meant; else its displacement
       integer :: visit = 0 !! 0: not looked at, 1: being resolved, 2: all are own unknowns
    contains
@@ -59,11 +59,12 @@ contains
       end do
       allocate (sums(n))
       allocate (sum_of(size(coordinates, 2)), source=0)
-      allocate (substitution%is_bonded(2, size(sum_of)), source=.false.)
+      n = size(constraints%is_free, 1)
+      allocate (substitution%is_bonded(n, size(sum_of)), source=.false.)
       fault = 0
       do i = 1, size(ties)
          substitution%is_bonded(:, ties(i)%node) = .true.
-         if (ties(i)%is_jump_free) substitution%is_bonded(:, ties(i)%lead) = &
+         if (ties(i)%is_jump_free) substitution%is_bonded(:2, ties(i)%lead) = &
             abs(matmul(ties(i)%jump, constraints%frame(ties(i)%lead))) < 0.5_dp
          call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
       end do
@@ -105,7 +106,8 @@ contains
          substitution%start(node + 1) = substitution%start(node) + n
       end do
       n = substitution%start(size(sum_of) + 1) - 1
-      allocate (substitution%node(n), substitution%block(2, 2, n))
+      allocate (substitution%node(n), substitution%block(size(substitution%is_bonded, 1), &
+         size(substitution%is_bonded, 1), n))
       do node = 1, size(sum_of)
          if (sum_of(node) == 0) cycle
          associate (first => substitution%start(node), last => substitution%start(node + 1) - 1)
@@ -124,7 +126,7 @@ contains
       logical, intent(in) :: is_tied !! whether it is bonded
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
-      real(dp) :: half(2, 2)
+      real(dp) :: half(2, 2), around
       integer :: side, k, i
       type(mortar_points_t) :: points
       integer, allocatable :: ends(:, :)
@@ -137,14 +139,15 @@ contains
             do k = 1, 2
                if (pair%point_of(k, side) == 0) cycle
                if (maxval(abs(constraints%free_projector(nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
-                  .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
+                  .not. all(constraints%is_free(:2, nodes(3)))) fault = nodes(3)
             end do
             if (sum_of(nodes(3)) > 0) cycle
             sum_of(nodes(3)) = maxval(sum_of) + 1
             associate (middle => sums(sum_of(nodes(3))))
-               call middle%add(nodes(3), identity, .true.)
-               call middle%add(nodes(1), half, .false.)
-               call middle%add(nodes(2), half, .false.)
+               around = merge(0.5_dp, 0.0_dp, is_free_around(constraints, nodes(3)))
+               call middle%add(nodes(3), with_axis(identity, constraints, 1.0_dp), .true.)
+               call middle%add(nodes(1), with_axis(half, constraints, around), .false.)
+               call middle%add(nodes(2), with_axis(half, constraints, around), .false.)
             end associate
          end associate
       end do
@@ -173,7 +176,7 @@ contains
       ! What rounding leaves of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
-      real(dp) :: along(2, 2), free(2, 2), frame(2, 2), share(2, 2), own(2), axis(2)
+      real(dp) :: along(2, 2), free(2, 2), frame(2, 2), share(2, 2), own(3), axis(2), around
       integer :: i, k
 
       share = 0.0_dp
@@ -182,36 +185,65 @@ contains
             ! Along the normal and the tangent.
             share(1, 1) = dot_product(points%rows%part(:, i), pair%normal(:, p))
             share(2, 2) = dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p)))
-            call row%add(node, share, ends(1, node) > 0)
+            call row%add(node, with_axis(share, constraints, points%rows%around(i)), ends(1, node) > 0)
             do k = 1, 2
-               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
+               if (ends(k, node) > 0) call row%add(ends(k, node), with_axis(0.5_dp*share, constraints, &
+                  0.5_dp*points%rows%around(i)), .false.)
             end do
          end associate
       end do
       own = 0.0_dp
       do i = 1, size(row%node)
-         if (row%node(i) == pair%node(p)) own = [row%block(1, 1, i), row%block(2, 2, i)]
+         if (row%node(i) /= pair%node(p)) cycle
+         own(:size(row%block, 1)) = [(row%block(k, k, i), k=1, size(row%block, 1))]
       end do
+      around = 0.0_dp
+      if (is_free_around(constraints, pair%node(p))) around = 1.0_dp/own(3)
       ! What the other terms move it by: all, or, where a support guides it along an axis, as far along that as their
       ! normal component, of bonded surfaces that along the axis, asks for.
       free = constraints%free_projector(pair%node(p))
       along = free
-      if (.not. (is_tied .or. all(constraints%is_free(:, pair%node(p))))) then
+      if (.not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
          frame = constraints%frame(pair%node(p))
          axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
          along = spread(axis, 2, 2)*spread(pair%normal(:, p), 1, 2)/dot_product(axis, pair%normal(:, p))
       end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
-         call corner%add(row%node(i), times_axes(along, pair%normal(:, p), &
-            -[row%block(1, 1, i), row%block(2, 2, i)]/own), row%is_own(i))
+         associate (last => size(row%block, 1))
+            call corner%add(row%node(i), with_axis(times_axes(along, pair%normal(:, p), &
+               -[row%block(1, 1, i), row%block(2, 2, i)]/own(:2)), constraints, -row%block(last, last, i)*around), &
+               row%is_own(i))
+         end associate
       end do
-      call corner%add(pair%node(p), identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
+      call corner%add(pair%node(p), with_axis(identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own(:2)), &
+         constraints, merge(around, 1.0_dp, around > 0.0_dp)), .true.)
       ! The jump is the own unknown of one corner, and all others go along.
       if (pair%lead > 0 .and. pair%lead /= pair%node(p)) call corner%add(pair%lead, &
-         matmul(times_axes(free, pair%normal(:, p), 1.0_dp/own), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2)), &
+         matmul(times_axes(free, pair%normal(:, p), 1.0_dp/own(:2)), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2)), &
          .true.)
    end subroutine solve_row
+
+   !> A block in x and y, with a factor around the axis where the body is twisted (components, components) [-].
+   pure function with_axis(block, constraints, around) result(whole)
+      real(dp), intent(in) :: block(2, 2) !! the block [-]
+      type(constraints_t), intent(in) :: constraints !! the supports, which say how many components there are
+      real(dp), intent(in) :: around !! the factor [-]
+      real(dp) :: whole(size(constraints%is_free, 1), size(constraints%is_free, 1))
+
+      whole = 0.0_dp
+      whole(:2, :2) = block
+      if (size(whole, 1) > 2) whole(3, 3) = around
+   end function with_axis
+
+   !> Whether a node of a twisted body is free around the axis.
+   pure logical function is_free_around(constraints, node) result(is_free)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: node !! the node
+
+      is_free = size(constraints%is_free, 1) > 2
+      if (is_free) is_free = constraints%is_free(3, node)
+   end function is_free_around
 
    !> The product of a matrix with the one that has a normal and its tangent for axes and given factors along them [-].
    pure function times_axes(matrix, normal, factor) result(product)
@@ -231,11 +263,12 @@ contains
    pure subroutine sum_add(self, node, block, is_own)
       class(sum_t), intent(inout) :: self !! the sum
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: block(2, 2) !! what it is multiplied by [-]
+      real(dp), intent(in) :: block(:, :) !! what it is multiplied by (components, components) [-]
       logical, intent(in) :: is_own !! whether its own unknowns are meant; else its displacement
       integer :: k
 
-      if (.not. allocated(self%node)) allocate (self%node(0), self%is_own(0), self%block(2, 2, 0))
+      if (.not. allocated(self%node)) allocate (self%node(0), self%is_own(0), &
+         self%block(size(block, 1), size(block, 1), 0))
       do k = 1, size(self%node)
          if (self%node(k) == node .and. (self%is_own(k) .eqv. is_own)) then
             self%block(:, :, k) = self%block(:, :, k) + block
@@ -244,7 +277,7 @@ contains
       end do
       self%node = [self%node, node]
       self%is_own = [self%is_own, is_own]
-      self%block = reshape([self%block, block], [2, 2, size(self%node)])
+      self%block = reshape([self%block, block], [shape(block), size(self%node)])
    end subroutine sum_add
 
    !> Replaces displacements by what they are sums of, until own unknowns are left.
@@ -327,7 +360,7 @@ contains
          if (norm2(matmul(constraints%free_projector(pair%node(i)), pair%jump) - pair%jump) > negligible) cycle
          pair%lead = pair%node(i)
          ! A free corner is better: the jump then has an axis of its own.
-         if (all(constraints%is_free(:, pair%lead))) return
+         if (all(constraints%is_free(:2, pair%lead))) return
       end do
       if (pair%lead == 0) call new_error(error, input_refused, "preload: supports hold all nodes of '"//pair%set// &
          "' along its normal, or guide them aslant")

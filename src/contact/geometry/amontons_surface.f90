@@ -115,7 +115,7 @@ contains
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
                if (any(surface%side(3 - k, :) == node)) cycle
-               is_free = body%constraints%is_free(:, node)
+               is_free = body%constraints%is_free(:2, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = body%constraints%held_direction(node)
                   if (.not. is_on_mirror(body, node, held)) cycle

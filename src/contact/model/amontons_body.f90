@@ -148,9 +148,9 @@ contains
       call new_materials(body%materials, materials, mesh, error)
       if (allocated(error)) return
       call new_coloring(body%coloring, mesh)
-      call new_constraints(body%constraints, prescribed, mesh, supports, error)
-      if (allocated(error)) return
       call new_foundation(body%springs, mesh, body%materials, supports, error)
+      if (allocated(error)) return
+      call new_constraints(body%constraints, prescribed, mesh, supports, error, body%materials)
       if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, contacts, error, ties)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
@@ -319,7 +319,7 @@ contains
          if (.not. ties(i)%has_jump) cycle
          associate (pair => body%ties(i))
             pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
-            if (all(body%constraints%is_free(:, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
+            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
          end associate
       end do
    end subroutine set_jumps
@@ -484,20 +484,21 @@ contains
    subroutine set_motions(body)
       type(body_t), intent(inout) :: body !! the body, its contact points found
 
-      call find_motions(body%motions, body, body%springs, bonds_of(body%ties, body%constraints))
+      call find_motions(body%motions, body, body%constraints, body%springs, bonds_of(body%ties, body%constraints))
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates)
       body%common_motions = common_motions(body%rigid_modes)
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
-   subroutine find_motions(motions, body, springs, bonds)
+   subroutine find_motions(motions, body, constraints, springs, bonds)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the motions of each piece
       class(body_t), intent(in) :: body !! the body
+      type(constraints_t), intent(in) :: constraints !! its supports, or those of them that count
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       integer, intent(in) :: bonds(:, :) !! pairs of nodes that hold together, from `bonds_of` (3, bonds)
       integer :: i
 
-      call new_rigid_motions(motions, body%mesh, body%constraints, springs, body%is_axisymmetric, bonds, &
+      call new_rigid_motions(motions, body%mesh, constraints, springs, body%is_axisymmetric, bonds, &
          reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
    end subroutine find_motions
 
@@ -579,7 +580,7 @@ contains
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
       ! Free motions strain nothing: what S makes of them is what the condensation of stiff bodies has lost.
-      allocate (force(2*problem%n_points))
+      allocate (force(body%zone%n_rows))
       do i = 1, size(body%rigid_modes, 2)
          associate (motion => body%rigid_modes(:, i))
             call problem%matrix%multiply_stiffness(motion, force)
@@ -593,6 +594,7 @@ contains
    pure function contact_motions(body) result(motions)
       type(body_t), intent(in) :: body !! the body; without pairs, whose slaves' unknowns are relative displacements
       real(dp), allocatable :: motions(:, :)
+      real(dp), allocatable :: displacement(:, :)
       real(dp) :: frame(2, 2)
       integer :: axis, first, i, k, row
 
@@ -602,10 +604,11 @@ contains
          associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1)
             do i = 1, size(piece%node)
                frame = body%constraints%frame(piece%node(i))
-               do axis = 1, 2
+               displacement = piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i))
+               displacement(:2, :) = matmul(transpose(frame), displacement(:2, :))
+               do axis = 1, size(displacement, 1)
                   row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
-                  if (row > 0 .and. row <= size(motions, 1)) motions(row, :) = matmul(matmul(frame(:, axis), &
-                     piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i))), &
+                  if (row > 0 .and. row <= size(motions, 1)) motions(row, :) = matmul(displacement(axis, :), &
                      body%common_motions(first:last, :))
                end do
             end do
@@ -614,8 +617,8 @@ contains
       end do
    end function contact_motions
 
-   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
-   !> and without unknowns besides those of the contact points there is nothing to spread.
+   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix and a
+   !> twisted body stay there, and without unknowns besides those of the contact points there is nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -623,7 +626,7 @@ contains
       integer, parameter :: least_unknowns = 10000
 
       associate (n => body%dof_map%n_dofs)
-         is_distributed = body%dof_map%n_schur < n .and. &
+         is_distributed = body%dof_map%n_schur < n .and. body%materials%n_components() == 2 .and. &
             (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
             .not. may_suit_band(n, options%form, body%zone)))
@@ -633,8 +636,8 @@ contains
    !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine body_internal_forces(self, forces, displacement, thermal_strain)
       class(body_t), intent(in) :: self !! the body
-      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
 
@@ -703,7 +706,7 @@ contains
       real(dp) :: n_entries
 
       call timings%begin(phase_assemble)
-      estimate%n_rows = 2*body%zone%n_points
+      estimate%n_rows = body%zone%n_rows
       if (is_distributed(body, options)) then
          estimate%n_ranks = n_ranks
          call timings%begin(phase_factorize)
@@ -731,7 +734,7 @@ contains
       estimate%n_entries = condenser%n_factor_entries
       ! The contact problem: dense matrices, that of the contact points and that of a step for Newton's method; of a
       ! band the matrix and its factor, both twice, and the factors of a step; and what files say of its points.
-      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*(2.0_dp*body%zone%n_points)**2
+      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%zone%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))
@@ -742,7 +745,8 @@ contains
    !> point is made of lie where the point is: of a pair, as if the bodies met there. What rotations do along the
    !> normals then no longer depends on the facets of the master, nor on the gap, which is along the normal.
    pure subroutine find_rigid_modes(modes, zone, motions, coordinates)
-      real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
+      real(dp), allocatable, intent(out) :: modes(:, :)
+         !! (u_N; u_T) of the points under each motion (n_rows, motions) [-]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in), optional :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
@@ -751,7 +755,7 @@ contains
       real(dp) :: position(2)
       integer :: i, j, k, p
 
-      allocate (modes(2*zone%n_points, sum(motions%n_free)), source=0.0_dp)
+      allocate (modes(zone%n_rows, sum(motions%n_free)), source=0.0_dp)
       allocate (is_inside(maxval([0, zone%rows%node])))
       k = 0
       do j = 1, size(motions)
@@ -764,10 +768,12 @@ contains
                if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
                motion = motions(j)%displacement(position, zone%rows%node(i))
                associate (of_piece => modes(:, k + 1:k + motions(j)%n_free), m => zone%n_points)
-                  of_piece(p, :) = of_piece(p, :) + matmul(zone%rows%part(:, i), motion)
+                  of_piece(p, :) = of_piece(p, :) + matmul(zone%rows%part(:, i), motion(:2, :))
                   ! The contact problem does not know the slip that a support prevents.
                   if (.not. zone%is_tangent_fixed(p)) of_piece(m + p, :) = of_piece(m + p, :) &
-                     + matmul(zone%rows%tangent(:, i), motion)
+                     + matmul(zone%rows%tangent(:, i), motion(:2, :))
+                  if (.not. zone%is_twist_fixed(p)) of_piece(2*m + p, :) = of_piece(2*m + p, :) &
+                     + zone%rows%around(i)*motion(3, :)
                end associate
             end do
          end do

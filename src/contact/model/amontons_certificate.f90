@@ -8,7 +8,7 @@ module amontons_certificate
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_free_boundary, only: find_corner_penetration
-   use amontons_friction_law, only: point_violations, point_violations_t
+   use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm, wrong_slip
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_named_forces, only: force_values, named_quantities
@@ -25,9 +25,9 @@ module amontons_certificate
       real(dp) :: largest_load = 0.0_dp !! largest component of a nodal load [F]
       real(dp) :: largest_contact = 0.0_dp !! of a contact force [F]
       real(dp) :: largest_reaction = 0.0_dp !! of a reaction [F]
-      real(dp) :: load(2) = 0.0_dp !! resultant of the loads [F]
-      real(dp) :: contact(2) = 0.0_dp !! of the contact forces [F]
-      real(dp) :: reaction(2) = 0.0_dp !! of the reactions of supports and springs [F]
+      real(dp) :: load(3) = 0.0_dp !! resultant of the loads [F]
+      real(dp) :: contact(3) = 0.0_dp !! of the contact forces [F]
+      real(dp) :: reaction(3) = 0.0_dp !! of the reactions of supports and springs [F]
       real(dp) :: forces = 0.0_dp !! magnitudes of all these, components taken singly: the scale of resultants [F]
       real(dp) :: springs = 0.0_dp !! magnitudes of the forces of the springs [F]
       real(dp) :: internal_work = 0.0_dp !! work of the internal forces [F L]
@@ -99,10 +99,10 @@ contains
       type(certificate_t), intent(out) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
-         !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
+         !! nodal forces that the stresses amount to, from `new_stress_field`, if at hand (components, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, strained_share, uncanceled, work
@@ -114,7 +114,7 @@ contains
       else
          call body%internal_forces(internal, displacement, load_case%thermal_strain)
       end if
-      contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+      contact = body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
       reaction = internal - load_case%force - contact
       named = force_values(body, reaction, displacement, force, load_case%driven)
       ! Of bonded nodes the reactions are the forces that the surfaces exert on each other.
@@ -162,7 +162,7 @@ contains
          ! Heat strains a body although no force does work on it.
          work = max(sums%internal_size, certificate%strain_energy, sums%external_size)
          if (least_scale > 0.0_dp) work = max(work, least_scale*norm2(displacement))
-         certificate%energy = energy_violation(body, internal, load_case%force + contact, displacement, &
+         certificate%energy = energy_violation(body, internal, load_case%force + contact, reaction, displacement, &
             sums%internal_work - sums%external_work - sums%support_work, work)
          certificate%duality_gap = relative(certificate%duality_gap, work)
       end associate
@@ -171,23 +171,28 @@ contains
    !> What is missing between the works, over their size; where that is too much, the larger one of its two parts over
    !> theirs: what the forces do on the rigid motion of each piece that comes closest, on which all of them together do
    !> none, and what they do on the rest. So rounding errors of forces on a long way are measured by it. Springs do not
-   !> hold a piece here: soft ones let it go a long way, too.
-   real(dp) function energy_violation(body, internal, external, displacement, missing, work) result(violation)
+   !> hold a piece here: soft ones let it go a long way, too; nor do supports hold a twisted one around the axis, which
+   !> may turn it far.
+   real(dp) function energy_violation(body, internal, external, reaction, displacement, missing, work) result(violation)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (2, n_nodes) [F]
-      real(dp), intent(in) :: external(:, :) !! those of loads and contact (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (components, n_nodes) [F]
+      real(dp), intent(in) :: external(:, :) !! those of loads and contact (components, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! those of supports (components, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: missing !! work of the former less that of the latter and of the supports [F L]
       real(dp), intent(in) :: work !! the size of the works [F L]
+      type(constraints_t) :: constraints
       type(rigid_motions_t), allocatable :: free(:)
       real(dp), allocatable :: travel(:, :)
       real(dp) :: of_travel, size_of_travel
 
       violation = relative(abs(missing), work)
       if (.not. violation > suspicious) return
-      call find_motions(free, body, body%springs(:0), bonds_of(body%ties))
+      constraints = body%constraints
+      constraints%is_free(3:, :) = .true.
+      call find_motions(free, body, constraints, body%springs(:0), bonds_of(body%ties))
       travel = travel_of_nodes(free, body%mesh%coordinates, displacement)
-      of_travel = sum(travel*(internal - external))
+      of_travel = sum(travel*(internal - external)) - sum(travel(3:, :)*reaction(3:, :))
       size_of_travel = max(work, sum(abs(external))*maxval(abs(travel)))
       violation = max(relative(abs(missing - of_travel), work), relative(abs(of_travel), size_of_travel))
    end function energy_violation
@@ -199,10 +204,10 @@ contains
       result(scale)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: nodes(:) !! the nodes of the piece
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
-      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
       real(dp), intent(in) :: force_size !! size of the forces on all pieces [F]
       logical, intent(in) :: is_heated !! whether there are thermal strains
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
@@ -232,12 +237,12 @@ contains
 
    !> The magnitudes of the displacements of the nodes; of slaves those of what makes them up: that of a body at rest is
    !> the difference of that of another one and the gap that it leaves, and has the rounding errors of both
-   !> (2, n_nodes) [L].
+   !> (components, n_nodes) [L].
    pure function magnitudes(body, displacement) result(magnitude)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), allocatable :: magnitude(:, :)
-      real(dp) :: of_others(2)
+      real(dp) :: of_others(size(displacement, 1))
       integer :: node, i
 
       magnitude = abs(displacement)
@@ -258,7 +263,7 @@ contains
    pure subroutine split_imbalance(constraints, reaction, imbalance)
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(inout) :: reaction(:, :)
-         !! what is missing, and then its part along held directions (2, n_nodes) [F]
+         !! what is missing, and then its part along held directions (components, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
       real(dp) :: along, across, unit
       integer :: node
@@ -280,6 +285,12 @@ contains
             end if
             reaction(1, node) = along*axis(1) - across*axis(2)
             reaction(2, node) = along*axis(2) + across*axis(1)
+            if (size(reaction, 1) > 2) then
+               if (constraints%is_free(3, node)) then
+                  imbalance = imbalance + (reaction(3, node)*unit)**2
+                  reaction(3, node) = 0.0_dp
+               end if
+            end if
          end associate
       end do
       imbalance = sqrt(imbalance)/unit
@@ -290,10 +301,10 @@ contains
       type(certificate_t), intent(inout) :: certificate !! the certificate, its scale of forces set
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! gaps and friction
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
-      real(dp) :: distance(body%zone%n_points), slip(body%zone%n_points), largest_displacement
-      real(dp) :: at_points(2*body%zone%n_points), depth, place(2)
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
+      real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points), largest_displacement
+      real(dp) :: at_points(body%zone%n_rows), depth, place(2), length(body%zone%n_points), shear(body%zone%n_points)
       type(point_violations_t) :: points(body%zone%n_points)
       integer :: m, deepest, set
 
@@ -301,43 +312,47 @@ contains
       at_points = body%checked_rows%displacement(displacement)
       distance = load_case%gap - at_points(:m)
       where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
-      slip = at_points(m + 1:) - load_case%anchor
+      slip = merge(0.0_dp, at_points(m + 1:) - load_case%anchor, body%zone%is_slip_fixed)
       largest_displacement = maxval(abs(displacement))
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
-         displacement, depth, deepest)
+         displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, largest_displacement)
-      call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement, depth, &
+      call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
+         depth, &
          place, set)
       certificate%penetration_between = relative(depth, largest_displacement)
-      associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
+      associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale)
-         points = point_violations(relative(distance, largest_displacement), relative(slip, largest_displacement), &
-            relative(normal, largest_force), relative(tangential, largest_force), relative(bound, largest_force))
+         length = tangential_norm(slip, m)
+         shear = tangential_norm(tangential, m)
+         points = point_violations(relative(distance, largest_displacement), relative(length, largest_displacement), &
+            relative(normal, largest_force), relative(shear, largest_force), relative(bound, largest_force))
          certificate%penetration = max(0.0_dp, maxval(points%penetration))
          certificate%tension = max(0.0_dp, maxval(points%tension))
          certificate%friction_excess = max(0.0_dp, maxval(points%friction_excess))
          certificate%complementarity = max(0.0_dp, maxval(points%complementarity))
-         certificate%slip_below_bound = max(0.0_dp, maxval(points%slip_below_bound, mask=.not. zone%is_tangent_fixed))
-         certificate%wrong_dissipation = max(0.0_dp, maxval(points%wrong_dissipation))
+         certificate%slip_below_bound = max(0.0_dp, maxval(points%slip_below_bound))
+         certificate%wrong_dissipation = max(0.0_dp, maxval(min(relative(wrong_slip(slip, tangential, m), &
+            largest_displacement), relative(shear, largest_force))))
          certificate%dissipation = sum(tangential*slip)
          ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
-         certificate%has_duality_gap = all(zone%is_tangent_fixed .or. .not. load_case%friction > 0.0_dp)
-         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
-            + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_tangent_fixed))
+         certificate%has_duality_gap = all(body%zone%is_shear_fixed .or. .not. load_case%friction > 0.0_dp)
+         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) + sum(bound*length) &
+            - certificate%dissipation)
       end associate
    end subroutine check_points
 
    !> Takes the forces that bonded surfaces exert on each other out of the reactions of the nodes' own unknowns.
    pure subroutine take_tie_forces(force, reaction, body)
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
-      real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (2, n_nodes) [F]
+      real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (components, n_nodes) [F]
       type(body_t), intent(in) :: body !! the body
       real(dp) :: exerted(2), pushed(2)
       integer :: i, p, n, k
 
       n = size(body%tie_rows%start) - 1
-      allocate (force(2*n))
+      allocate (force(size(reaction, 1)*n), source=0.0_dp)
       k = 0
       do i = 1, size(body%ties)
          ! The own unknown of a preload's leading corner is that of all others, too.
@@ -345,18 +360,24 @@ contains
          associate (tie => body%ties(i))
             do p = 1, size(tie%node)
                if (tie%node(p) /= tie%lead) pushed = pushed + matmul(body%constraints%free_projector(tie%node(p)), &
-                  reaction(:, tie%node(p)))
+                  reaction(:2, tie%node(p)))
             end do
             pushed = dot_product(pushed, tie%jump)*tie%jump
          end associate
          do p = 1, size(body%ties(i)%node)
             k = k + 1
             associate (node => body%ties(i)%node(p), normal => body%ties(i)%normal(:, p))
-               exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
-               reaction(:, node) = reaction(:, node) - exerted
+               exerted = matmul(body%constraints%free_projector(node), reaction(:2, node))
+               reaction(:2, node) = reaction(:2, node) - exerted
+               if (size(reaction, 1) > 2) then
+                  if (body%constraints%is_free(3, node)) then
+                     force(k + 2*n) = -reaction(3, node)
+                     reaction(3, node) = 0.0_dp
+                  end if
+               end if
                if (node == body%ties(i)%lead) then
                   ! What a free jump lacks for equilibrium is an imbalance.
-                  if (body%ties(i)%is_jump_free) reaction(:, node) = reaction(:, node) &
+                  if (body%ties(i)%is_jump_free) reaction(:2, node) = reaction(:2, node) &
                      + dot_product(exerted, body%ties(i)%jump)*body%ties(i)%jump
                   exerted = exerted - pushed
                end if
@@ -371,18 +392,22 @@ contains
    pure subroutine check_pairs(certificate, body, contact, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
-      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: on_nodes(:, :)
       real(dp) :: of_pairs(size(force))
       logical :: is_paired(body%zone%n_points)
+      integer :: p
 
       is_paired = body%zone%pairs(body%zone%set)%is_set()
       certificate%has_pairs = any(is_paired)
       if (.not. certificate%has_pairs) return
-      of_pairs = merge(force, 0.0_dp, [is_paired, is_paired])
+      of_pairs = force
+      do p = 1, size(is_paired)
+         if (.not. is_paired(p)) of_pairs(p::size(is_paired)) = 0.0_dp
+      end do
       on_nodes = contact
-      if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes)
+      if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes, size(contact, 1))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
       call check_moment(certificate%pair_moment, certificate%couple, certificate%couple_scale, body, &
@@ -395,14 +420,14 @@ contains
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: tied(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
-      real(dp), intent(inout) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
+      real(dp), intent(inout) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
       real(dp), allocatable :: on_nodes(:, :)
       integer, allocatable :: set(:)
       integer :: i, p
 
       certificate%has_ties = size(tied) > 0
       if (.not. certificate%has_ties) return
-      on_nodes = body%tie_rows%forces(tied, body%mesh%n_nodes)
+      on_nodes = body%tie_rows%forces(tied, body%mesh%n_nodes, size(contact, 1))
       contact = contact + on_nodes
       if (body%is_axisymmetric) return
       set = [([(size(body%zone%pairs) + i, p=1, size(body%ties(i)%node))], i=1, size(body%ties))]
@@ -420,7 +445,7 @@ contains
       integer, intent(in) :: set(:) !! which set each point belongs to (n)
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) of the points (2n) [F]
       real(dp), intent(in) :: on_nodes(:, :)
-         !! these forces on the nodes, made from the rows of the solution (2, n_nodes) [F]
+         !! these forces on the nodes, made from the rows of the solution (components, n_nodes) [F]
       type(contact_rows_t) :: lever
       real(dp) :: jump(size(force)), magnitude(size(set)), place(2, size(set)), middle(2)
       integer :: i, n
@@ -447,26 +472,29 @@ contains
       end do
    end subroutine check_moment
 
-   !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
+   !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to, and the
+   !> moments about it if it is twisted.
    pure subroutine check_resultants(certificate, body, least_scale, sums, loads, contact, reaction, springs)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: least_scale !! what the forces are measured by at the least [F]
       type(node_sums_t), intent(in) :: sums !! sums of the forces
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
-      real(dp), intent(in) :: springs(:, :) !! nodal forces of the springs (2, n_nodes) [F]
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
+      real(dp), intent(in) :: springs(:, :) !! nodal forces of the springs (components, n_nodes) [F]
       real(dp) :: norm, radius, center(2), moment, resultant(2), forces(2), arm(2)
       integer :: node
 
-      certificate%load = sums%load
-      certificate%reaction = sums%reaction
-      certificate%contact = sums%contact
+      certificate%load = sums%load(:2)
+      certificate%reaction = sums%reaction(:2)
+      certificate%contact = sums%contact(:2)
       norm = max(sums%forces, least_scale)
       resultant = certificate%load + certificate%reaction + certificate%contact
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
       certificate%resultant = relative(norm2(resultant), norm)
+      if (size(loads, 1) > 2) certificate%moment = relative(abs(dot_product(body%mesh%coordinates(1, :), loads(3, :) &
+         + reaction(3, :) + contact(3, :))), norm*maxval(body%mesh%coordinates(1, :)))
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
@@ -543,17 +571,17 @@ contains
    !> Sums up forces and their work over the nodes, all in one pass.
    pure subroutine sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
       type(node_sums_t), intent(out) :: sums !! the sums
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
-      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (2, n_nodes) [F]
-      real(dp), intent(in) :: springs(:, :) !! those of the springs (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
+      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (components, n_nodes) [F]
+      real(dp), intent(in) :: springs(:, :) !! those of the springs (components, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
       integer :: i, node
 
       do node = 1, size(loads, 2)
-         do i = 1, 2
+         do i = 1, size(loads, 1)
             associate (f => loads(i, node), c => contact(i, node), r => reaction(i, node), k => internal(i, node), &
                s => springs(i, node), u => displacement(i, node), p => prescribed(i, node))
                sums%largest_load = max(sums%largest_load, abs(f))
@@ -576,7 +604,7 @@ contains
 
    !> The norm of nodal forces. Squares over that of the largest neither overflow nor vanish [F].
    pure real(dp) function norm_of(forces, largest) result(norm)
-      real(dp), intent(in) :: forces(:, :) !! the forces (2, n_nodes) [F]
+      real(dp), intent(in) :: forces(:, :) !! the forces (components, n_nodes) [F]
       real(dp), intent(in) :: largest !! their largest component [F]
       real(dp) :: unit
       integer :: node
@@ -586,6 +614,7 @@ contains
       unit = binary_scale(largest)
       do node = 1, size(forces, 2)
          norm = norm + ((forces(1, node)*unit)**2 + (forces(2, node)*unit)**2)
+         if (size(forces, 1) > 2) norm = norm + (forces(3, node)*unit)**2
       end do
       norm = sqrt(norm)/unit
    end function norm_of

@@ -62,7 +62,7 @@ module amontons_condensation
 
    !> What is left of a load when it is condensed: q, and what `recover` needs of it.
    type :: condensed_load_t
-      real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
+      real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (components m) [F]
       real(dp), allocatable, private :: partial(:)
          !! what the condenser needs of it to expand; with a band, the load itself (n)
       real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns and those behind them (n_schur) [F]
@@ -84,8 +84,9 @@ module amontons_condensation
       real(dp), allocatable, private :: lifting(:, :) !! S_ee^-1 S_ec (eliminated, n_unknowns) [-]
       integer, allocatable, private :: unknown(:, :)
          !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
-         !! (2, m)
-      real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
+         !! (components, m)
+      real(dp), allocatable, private :: map(:, :, :)
+         !! unknowns of a point = map (u_N, u_T) (components, components, m) [-]
       real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
       real(dp), allocatable :: unnoticed(:, :)
          !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
@@ -182,6 +183,10 @@ contains
       condensation%n_unknowns = dof_map%n_schur - dof_map%n_lockable
       allocate (condensation%unnoticed(condensation%n_unknowns, 0))
       allocate (condensation%is_locked(dof_map%n_lockable), source=.false.)
+      associate (n => size(dof_map%dof, 1))
+         allocate (condensation%unknown(n, zone%n_points), source=0)
+         allocate (condensation%map(n, n, zone%n_points), source=0.0_dp)
+      end associate
       if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
@@ -195,36 +200,43 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp), allocatable :: transform(:, :)
-      real(dp) :: parts(2, 2), of_own(2, 2)
+      real(dp), allocatable :: transform(:, :), around(:, :)
+      real(dp) :: parts(2, 2), of_own(3, 3)
       integer, allocatable :: own(:)
       integer :: p, i, k, n, axis, l, column
-      real(dp) :: frame(2, 2)
+      real(dp) :: frame(3, 3)
 
-      allocate (condensation%unknown(2, zone%n_points), source=0)
       n = 0
       do p = 1, zone%n_points
-         do k = 1, merge(1, 2, zone%is_tangent_fixed(p))
+         do k = 1, size(condensation%unknown, 1)
+            condensation%map(k, k, p) = 1.0_dp
+            if ((k == 2 .and. zone%is_tangent_fixed(p)) .or. (k == 3 .and. zone%is_twist_fixed(p))) cycle
             n = n + 1
             condensation%unknown(k, p) = n
          end do
       end do
-      condensation%map = spread(reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2]), 3, zone%n_points)
       allocate (condensation%rows(n, condensation%n_unknowns), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
-            transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
+            transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, 2)
+            if (size(condensation%unknown, 1) > 2) around = dof_map%substitution%transform(zone%rows%node(i:i), &
+               own, 3, 3)
             parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
             do k = 1, size(own)
-               of_own = matmul(transpose(transform(:, 2*k - 1:2*k)), parts)
-               frame = constraints%frame(own(k))
-               do axis = 1, 2
+               of_own = 0.0_dp
+               of_own(:2, :2) = matmul(transpose(transform(:, 2*k - 1:2*k)), parts)
+               frame = 0.0_dp
+               frame(:2, :2) = constraints%frame(own(k))
+               frame(3, 3) = 1.0_dp
+               if (allocated(around)) of_own(3, 3) = around(1, k)*zone%rows%around(i)
+               do axis = 1, size(dof_map%dof, 1)
                   if (dof_map%dof(axis, own(k)) == 0) cycle
                   column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
                   ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
                   if (column < 1 .or. column > condensation%n_unknowns) cycle
-                  do l = 1, count(condensation%unknown(:, p) > 0)
+                  do l = 1, size(condensation%unknown, 1)
+                     if (condensation%unknown(l, p) == 0) cycle
                      associate (c => condensation%rows(condensation%unknown(l, p), column))
                         c = c + dot_product(of_own(:, l), frame(:, axis))
                      end associate
@@ -248,20 +260,21 @@ contains
       integer :: p, first, axis
 
       first = dof_map%n_dofs - dof_map%n_schur
-      allocate (condensation%unknown(2, zone%n_points), source=0)
-      allocate (condensation%map(2, 2, zone%n_points), source=0.0_dp)
       do p = 1, zone%n_points
          frame = constraints%frame(zone%node(p))
          normal = zone%normal(:, p)
          if (zone%is_tangent_fixed(p)) then
-            axis = findloc(dof_map%dof(:, zone%node(p)) > 0, .true., dim=1)
+            axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
             condensation%unknown(1, p) = dof_map%dof(axis, zone%node(p)) - first
             condensation%map(1, 1, p) = 1.0_dp/dot_product(normal, frame(:, axis))
          else
-            condensation%unknown(:, p) = dof_map%dof(:, zone%node(p)) - first
-            condensation%map(:, 1, p) = matmul(normal, frame)
-            condensation%map(:, 2, p) = matmul([-normal(2), normal(1)], frame)
+            condensation%unknown(:2, p) = dof_map%dof(:2, zone%node(p)) - first
+            condensation%map(:2, 1, p) = matmul(normal, frame)
+            condensation%map(:2, 2, p) = matmul([-normal(2), normal(1)], frame)
          end if
+         if (zone%is_twist_fixed(p)) cycle
+         condensation%unknown(3, p) = dof_map%dof(3, zone%node(p)) - first
+         condensation%map(3, 3, p) = 1.0_dp
       end do
    end subroutine map_points
 
@@ -270,14 +283,14 @@ contains
    subroutine condensation_condense_stiffness(self, error)
       class(condensation_t), intent(inout) :: self !! the factorized body; gains S
       type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small, or no memory
-      real(dp), allocatable :: schur(:, :), stiffness(:, :)
-      real(dp) :: block(2, 2)
-      integer :: p, r, m, i, j, n
+      real(dp), allocatable :: schur(:, :), stiffness(:, :), column(:)
+      integer :: p, r, m, n, n_schur, i, j, k, row
 
       if (allocated(self%matrix%band)) return
+      n = size(self%unknown, 1)
       m = size(self%unknown, 2)
-      n = self%n_unknowns + size(self%is_locked)
-      call allocate_matrix(schur, n, n, 'the contact unknowns', error)
+      n_schur = self%n_unknowns + size(self%is_locked)
+      call allocate_matrix(schur, n_schur, n_schur, 'the contact unknowns', error)
       if (allocated(error)) return
       if (allocated(self%whole)) then
          schur(:, :) = self%whole
@@ -294,22 +307,29 @@ contains
          if (allocated(error)) return
          schur = self%to_rows%stiffness
       end if
-      call allocate_matrix(stiffness, 2*m, 2*m, 'the contact points', error)
+      call allocate_matrix(stiffness, n*m, n*m, 'the contact points', error)
       if (allocated(error)) return
+      stiffness(:, :) = 0.0_dp
+      allocate (column(size(schur, 1)))
       do r = 1, m
-         do p = 1, m
-            block = 0.0_dp
-            do j = 1, count(self%unknown(:, r) > 0)
-               do i = 1, count(self%unknown(:, p) > 0)
-                  block(i, j) = schur(self%unknown(i, p), self%unknown(j, r))
+         do k = 0, n - 1
+            column = 0.0_dp
+            do j = 1, n
+               if (self%unknown(j, r) > 0) column = column + schur(:, self%unknown(j, r))*self%map(j, k + 1, r)
+            end do
+            do p = 1, m
+               do i = 1, n
+                  row = self%unknown(i, p)
+                  if (row == 0) cycle
+                  do j = 0, n - 1
+                     stiffness(p + j*m, r + k*m) = stiffness(p + j*m, r + k*m) + self%map(i, j + 1, p)*column(row)
+                  end do
                end do
             end do
-            block = matmul(transpose(self%map(:, :, p)), matmul(block, self%map(:, :, r)))
-            stiffness([p, p + m], [r, r + m]) = block
+            if (self%unknown(k + 1, r) == 0) stiffness(r + k*m, r + k*m) = stiffness(r, r)
          end do
-         if (self%unknown(2, r) == 0) stiffness(r + m, r + m) = stiffness(r, r)
       end do
-      call new_stiffness_operator(self%matrix, stiffness, self%is_held)
+      call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1)
    end subroutine condensation_condense_stiffness
 
    !> Eliminates the unknowns that no contact point has and that are not locked. The Schur complement with them stays:
@@ -357,7 +377,7 @@ contains
       real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
       type(condensed_load_t), intent(out) :: condensed !! the condensed load
       real(dp), allocatable :: q(:)
-      integer :: p, m, n
+      integer :: p, m, i, k
 
       m = size(self%unknown, 2)
       if (allocated(self%matrix%band)) then
@@ -369,10 +389,14 @@ contains
       end if
       q = self%reduced(condensed%contact_load)
       if (allocated(self%rows)) q = self%to_rows%condense(q)
-      allocate (condensed%load(2*m), source=0.0_dp)
+      allocate (condensed%load(size(self%unknown)), source=0.0_dp)
       do p = 1, m
-         n = count(self%unknown(:, p) > 0)
-         condensed%load([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
+         do i = 1, size(self%unknown, 1)
+            if (self%unknown(i, p) == 0) cycle
+            do k = 0, size(self%unknown, 1) - 1
+               condensed%load(p + k*m) = condensed%load(p + k*m) + q(self%unknown(i, p))*self%map(i, k + 1, p)
+            end do
+         end do
       end do
       if (.not. allocated(self%matrix%band)) return
       condensed%load = self%matrix%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
@@ -393,7 +417,7 @@ contains
    subroutine condensation_recover(self, condensed, displacement, unknowns)
       class(condensation_t), intent(in) :: self !! the factorized body
       type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
-      real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (2m, loads) [L]
+      real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (components m, loads) [L]
       real(dp), allocatable, intent(out) :: unknowns(:, :) !! all unknowns (n, loads) [L]
       real(dp), allocatable :: partial(:, :), v(:, :), own(:)
       real(dp) :: of_points(count(self%unknown > 0))
@@ -406,8 +430,10 @@ contains
       do k = 1, size(condensed)
          partial(:, k) = condensed(k)%partial
          do p = 1, m
-            l = count(self%unknown(:, p) > 0)
-            of_points(self%unknown(:l, p)) = matmul(self%map(:l, :, p), displacement([p, p + m], k))
+            do l = 1, size(self%unknown, 1)
+               if (self%unknown(l, p) > 0) of_points(self%unknown(l, p)) = dot_product(self%map(l, :, p), &
+                  displacement(p::m, k))
+            end do
          end do
          if (allocated(self%rows)) then
             v(:self%n_unknowns, k) = self%to_rows%expand(self%reduced(condensed(k)%contact_load), of_points)
@@ -452,7 +478,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, parameter :: least_points = 501
 
-      may_suit_band = form /= 'dense' .and. zone%is_nodal
+      may_suit_band = form /= 'dense' .and. zone%is_nodal .and. zone%n_tangents == 1
       associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
          if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
             .and. .not. slowness*n*(n/m)**2 > m**3

@@ -29,6 +29,8 @@ module amontons_contact_zone
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
+      integer :: n_tangents = 1 !! number of tangential directions of a point; 2 in a twisted body
+      integer :: n_rows = 0 !! number of rows of C: (1 + n_tangents) m
       logical :: is_nodal = .true. !! whether the displacement of each point is made of one node's own unknowns
       integer, allocatable :: node(:) !! these nodes, point by point; with cells those of their lines, too
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
@@ -44,6 +46,11 @@ module amontons_contact_zone
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
+      logical, allocatable :: is_twist_fixed(:)
+         !! whether supports bear its shear around the axis, as they do of all points where the body is not twisted (m)
+      logical, allocatable :: is_slip_fixed(:)
+         !! both of them: whether supports bear the shear of each tangential row of C (n_rows - m)
+      logical, allocatable :: is_shear_fixed(:) !! whether supports bear its shear along all tangents (m)
       logical, allocatable :: is_slave_guided(:)
          !! whether it is a corner of a slave that a support guides, while its master may slip (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
@@ -89,6 +96,11 @@ contains
          error%message = contacts(i)%origin//error%message
          return
       end do
+      zone%n_tangents = size(body%constraints%is_free, 1) - 1
+      zone%n_rows = (1 + zone%n_tangents)*zone%n_points
+      allocate (zone%is_twist_fixed(zone%n_points), source=.true.)
+      if (zone%n_tangents == 2) zone%is_twist_fixed = [(holds_twist(zone, i, body%constraints), i=1, &
+         zone%n_points)]
       if (size(contacts) == 0 .or. zone%n_points > 0) return
       if (size(zone%zero_area_node) > 0) then
          call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
@@ -98,6 +110,22 @@ contains
             'supports hold every contact node; nothing is left that could come into contact')
       end if
    end subroutine new_contact_zone
+
+   !> Whether supports hold a point of a twisted body around the axis: its node, or all nodes of a cell.
+   pure logical function holds_twist(zone, point, constraints) result(holds)
+      type(contact_zone_t), intent(in) :: zone !! the points
+      integer, intent(in) :: point !! the point
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, allocatable :: nodes(:)
+
+      nodes = zone%rows%node(zone%rows%start(point):zone%rows%start(point + 1) - 1)
+      associate (pair => zone%pairs(zone%set(point)))
+         if (pair%is_set() .and. .not. zone%is_cell(point)) then
+            nodes = [pair%node(point - findloc(zone%set, zone%set(point), dim=1) + 1)]
+         end if
+      end associate
+      holds = .not. any(constraints%is_free(3, nodes))
+   end function holds_twist
 
    !> Adds the points of a set that faces a rigid obstacle.
    subroutine add_set(zone, set, contact, body, follower, error)
@@ -124,8 +152,8 @@ contains
       call take_line(follower, line)
    end subroutine add_set
 
-   !> Finds the corners of slaves that supports guide and at which friction acts all the same, since the master may
-   !> slip.
+   !> Finds the corners of slaves that supports guide, or hold around the axis, and at which friction acts all the same,
+   !> since the master may slip; and lists the slips that supports fix.
    !>
    !> What a support prescribes of the slave's displacement is known; the tangential row of the point is then one of the
    !> master's unknowns. It must be independent of the rows of the other points, which it is not where supports hold the
@@ -138,43 +166,57 @@ contains
       real(dp), parameter :: least_share = 1.0e-2_dp
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
       integer, allocatable :: points(:), own(:), parts(:)
-      integer :: i, j, k, p, place
+      real(dp) :: whole
+      integer :: i, j, k, p, place, tangent
 
-      points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints))
-      if (size(points) == 0) return
-      own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
-      allocate (row(2, size(own)), basis(2*size(own), 0))
-      do k = 1, size(points)
-         p = points(k)
-         row = 0.0_dp
-         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            parts = substitution%element_nodes(zone%rows%node(i:i))
-            transform = substitution%transform(zone%rows%node(i:i), parts)
-            do j = 1, size(parts)
-               ! The own unknowns of points are their relative displacements, those of bonded nodes none.
-               if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(:, parts(j)))) cycle
-               place = findloc(own, parts(j), dim=1)
-               row(:, place) = row(:, place) + matmul(matmul(zone%rows%tangent(:, i), transform(:, 2*j - 1:2*j)), &
-                  constraints%free_projector(parts(j)))
+      do tangent = 1, zone%n_tangents
+         points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints, tangent))
+         own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
+         row = spread([0.0_dp, 0.0_dp], 2, size(own))
+         basis = reshape(row(:, :0), [size(row), 0])
+         do k = 1, size(points)
+            p = points(k)
+            row = 0.0_dp
+            whole = 0.0_dp
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               whole = hypot(whole, merge(norm2(zone%rows%tangent(:, i)), zone%rows%around(i), tangent == 1))
+               parts = substitution%element_nodes(zone%rows%node(i:i))
+               associate (first => 2*tangent - 1, last => tangent + 1)
+                  transform = substitution%transform(zone%rows%node(i:i), parts, first, last)
+                  do j = 1, size(parts)
+                     ! The own unknowns of points are their relative displacements, those of bonded nodes none.
+                     if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(first:last, parts(j)))) cycle
+                     place = findloc(own, parts(j), dim=1)
+                     if (tangent == 1) then
+                        row(:, place) = row(:, place) + matmul(matmul(zone%rows%tangent(:, i), &
+                           transform(:, 2*j - 1:2*j)), constraints%free_projector(parts(j)))
+                     else if (constraints%is_free(last, parts(j))) then
+                        row(1, place) = row(1, place) + zone%rows%around(i)*transform(1, j)
+                     end if
+                  end do
+               end associate
             end do
+            rest = reshape(row, [size(row)])
+            rest = rest - matmul(basis, matmul(rest, basis))
+            if (norm2(rest) < least_share*whole) cycle
+            basis = reshape([basis, rest/norm2(rest)], [size(row), size(basis, 2) + 1])
+            if (tangent == 1) zone%is_tangent_fixed(p) = .false.
+            if (tangent == 2) zone%is_twist_fixed(p) = .false.
+            zone%is_slave_guided(p) = .true.
+            zone%is_nodal = .false.
          end do
-         rest = reshape(row, [2*size(own)])
-         rest = rest - matmul(basis, matmul(rest, basis))
-         associate (whole => zone%rows%tangent(:, zone%rows%start(p):zone%rows%start(p + 1) - 1))
-            if (norm2(rest) < least_share*norm2(whole)) cycle
-         end associate
-         basis = reshape([basis, rest/norm2(rest)], [2*size(own), size(basis, 2) + 1])
-         zone%is_tangent_fixed(p) = .false.
-         zone%is_slave_guided(p) = .true.
-         zone%is_nodal = .false.
       end do
+      zone%is_slip_fixed = zone%is_tangent_fixed
+      if (zone%n_tangents == 2) zone%is_slip_fixed = [zone%is_tangent_fixed, zone%is_twist_fixed]
+      zone%is_shear_fixed = zone%is_tangent_fixed .and. zone%is_twist_fixed
    end subroutine let_guided_slaves_slip
 
    !> Whether each point is a corner of a slave that supports guide, unless its master ends on the same plane of
-   !> symmetry.
-   pure function is_guided_alone(zone, constraints) result(is_alone)
+   !> symmetry; or one that they hold around the axis.
+   pure function is_guided_alone(zone, constraints, tangent) result(is_alone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: tangent !! which of the tangential displacements supports prescribe
       logical :: is_alone(zone%n_points)
       ! What the digits of mesh files leave of a place on a plane, over the longest side.
       real(dp), parameter :: rounding = 1.0e-4_dp
@@ -183,9 +225,9 @@ contains
 
       do p = 1, zone%n_points
          associate (pair => zone%pairs(zone%set(p)))
-            is_alone(p) = zone%is_tangent_fixed(p) .and. .not. zone%is_cell(p) .and. pair%is_set() .and. &
-               .not. allocated(pair%shear_fault)
-            if (.not. is_alone(p)) cycle
+            is_alone(p) = merge(zone%is_tangent_fixed(p), zone%is_twist_fixed(p), tangent == 1) .and. &
+               .not. zone%is_cell(p) .and. pair%is_set() .and. .not. allocated(pair%shear_fault)
+            if (.not. is_alone(p) .or. tangent == 2) cycle
             associate (node => pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1))
                if (all(pair%slave%mirrored_node /= node)) cycle
                held = constraints%held_direction(node)
@@ -318,7 +360,7 @@ contains
       end do
       own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
       points%next = point_of(line%next(kept(:n)))
-      points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:, line%node(kept(i)))), i=1, n)]
+      points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:2, line%node(kept(i)))), i=1, n)]
       points%position = body%mesh%coordinates(:, line%node(kept(:n)))
       points%normal = normal(:, kept(:n))
       points%foot = points%position
@@ -326,6 +368,7 @@ contains
          points%rows%node = node
          points%rows%part = points%normal(:, own)*spread(share, 1, 2)
          points%rows%tangent = points%rows%part
+         points%rows%around = share
          call points%rows%set_tangents()
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
             normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &

@@ -24,6 +24,11 @@ module amontons_equilibrium
 
    public :: check_balance, round_normals
 
+   !> Directions of the extreme forces of a disc.
+   integer, parameter :: n_directions = 16
+   !> The ratio of circumference and diameter.
+   real(dp), parameter :: pi = acos(-1.0_dp)
+
 contains
 
    !> Refuses loads that drive a piece of the body away. Pieces that share points of contact are looked at together.
@@ -107,18 +112,22 @@ contains
       real(dp), allocatable, intent(out) :: remainder(:) !! what is left, piece after piece (n_free of all)
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works
       real(dp), allocatable :: cone(:, :), most(:), work(:)
-      integer :: first, last, k
+      integer :: first, last, k, n_edges, n_given
 
       last = sum([(body%motions(pieces(k))%n_free, k=1, size(pieces))])
-      allocate (cone(last, 5*body%zone%n_points), work(last), source=0.0_dp)
+      n_edges = merge(3, 1 + n_directions, body%zone%n_tangents == 1)
+      n_given = body%zone%n_rows - body%zone%n_points
+      allocate (cone(last, n_edges*body%zone%n_points + 2*n_given), work(last), source=0.0_dp)
       scale = 0.0_dp
       last = 0
       do k = 1, size(pieces)
          first = last + 1
          last = last + body%motions(pieces(k))%n_free
-         call add_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, part)
+         call add_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, part, &
+            n_edges)
       end do
-      most = [spread(huge(1.0_dp), 1, 3*body%zone%n_points), load_case%slip_bound, load_case%slip_bound]
+      most = [spread(huge(1.0_dp), 1, n_edges*body%zone%n_points), (load_case%slip_bound, k=1, &
+         2*body%zone%n_tangents)]
       allocate (remainder, source=bounded_remainder(cone, most, work))
    end subroutine balance
 
@@ -168,18 +177,20 @@ contains
    end function round_normals
 
    !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme forces of the points.
-   pure subroutine add_works(cone, work, scale, motions, body, load_case, part)
+   pure subroutine add_works(cone, work, scale, motions, body, load_case, part, n_edges)
       real(dp), intent(inout) :: cone(:, :)
-         !! works of the extreme forces: three for each point, then t of each, then -t (n_free, 5m)
+         !! works of the extreme forces: some for each point, then t of each, then -t (n_free, any)
       real(dp), intent(inout) :: work(:) !! works of the loads (n_free)
       real(dp), intent(inout) :: scale !! sum of the magnitudes of what makes up these works
       type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
-      real(dp) :: motion(2, motions%n_free), shear(2)
+      integer, intent(in) :: n_edges !! number of extreme forces of a point: 3, of discs as many directions and n
+      real(dp) :: motion(motions%n_components, motions%n_free), shear(2), angle
+      real(dp), dimension(motions%n_free) :: pressed, sheared, twisted
       logical :: is_inside(body%mesh%n_nodes)
-      integer :: i, p
+      integer :: i, k, p
 
       do i = 1, size(motions%node)
          associate (force => load_case%force(:, motions%node(i)))
@@ -191,26 +202,44 @@ contains
       end do
       is_inside = .false.
       is_inside(motions%node) = .true.
+      twisted = 0.0_dp
       associate (zone => body%zone)
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)), zone%rows%node(i))
-               associate (normal => part(:, i), given => 3*zone%n_points + p)
+               associate (normal => part(:, i), given => n_edges*zone%n_points + p, last => n_edges*p)
                   shear = turned(normal)
                   if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%tangent(:, i)
                   if (zone%is_tangent_fixed(p)) shear = 0.0_dp
+                  pressed = matmul(normal, motion(:2, :))
+                  sheared = matmul(shear, motion(:2, :))
                   ! A given slip bound holds open points, too.
-                  cone(:, given) = cone(:, given) + matmul(shear, motion)
+                  cone(:, given) = cone(:, given) + sheared
+                  if (.not. zone%is_twist_fixed(p)) then
+                     twisted = zone%rows%around(i)*motion(3, :)
+                     cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
+                  end if
                   if (.not. load_case%is_in_reach(p)) cycle
-                  shear = load_case%friction(p)*shear
-                  cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
-                  cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
-                  cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)
+                  cone(:, last) = cone(:, last) + pressed
+                  if (n_edges == 3) then
+                     cone(:, last - 2) = cone(:, last - 2) + (pressed + load_case%friction(p)*sheared)
+                     cone(:, last - 1) = cone(:, last - 1) + (pressed - load_case%friction(p)*sheared)
+                     cycle
+                  end if
+                  if (zone%is_twist_fixed(p)) twisted = 0.0_dp
+                  ! The edges of a cone around the round one: what they cannot balance nothing can.
+                  do k = 1, n_directions
+                     angle = 2.0_dp*pi*k/n_directions
+                     cone(:, last - k) = cone(:, last - k) + (pressed + load_case%friction(p)/cos(pi/n_directions) &
+                        *(cos(angle)*sheared + sin(angle)*twisted))
+                  end do
                end associate
             end do
          end do
-         cone(:, 4*zone%n_points + 1:) = -cone(:, 3*zone%n_points + 1:4*zone%n_points)
+         associate (edges => n_edges*zone%n_points, given => zone%n_rows - zone%n_points)
+            cone(:, edges + given + 1:) = -cone(:, edges + 1:edges + given)
+         end associate
       end associate
    end subroutine add_works
 

@@ -26,10 +26,10 @@ module amontons_load_case
       real(dp), allocatable :: factor(:)
          !! what each load is multiplied by, in a sweep or a load history; not allocated where it is 1 (loads) [-]
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
-      real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), allocatable :: force(:, :) !! nodal forces of the loads (components, n_nodes) [F]
       real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
       real(dp), allocatable :: prescribed(:, :)
-         !! displacements that the supports prescribe, with what follows of them for slaves (2, n_nodes) [L]
+         !! displacements that the supports prescribe, with what follows of them for slaves (components, n_nodes) [L]
       real(dp), allocatable :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
@@ -38,9 +38,9 @@ module amontons_load_case
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
       real(dp), allocatable :: anchor(:)
-         !! displacement along the tangent that slips are counted from; 0 but in a load history (m) [L]
+         !! displacement along the tangent that slips are counted from; 0 but in a load history (n_rows - m) [L]
       real(dp), allocatable :: obstacle_motion(:)
-         !! way of the obstacle along the tangent since rest; 0 but in a load history (m) [L]
+         !! way of the obstacle along the tangent since rest; 0 but in a load history (n_rows - m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
@@ -65,7 +65,7 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! supports, contacts or loads do not fit the body
       type(constraints_t) :: constraints
-      real(dp) :: prescribed(2*body%zone%n_points)
+      real(dp) :: prescribed(body%zone%n_rows)
       integer :: i
 
       call check_shear(body%zone, contacts, error)
@@ -108,11 +108,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the supports do not fit the mesh
       integer :: k
 
-      call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
+      call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error, body%materials)
       if (allocated(error)) return
       do k = 1, size(body%driven)
          associate (driven => body%driven(k), support => supports(body%driven(k)%support))
-            if (support%is_jump) load_case%prescribed(:, driven%lead) = load_case%prescribed(:, driven%lead) &
+            if (support%is_jump) load_case%prescribed(:2, driven%lead) = load_case%prescribed(:2, driven%lead) &
                + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own
          end associate
       end do
@@ -134,7 +134,7 @@ contains
       load_case%driven = body%driven_forces(loads)
       do k = 1, size(body%driven)
          associate (driven => body%driven(k))
-            load_case%force(:, driven%node) = load_case%force(:, driven%node) + load_case%driven(k)*driven%force
+            load_case%force(:2, driven%node) = load_case%force(:2, driven%node) + load_case%driven(k)*driven%force
          end associate
       end do
    end subroutine apply_loads
@@ -183,8 +183,8 @@ contains
       corners(:, 2) = maxval(mesh%coordinates, dim=2)
       size_of_body = norm2(corners(:, 2) - corners(:, 1))
       load_case%gap = spread(0.0_dp, 1, zone%n_points)
-      load_case%anchor = load_case%gap
-      load_case%obstacle_motion = load_case%gap
+      load_case%anchor = spread(0.0_dp, 1, zone%n_rows - zone%n_points)
+      load_case%obstacle_motion = load_case%anchor
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap
@@ -245,22 +245,22 @@ contains
    end subroutine set_obstacles
 
    !> The part of every slip that supports prescribe; 0 where a support prevents the slip
-   !> (m) [L].
+   !> (n_rows - m) [L].
    pure function prescribed_slip(body, load_case) result(slip)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      real(dp) :: slip(body%zone%n_points), prescribed(2*body%zone%n_points)
+      real(dp) :: slip(body%zone%n_rows - body%zone%n_points), prescribed(body%zone%n_rows)
 
       prescribed = body%zone%rows%displacement(load_case%prescribed)
-      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_tangent_fixed)
+      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_slip_fixed)
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.
    subroutine recover_displacement(displacement, body, load_case, solution)
-      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (2, n_nodes) [L]
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
-      real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (2m) [L]
+      real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
       type(condensed_load_t) :: condensed(1)
       real(dp), allocatable :: one(:, :, :)
 
@@ -273,11 +273,11 @@ contains
    !> factor. They differ in their loads only.
    subroutine recover_displacements(displacement, body, load_case, condensed, solution)
       real(dp), allocatable, intent(out) :: displacement(:, :, :)
-         !! displacements of all nodes (2, n_nodes, problems) [L]
+         !! displacements of all nodes (components, n_nodes, problems) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! what the load cases share
       type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
-      real(dp), intent(in) :: solution(:, :) !! displacements v of the contact problems (2m, problems) [L]
+      real(dp), intent(in) :: solution(:, :) !! displacements v of the contact problems (n_rows, problems) [L]
       real(dp), allocatable :: unknowns(:, :), v(:, :)
       integer :: k, m
 
@@ -285,17 +285,17 @@ contains
       v = solution
       v(m + 1:, :) = v(m + 1:, :) - spread(prescribed_slip(body, load_case), 2, size(condensed))
       call body%condensation%recover(condensed, v, unknowns)
-      allocate (displacement(2, body%mesh%n_nodes, size(condensed)))
+      allocate (displacement(size(load_case%prescribed, 1), body%mesh%n_nodes, size(condensed)))
       do k = 1, size(condensed)
          displacement(:, :, k) = from_unknowns(unknowns(:, k), load_case%prescribed, body%constraints, body%dof_map)
       end do
    end subroutine recover_displacements
 
    !> The work that nodal forces do while the contact displacements v change and the rest follows by equilibrium, as a
-   !> vector on v (2m) [F].
+   !> vector on v (n_rows) [F].
    function condensed_force(body, forces) result(row)
       type(body_t), intent(in) :: body !! the body, condensed
-      real(dp), intent(in) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), intent(in) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       real(dp), allocatable :: row(:)
       type(condensed_load_t) :: condensed
 

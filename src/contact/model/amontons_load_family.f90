@@ -60,7 +60,7 @@ module amontons_load_family
       logical, allocatable, private :: has_displacement(:) !! whether it prescribes displacements (parts)
       real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
       real(dp), allocatable, private :: prescribed(:, :) !! normal displacements that it prescribes (m, parts) [L]
-      real(dp), allocatable, private :: load(:, :) !! its condensed load (2m, parts) [F]
+      real(dp), allocatable, private :: load(:, :) !! its condensed load (n_rows, parts) [F]
       real(dp), allocatable, private :: largest(:) !! its largest prescribed displacement or expansion (parts) [L]
       real(dp), allocatable, private :: feet(:, :) !! feet of the contact points on the obstacles (2, quadrature points)
    contains
@@ -85,8 +85,8 @@ module amontons_load_family
          !! the motion of the obstacle of each contact set; not allocated where all are at their places
       real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now, with what was worn (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
-      real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (m) [L]
-      real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (m) [L]
+      real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (n_rows - m) [L]
+      real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (n_rows - m) [L]
    end type acting_t
 
 contains
@@ -109,7 +109,7 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
       type(parting_t), intent(in) :: parting !! what belongs to which part
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
-      real(dp) :: prescribed(2*body%zone%n_points)
+      real(dp) :: prescribed(body%zone%n_rows)
       integer :: k, p
 
       family%parting = parting
@@ -118,7 +118,7 @@ contains
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
       allocate (family%parts(parting%n_parts))
-      allocate (family%load(2*body%zone%n_points, parting%n_parts), family%largest(parting%n_parts))
+      allocate (family%load(body%zone%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
          family%has_displacement(parting%n_parts))
       do k = 1, parting%n_parts
@@ -189,7 +189,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), allocatable :: forces(:, :), internal(:, :)
-      real(dp) :: slip(body%zone%n_points), from_slip(2*body%zone%n_points)
+      real(dp) :: slip(body%zone%n_rows - body%zone%n_points), from_slip(body%zone%n_rows)
       integer :: k
 
       do k = 1, size(self%parts)
@@ -211,7 +211,7 @@ contains
             slip = prescribed_slip(body, part)
          end associate
          if (.not. any(abs(slip) > 0.0_dp)) cycle
-         call problem%matrix%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         call problem%matrix%multiply_stiffness([0.0_dp*self%prescribed(:, k), slip], from_slip)
          self%load(:, k) = self%load(:, k) + from_slip
       end do
    end subroutine load_family_condense
@@ -225,7 +225,7 @@ contains
       if (allocated(acting%motions)) deallocate (acting%motions)
       acting%gap = self%base%gap
       acting%is_in_reach = self%base%is_in_reach
-      acting%motion = 0.0_dp*self%base%gap
+      acting%motion = 0.0_dp*self%base%anchor
       acting%anchor = acting%motion
    end subroutine load_family_at_rest
 
@@ -244,7 +244,7 @@ contains
       if (allocated(error)) return
       acting%gap = moved%gap
       acting%is_in_reach = moved%is_in_reach
-      acting%motion = tangential_motion(body%zone, self%feet, motions)
+      acting%motion(:body%zone%n_points) = tangential_motion(body%zone, self%feet, motions)
    end subroutine load_family_move
 
    !> The contact sets of a member, with their obstacles where they are.
@@ -271,8 +271,8 @@ contains
       problem%load = matmul(self%load, acting%factor)
       problem%prescribed = dot_product(self%largest, abs(acting%factor))
       problem%gap = self%gap_of(acting)
-      associate (is_fixed => body%zone%is_tangent_fixed)
-         problem%anchor = merge(0.0_dp, acting%anchor, is_fixed)
+      problem%anchor = merge(0.0_dp, acting%anchor, body%zone%is_slip_fixed)
+      associate (is_fixed => body%zone%is_shear_fixed)
          problem%friction = merge(0.0_dp, self%friction_of(acting), is_fixed)
          problem%slip_bound = merge(0.0_dp, self%base%slip_bound, is_fixed)
       end associate
@@ -363,7 +363,7 @@ contains
       class(load_family_t), intent(in) :: self !! the family
       real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
       integer, parameter :: n_together = 512
-      real(dp) :: forces(2, n_together)
+      real(dp) :: forces(size(self%parts(1)%force, 1), n_together)
       integer :: first, n, k
 
       largest = 0.0_dp

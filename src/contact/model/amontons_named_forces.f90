@@ -18,26 +18,29 @@ module amontons_named_forces
       new_force_form
 
    !> Components of a force: along the normal and the tangent of a contact line, along x and y, the moment about the
-   !> origin, counter-clockwise.
-   integer, parameter :: normal = 1, tangential = 2, along_x = 3, along_y = 4, moment = 5
+   !> origin, counter-clockwise, and that about the axis of a twisted body.
+   integer, parameter :: normal = 1, tangential = 2, along_x = 3, along_y = 4, moment = 5, torque = 6
    !> Their names in files.
-   character(10), parameter :: component_names(*) = [character(10) :: 'normal', 'tangential', 'x', 'y', 'moment']
+   character(10), parameter :: component_names(*) = [character(10) :: 'normal', 'tangential', 'x', 'y', 'moment', &
+      'torque']
    !> Names of the kinds in files, in the order of `of_contact`, `of_support`, `of_tie`.
    character(8), parameter :: kind_names(*) = [character(8) :: 'force', 'reaction', 'tie']
 
    !> How a number follows from reactions, displacements and contact forces; what is not allocated has no part in it.
    type :: force_test_t
-      real(dp), allocatable :: held(:, :) !! displacements that the reactions of the nodes do work on (2, n_nodes) [L]
-      real(dp), allocatable :: pulled(:, :) !! forces that do work on the displacements of the nodes (2, n_nodes) [F]
-      real(dp), allocatable :: contact(:) !! factors of (lambda_N; lambda_T) (2m)
+      real(dp), allocatable :: held(:, :)
+         !! displacements that the reactions of the nodes do work on (components, n_nodes) [L]
+      real(dp), allocatable :: pulled(:, :)
+         !! forces that do work on the displacements of the nodes (components, n_nodes) [F]
+      real(dp), allocatable :: contact(:) !! factors of (lambda_N; lambda_T) (n_rows)
       integer :: driven = 0 !! the driven motion whose given force counts, too; 0 for none
    end type force_test_t
 
    !> Numbers as sums over the factors of the parts of a family, contact displacements and contact forces.
    type :: force_form_t
       real(dp), allocatable, private :: of_part(:, :) !! what each part adds without contact displacements (any, parts)
-      real(dp), allocatable, private :: of_displacement(:, :) !! factors of the contact displacements (2m, any)
-      real(dp), allocatable, private :: of_contact(:, :) !! factors of the contact forces (2m, any)
+      real(dp), allocatable, private :: of_displacement(:, :) !! factors of the contact displacements (n_rows, any)
+      real(dp), allocatable, private :: of_contact(:, :) !! factors of the contact forces (n_rows, any)
    contains
       procedure :: values => force_form_values
    end type force_form_t
@@ -56,10 +59,11 @@ contains
       do i = 1, size(body%named)
          is_cut = body%named(i)%kind == of_tie
          if (is_cut) is_cut = body%ties(body%named(i)%member(1))%lead > 0
-         do component = normal, moment
+         do component = normal, torque
             if (component <= tangential .and. body%named(i)%kind /= of_contact .and. .not. is_cut) cycle
             if (is_cut .and. (body%is_axisymmetric .or. all(component /= [tangential, moment]))) cycle
             if (body%is_axisymmetric .and. any(component == [along_x, moment])) cycle
+            if (component == torque .and. body%materials%n_components() == 2) cycle
             list = reshape([list, i, component], [2, size(list, 2) + 1])
          end do
       end do
@@ -86,7 +90,7 @@ contains
                named%name
             if (present(scale)) list(k)%scale = scale
             list(k)%dimension = 'F'
-            if (component == moment) then
+            if (component >= moment) then
                list(k)%scale = list(k)%scale*maxval(abs(body%mesh%coordinates))
                list(k)%dimension = 'F L'
             end if
@@ -135,8 +139,8 @@ contains
       end if
       associate (driven => body%driven((of_motion + 1)/2))
          if (modulo(of_motion, 2) == 1) then
-            allocate (test%pulled(2, body%mesh%n_nodes), source=0.0_dp)
-            test%pulled(:, driven%node) = driven%force
+            allocate (test%pulled(size(body%constraints%is_free, 1), body%mesh%n_nodes), source=0.0_dp)
+            test%pulled(:2, driven%node) = driven%force
          else
             test%driven = of_motion/2
             test%held = body%driven_field(test%driven)
@@ -155,7 +159,7 @@ contains
       logical, allocatable :: is_meant(:)
       integer :: i, p
 
-      motion = rigid_motion(component, body%mesh%coordinates)
+      motion = rigid_motion(component, body%mesh%coordinates, size(body%constraints%is_free, 1))
       if (named%kind == of_contact) then
          test%contact = contact_factors(body, named%member, component, motion)
          return
@@ -171,7 +175,7 @@ contains
          end do
          is_meant = [(any(named%member == body%springs(i)%support), i=1, size(body%springs))]
          if (any(is_meant)) test%pulled = -spring_forces(body%mesh%n_nodes, pack(body%springs, is_meant), &
-            rigid_motion(component, body%mesh%coordinates))
+            rigid_motion(component, body%mesh%coordinates, 2))
       else
          test%held = 0.0_dp*motion
          do i = 1, size(named%member)
@@ -180,15 +184,16 @@ contains
                   ! Shear along the cut, and the moment about its middle.
                   length = norm2(tie%slave%corner(:, 2, :) - tie%slave%corner(:, 1, :), dim=1)
                   middle = matmul(tie%slave%corner(:, 3, :), length)/sum(length)
-                  motion = rigid_motion(component, body%mesh%coordinates - spread(middle, 2, size(motion, 2)))
+                  motion = rigid_motion(component, body%mesh%coordinates - spread(middle, 2, size(motion, 2)), 2)
                   if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
                end if
                do p = 1, size(tie%node)
-                  test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
-                     motion(:, tie%node(p)))
+                  test%held(:2, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
+                     motion(:2, tie%node(p)))
+                  where (body%constraints%is_free(3:, tie%node(p))) test%held(3:, tie%node(p)) = motion(3:, tie%node(p))
                   ! The jump moves all corners.
-                  if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:, tie%node(p)) = &
-                     test%held(:, tie%node(p)) - dot_product(motion(:, tie%lead), tie%jump)*tie%jump
+                  if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:2, tie%node(p)) = &
+                     test%held(:2, tie%node(p)) - dot_product(motion(:2, tie%lead), tie%jump)*tie%jump
                end do
             end associate
          end do
@@ -197,15 +202,17 @@ contains
    end subroutine new_named_test
 
    !> The motion that a component of forces does work on.
-   pure function rigid_motion(component, positions) result(motion)
+   pure function rigid_motion(component, positions, n_components) result(motion)
       integer, intent(in) :: component !! the component
       real(dp), intent(in) :: positions(:, :) !! where (2, any) [L]
-      real(dp) :: motion(2, size(positions, 2))
+      integer, intent(in) :: n_components !! number of components of a displacement
+      real(dp) :: motion(n_components, size(positions, 2))
 
       motion = 0.0_dp
       if (component == along_x) motion(1, :) = 1.0_dp
       if (component == along_y) motion(2, :) = 1.0_dp
-      if (component < moment) return
+      if (component == torque) motion(3, :) = positions(1, :)
+      if (component /= moment) return
       motion(1, :) = -positions(2, :)
       motion(2, :) = positions(1, :)
    end function rigid_motion
@@ -215,33 +222,34 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: sets(:) !! numbers of the sets
       integer, intent(in) :: component !! the component
-      real(dp), intent(in) :: motion(:, :) !! the motion that it does work on (2, n_nodes)
+      real(dp), intent(in) :: motion(:, :) !! the motion that it does work on (components, n_nodes)
       real(dp), allocatable :: factors(:)
-      real(dp) :: at_points(2, body%zone%n_points)
+      real(dp) :: at_points(size(motion, 1), body%zone%n_points)
       integer :: m, p
 
       m = body%zone%n_points
       factors = -body%zone%rows%displacement(motion)
-      at_points = rigid_motion(component, body%zone%position)
+      at_points = rigid_motion(component, body%zone%position, size(motion, 1))
       do p = 1, m
          associate (direction => body%zone%normal(:, p))
             if (component <= tangential) then
-               factors([p, m + p]) = merge(1.0_dp, 0.0_dp, component == [normal, tangential])
+               factors(p::m) = 0.0_dp
+               factors(p + merge(0, m, component == normal)) = 1.0_dp
             else if (body%zone%pairs(body%zone%set(p))%is_set()) then
-               factors([p, m + p]) = -[dot_product(direction, at_points(:, p)), &
-                  dot_product(turned(direction), at_points(:, p))]
+               factors(p::m) = -[dot_product(direction, at_points(:2, p)), &
+                  dot_product(turned(direction), at_points(:2, p)), at_points(3:, p)]
             end if
          end associate
-         if (all(sets /= body%zone%set(p))) factors([p, m + p]) = 0.0_dp
+         if (all(sets /= body%zone%set(p))) factors(p::m) = 0.0_dp
       end do
    end function contact_factors
 
    !> The values of all forces by name.
    pure function force_values(body, reaction, displacement, force, driven) result(values)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: reaction(:, :) !! forces on the nodes besides loads and contact (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: reaction(:, :) !! forces on the nodes besides loads and contact (components, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), intent(in) :: driven(:) !! forces that loads give the driven motions (motions) [F, F L]
       real(dp), allocatable :: values(:)
       type(force_test_t) :: test
@@ -262,15 +270,19 @@ contains
    !> Computes the displacements of the nodes under each part of a family, contact displacements held, and the nodal
    !> forces of each part; of temperatures those that cause the same strain.
    subroutine find_responses(fields, loads, body, parts)
-      real(dp), allocatable, intent(out) :: fields(:, :, :) !! displacements of the nodes (2, n_nodes, parts) [L]
-      real(dp), allocatable, intent(out) :: loads(:, :, :) !! nodal forces (2, n_nodes, parts) [F]
+      real(dp), allocatable, intent(out) :: fields(:, :, :)
+         !! displacements of the nodes (components, n_nodes, parts) [L]
+      real(dp), allocatable, intent(out) :: loads(:, :, :) !! nodal forces (components, n_nodes, parts) [F]
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! the parts, condensed
       real(dp), allocatable :: field(:, :), at_rest(:)
       integer :: i
 
-      allocate (fields(2, body%mesh%n_nodes, size(parts)), loads(2, body%mesh%n_nodes, size(parts)))
-      allocate (at_rest(2*body%zone%n_points), source=0.0_dp)
+      associate (n_components => size(body%constraints%is_free, 1))
+         allocate (fields(n_components, body%mesh%n_nodes, size(parts)), loads(n_components, body%mesh%n_nodes, &
+            size(parts)))
+      end associate
+      allocate (at_rest(body%zone%n_rows), source=0.0_dp)
       do i = 1, size(parts)
          call recover_displacement(field, body, parts(i), at_rest)
          fields(:, :, i) = field
@@ -289,11 +301,10 @@ contains
       real(dp), intent(in) :: fields(:, :, :) !! displacements under each part, from `find_responses` [L]
       real(dp), intent(in) :: loads(:, :, :) !! nodal forces of each part [F]
       real(dp), allocatable :: forces(:, :)
-      integer :: i, j, m
+      integer :: i, j
 
-      m = body%zone%n_points
-      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(2*m, size(tests)), &
-         form%of_contact(2*m, size(tests)), source=0.0_dp)
+      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(body%zone%n_rows, size(tests)), &
+         form%of_contact(body%zone%n_rows, size(tests)), source=0.0_dp)
       do i = 1, size(tests)
          associate (test => tests(i))
             if (allocated(test%contact)) form%of_contact(:, i) = test%contact

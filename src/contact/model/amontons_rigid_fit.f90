@@ -20,13 +20,13 @@ contains
    !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if it
    !> leaves much of them.
    subroutine fit_rigid_motion(motion, body, load_case, load)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
-      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
+      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       real(dp), parameter :: much = 0.1_dp
-      real(dp) :: aim(2*body%zone%n_points)
-      logical :: counts(2*body%zone%n_points)
+      real(dp) :: aim(body%zone%n_rows)
+      logical :: counts(body%zone%n_rows)
 
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
@@ -38,25 +38,25 @@ contains
    !> loads it is the least motion from the closest fit that ends all overlaps. None if no motion does, or if it is much
    !> longer than the gaps.
    subroutine lay_rigid_body(motion, body, load_case, load)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
-      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
+      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       ! The way without obstacles, over the largest gap; a gap that stays open, likewise, where nothing would close it.
       real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
       real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp
       real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:)
-      real(dp) :: aim(2*body%zone%n_points), drive(size(body%rigid_modes, 2)), amounts(size(body%rigid_modes, 2)), unit
-      logical :: counts(2*body%zone%n_points)
+      real(dp) :: aim(body%zone%n_rows), drive(size(body%rigid_modes, 2)), amounts(size(body%rigid_modes, 2)), unit
+      logical :: counts(body%zone%n_rows)
       integer :: k, m, n
 
       m = body%zone%n_points
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      allocate (motion(2*m), source=0.0_dp)
+      allocate (motion(size(aim)), source=0.0_dp)
       unit = maxval(abs(aim(:m)))
       if (size(body%rigid_modes, 2) == 0 .or. .not. unit > 0.0_dp) return
-      call find_ways(in_modes, body%rigid_modes, counts)
+      call find_ways(in_modes, body%rigid_modes, counts, m)
       way = matmul(body%rigid_modes, in_modes)
       n = size(way, 2)
       amounts = amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim)
@@ -84,25 +84,25 @@ contains
 
    !> The ways in which a rigid body can move so that the normals of the points notice, each with the least slip and of
    !> the mean square 1 along the normals.
-   subroutine find_ways(in_modes, modes, counts)
+   subroutine find_ways(in_modes, modes, counts, m)
       real(dp), allocatable, intent(out) :: in_modes(:, :) !! amount of each mode in each of them (k, ways) [-]
-      real(dp), intent(in) :: modes(:, :) !! displacements (u_N; u_T) under the free motions (2m, k) [-]
-      logical, intent(in) :: counts(:) !! which of the displacements count (2m)
+      real(dp), intent(in) :: modes(:, :) !! displacements (u_N; u_T) under the free motions (n_rows, k) [-]
+      logical, intent(in) :: counts(:) !! which of the displacements count (n_rows)
+      integer, intent(in) :: m !! number of points
       ! Squares of the modes have half of the digits.
       real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp), dimension(size(modes, 2), size(modes, 2)) :: vector
       real(dp) :: value(size(modes, 2))
       real(dp), allocatable :: slip(:, :)
-      integer :: info, k, m, n_slips
+      integer :: info, k, n_slips
 
-      m = size(counts)/2
       associate (normal => merge(modes(:m, :), 0.0_dp, spread(counts(:m), 2, size(modes, 2))))
          vector = matmul(transpose(normal), normal)
       end associate
       call symmetric_eigenvectors(vector, value, info)
       n_slips = size(value)
       if (info == 0) n_slips = count(value <= negligible*maxval(value))
-      slip = merge(matmul(modes, vector), 0.0_dp, spread(counts .and. [(k > m, k=1, 2*m)], 2, size(value)))
+      slip = merge(matmul(modes, vector), 0.0_dp, spread(counts .and. [(k > m, k=1, size(counts))], 2, size(value)))
       do k = n_slips + 1, size(value)
          vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
             *sqrt(real(count(counts(:m)), dp)/value(k))
@@ -112,58 +112,62 @@ contains
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
    subroutine fit_travel(motion, body, load, displacement)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
-      real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
+      real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (n_rows) [L]
       real(dp), parameter :: much = 0.01_dp
 
       call fit(motion, body, load, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
 
-   !> The rigid motion of each piece that comes closest to the displacements of its nodes (2, n_nodes) [L].
+   !> The rigid motion of each piece that comes closest to the displacements of its nodes (components, n_nodes) [L].
    function travel_of_nodes(free, coordinates, displacement) result(travel)
       type(rigid_motions_t), intent(in) :: free(:) !! the motions of each piece that are free
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (components, n_nodes) [L]
       real(dp), allocatable :: travel(:, :)
       real(dp), allocatable :: modes(:, :)
-      integer :: i, j
+      integer :: i, j, n
 
       allocate (travel, source=0.0_dp*displacement)
       do j = 1, size(free)
          associate (motions => free(j))
             if (motions%n_free == 0) cycle
-            allocate (modes(2*size(motions%node), motions%n_free))
+            n = size(displacement, 1)
+            allocate (modes(n*size(motions%node), motions%n_free))
             do i = 1, size(motions%node)
-               modes(2*i - 1:2*i, :) = motions%displacement(coordinates(:, motions%node(i)), &
+               modes(n*(i - 1) + 1:n*i, :) = motions%displacement(coordinates(:, motions%node(i)), &
                   motions%node(i))
             end do
             travel(:, motions%node) = reshape(matmul(modes, amounts_of(modes, &
-               reshape(displacement(:, motions%node), [size(modes, 1)]))), [2, size(motions%node)])
+               reshape(displacement(:, motions%node), [size(modes, 1)]))), [n, size(motions%node)])
             deallocate (modes)
          end associate
       end do
    end function travel_of_nodes
 
-   !> Which displacements of the points gaps and slips speak of (2m).
+   !> Which displacements of the points gaps and slips speak of (n_rows).
    pure function counted(body, load_case) result(counts)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
-      logical :: counts(2*body%zone%n_points)
+      logical :: counts(body%zone%n_rows)
+      integer :: k
 
-      counts = [load_case%is_in_reach, load_case%is_in_reach .and. .not. body%zone%is_tangent_fixed]
+      counts(:body%zone%n_points) = load_case%is_in_reach
+      counts(body%zone%n_points + 1:) = .not. body%zone%is_slip_fixed .and. [load_case%is_in_reach, &
+         (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 
    !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it. Of pieces without loads it
    !> is the aim itself where rounding errors alone are left: these would be all that acts on them. Where loads act,
    !> small ones on a stiff body at the least, a motion that is not quite rigid would spoil their equilibrium.
    subroutine fit(motion, body, load, aim, counts, much)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
-      real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (2m) [L]
-      logical, intent(in) :: counts(:) !! whether they count (2m)
+      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
+      real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
+      logical, intent(in) :: counts(:) !! whether they count (n_rows)
       real(dp), intent(in) :: much !! how much of the aim is much [-]
       ! Gaps are differences of coordinates: some tens of their rounding errors.
       real(dp), parameter :: rounding = 1.0e-14_dp
@@ -182,10 +186,10 @@ contains
       end if
    end subroutine fit
 
-   !> Which displacements are those of loose pieces without loads (2m).
+   !> Which displacements are those of loose pieces without loads (n_rows).
    pure function is_unloaded(modes, load)
-      real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (2m, k) [-]
-      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
+      real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (n_rows, k) [-]
+      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       logical :: is_unloaded(size(load)), is_of_piece(size(load))
       integer :: k
 
@@ -198,8 +202,8 @@ contains
 
    !> The least amounts of some modes whose sum comes closest to an aim.
    function amounts_of(modes, aim) result(amounts)
-      real(dp), intent(in) :: modes(:, :) !! displacements under each mode, 0 where they do not count (2m, k) [-]
-      real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (2m) [L]
+      real(dp), intent(in) :: modes(:, :) !! displacements under each mode, 0 where they do not count (n_rows, k) [-]
+      real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
       real(dp) :: amounts(size(modes, 2))
       ! Squares of the modes have half of the digits.
       real(dp), parameter :: negligible = 1.0e-12_dp

@@ -8,7 +8,7 @@ module amontons_surface_stress
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t
    use amontons_material, only: material_t, turned_compliance
@@ -49,11 +49,15 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
-      type(error_t), allocatable, intent(out) :: error !! a set is missing
+      type(error_t), allocatable, intent(out) :: error !! a set is missing, or the body is twisted
       type(place_t), allocatable :: places(:)
       integer, allocatable :: sides(:, :)
       integer :: p, set
 
+      if (body%zone%n_tangents == 2) then
+         call new_error(error, input_refused, "fretting = 'parameters' does not go with twist = .true.")
+         return
+      end if
       associate (zone => body%zone, m => body%zone%n_points)
          allocate (surface%part(2*m, size(parts)), surface%share(2, 2*m), surface%outward(2, m), &
             surface%compliance(4, 4, m), surface%column(0), surface%row(0))

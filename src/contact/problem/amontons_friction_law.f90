@@ -19,7 +19,7 @@ module amontons_friction_law
 
    public :: bounded, contact_status, cut_to_bound, disc_violation, law_violation, open_point, point_violations, &
       point_violations_t, slip_minus, slip_plus, slip_point, solve_point, solve_point_in_space, status_names, &
-      stick_point, tangential_norm
+      stick_point, tangential_norm, wrong_slip
 
    !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
@@ -163,6 +163,27 @@ contains
       if (sign(1.0_dp, tangential_force)*slip < 0.0_dp) violations%wrong_dissipation = min(abs(slip), &
          abs(tangential_force))
    end function point_violations
+
+   !> The lengths of the slips that the tangential forces do not oppose: of their parts across the forces, and along
+   !> them in the wrong direction (m).
+   pure function wrong_slip(slip, force, n_points)
+      real(dp), intent(in) :: slip(:) !! s = u_T - a (n_tangents m) [L]
+      real(dp), intent(in) :: force(:) !! lambda_T (n_tangents m) [F]
+      integer, intent(in) :: n_points !! number m of points
+      real(dp) :: wrong_slip(n_points)
+      real(dp) :: along(2), axis(2)
+      integer :: p
+
+      if (size(slip) == n_points) then
+         wrong_slip = merge(abs(slip), 0.0_dp, sign(1.0_dp, force)*slip < 0.0_dp)
+         return
+      end if
+      do p = 1, n_points
+         axis = force(p::n_points)/max(norm2(force(p::n_points)), tiny(axis))
+         along = slip(p::n_points)
+         wrong_slip(p) = norm2(along - max(0.0_dp, dot_product(along, axis))*axis)
+      end do
+   end function wrong_slip
 
    !> The force that fulfills the contact law best; of several that do, the one next to a given force.
    pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)

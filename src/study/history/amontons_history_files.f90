@@ -10,7 +10,7 @@ module amontons_history_files
    use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint
    use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_friction_law, only: status_names
+   use amontons_friction_law, only: status_names, tangential_norm
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t, step_state_t
    use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_parameters, n_plain_numbers, parameter_names
@@ -101,8 +101,10 @@ contains
       character(*), parameter :: state_labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
          'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
          'added_gap', 'wear_depth']
+      ! Which of these a twisted body has around the axis, too.
+      integer, parameter :: directed(*) = [3, 5, 6]
       integer, allocatable :: contents(:)
-      integer :: i, k, p
+      integer :: axis, i, k, p
 
       associate (history => model%history)
          contents = pack([of_steps, of_points, of_states, of_grids, of_cycles], [.true., history%points_every > 0, &
@@ -120,8 +122,12 @@ contains
                call tables(i)%add('step,'//history%name//',point', number_alone)
                call tables(i)%add('x,y,area', own_scale)
                call tables(i)%add('normal_force,tangential_force', a_force)
+               if (body%zone%n_tangents == 2) call tables(i)%add('tangential_force_theta', a_force)
                call tables(i)%add('contact_pressure,contact_shear', own_scale)
-               call tables(i)%add('gap,slip,slip_step,slip_accumulated', a_length)
+               if (body%zone%n_tangents == 2) call tables(i)%add('contact_shear_theta', own_scale)
+               call tables(i)%add('gap,slip', a_length)
+               if (body%zone%n_tangents == 2) call tables(i)%add('slip_theta', a_length)
+               call tables(i)%add('slip_step,slip_accumulated', a_length)
                call tables(i)%add('dissipation', an_energy)
                call tables(i)%add('wear_integral', own_scale)
                call tables(i)%add('wear_depth', a_length)
@@ -136,8 +142,11 @@ contains
                   call tables(i)%add('lock_'//to_text(k), number_alone)
                end do
                do k = 1, size(state_labels)
-                  do p = 1, body%zone%n_points
-                     call tables(i)%add(trim(state_labels(k))//'_'//to_text(p), number_alone)
+                  do axis = 1, merge(body%zone%n_tangents, 1, any(k == directed))
+                     do p = 1, body%zone%n_points
+                        call tables(i)%add(trim(state_labels(k))//trim(merge('_theta', '      ', axis == 2))//'_'// &
+                           to_text(p), number_alone)
+                     end do
                   end do
                end do
                do k = 1, n_noted
@@ -207,6 +216,7 @@ contains
       end do
       do i = 1, model%history%n_probes()
          call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
+         if (body%zone%n_tangents == 2) call table%add('utheta_'//to_text(i), a_length)
       end do
       named = named_quantities(body)
       do i = 1, size(named)
@@ -268,7 +278,8 @@ contains
 
       numbers = [state%instant%time, state%instant%numbers, set_numbers(body, state), state%load_work, &
          state%support_work, state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
-         state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), &
+         state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(tangential_norm( &
+         state%slip, size(state%worn)))), &
          max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual]
       do i = 1, several(size(body%zone%pairs))
          numbers = [numbers, set_numbers(body, state, i)]
@@ -292,7 +303,7 @@ contains
       call new_lengths(lengths, body%zone, state%solution%status, set)
       associate (force => state%solution%force, m => body%zone%n_points)
          numbers = [lengths%open, lengths%slip, lengths%stick, sum(force(:m), mask=is_meant), &
-            sum(force(m + 1:), mask=is_meant)]
+            sum(force(m + 1:2*m), mask=is_meant)]
       end associate
    end function set_numbers
 
@@ -323,7 +334,7 @@ contains
       m = body%zone%n_points
       record = walk%point_record(body)
       start = to_text(walk%n_steps)//','//to_text(walk%state%instant%time)//','
-      allocate (character(len(start) + (11 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
+      allocate (character(len(start) + (14 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
       associate (state => walk%state, zone => body%zone)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
@@ -331,9 +342,9 @@ contains
             lines(p) = start
             length = len(start)
             call put_integer(lines(p), length, p)
-            call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force([p, m + p]), &
-               state%solution%force([p, m + p])/zone%area(p), gap(p), &
-               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])
+            call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force(p::m), &
+               state%solution%force(p::m)/zone%area(p), gap(p), &
+               state%solution%displacement(m + p::m) - state%instant%motion(p::m), record(p, :)])
             lines(p)(length + 1:) = ','//status_names(state%solution%status(p))
          end do
       end associate

@@ -16,7 +16,7 @@ module amontons_history_model
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
-   use amontons_friction_law, only: open_point, slip_minus
+   use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t
@@ -35,16 +35,17 @@ module amontons_history_model
 
    !> Matrices over the parts, and vectors on the contact displacements for each part.
    type :: energy_form_t
-      real(dp), allocatable :: field(:, :, :) !! displacements u_i of the nodes (2, n_nodes, parts) [L]
+      real(dp), allocatable :: field(:, :, :) !! displacements u_i of the nodes (components, n_nodes, parts) [L]
       real(dp), allocatable, private :: strain(:, :) !! u_i . K u_j (parts, parts) [F L]
-      real(dp), allocatable, private :: strain_row(:, :) !! condensed K u_i (2m, parts) [F]
+      real(dp), allocatable, private :: strain_row(:, :) !! condensed K u_i (n_rows, parts) [F]
       real(dp), allocatable, private :: load(:, :) !! f_i . u_j (parts, parts) [F L]
-      real(dp), allocatable, private :: load_row(:, :) !! condensed f_i (2m, parts) [F]
+      real(dp), allocatable, private :: load_row(:, :) !! condensed f_i (n_rows, parts) [F]
       type(force_form_t) :: forces
          !! what the reactions of the supports do on the displacements that each part prescribes, their work while its
          !! factor grows by 1 [F L]; then the forces by name [F]
       real(dp) :: stiffness = 0.0_dp !! norm of the body's K [F/L]
-      real(dp), allocatable :: prescribed(:, :) !! what the parts prescribe of the contact displacements (2m, parts) [L]
+      real(dp), allocatable :: prescribed(:, :)
+         !! what the parts prescribe of the contact displacements (n_rows, parts) [L]
    contains
       procedure :: load_work => energy_form_load_work
       procedure :: strain_energy => energy_form_strain_energy
@@ -59,9 +60,9 @@ module amontons_history_model
       type(surface_stress_t), allocatable :: surface !! stresses of the surface, where they are asked for
       real(dp), allocatable :: cycle_times(:) !! times at which cycles begin and end, ascending; none without cycles [-]
       integer, allocatable :: probe(:) !! nodes whose displacements are followed
-      real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (2m, 2 probes)
+      real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (n_rows, any)
       real(dp), allocatable :: wear(:) !! depth that each point loses per normal force and slip (m) [1/F]
-      logical, allocatable :: is_tangent_fixed(:) !! whether a support holds each point along its tangent (m)
+      logical, allocatable :: is_slip_fixed(:) !! whether a support holds each point along its tangents (n_rows - m)
    contains
       procedure :: acting => history_model_acting
       procedure :: enter_step => history_model_enter_step
@@ -82,14 +83,14 @@ module amontons_history_model
 
    !> Numbers of a state that are kept besides those of its contact points and locks.
    integer, parameter :: n_single = 6
-   !> Numbers that are kept of each contact point.
-   integer, parameter :: n_per_point = 11
+   !> Numbers that are kept of each contact point: those that have no direction, and those along normal and tangents.
+   integer, parameter :: n_scalars = 6, n_normals = 2, n_tangentials = 3
 
    !> Where a step has led to.
    type :: step_state_t
       type(instant_t) :: instant !! what acts
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
-      real(dp), allocatable :: slip(:) !! slip of the step (m) [L]
+      real(dp), allocatable :: slip(:) !! slip of the step (n_rows - m) [L]
       real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
       real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
       real(dp), allocatable :: dissipation(:) !! work that friction took at each point in all steps (m) [F L]
@@ -129,11 +130,11 @@ contains
       real(dp), allocatable :: forces(:, :), loads(:, :, :)
       integer :: i, j, m, n
 
-      m = body%zone%n_points
+      m = body%zone%n_rows
       n = size(parts)
       form%stiffness = body%condensation%condenser%matrix_norm
-      allocate (form%strain(n, n), form%load(n, n), form%strain_row(2*m, n), form%load_row(2*m, n), &
-         form%prescribed(2*m, n))
+      allocate (form%strain(n, n), form%load(n, n), form%strain_row(m, n), form%load_row(m, n), &
+         form%prescribed(m, n))
       named = named_tests(body)
       allocate (tests(n + size(named)))
       tests(n + 1:) = named
@@ -157,7 +158,7 @@ contains
       class(energy_form_t), intent(in) :: self !! the form
       type(contact_problem_t), intent(in) :: problem !! the contact problem, for its stiffness
       real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
-      real(dp), contiguous, intent(in) :: v(:) !! contact displacements (2m) [L]
+      real(dp), contiguous, intent(in) :: v(:) !! contact displacements (n_rows) [L]
       real(dp) :: force(size(v))
 
       call problem%matrix%multiply_stiffness(v, force)
@@ -170,7 +171,7 @@ contains
       class(energy_form_t), intent(in) :: self !! the form
       real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
       real(dp), intent(in) :: change(:) !! by how much the factors change [-]
-      real(dp), intent(in) :: v_change(:) !! by how much the contact displacements change (2m) [L]
+      real(dp), intent(in) :: v_change(:) !! by how much the contact displacements change (n_rows) [L]
 
       work = dot_product(factor, matmul(self%load, change) + matmul(v_change, self%load_row))
    end function energy_form_load_work
@@ -188,7 +189,7 @@ contains
 
       model%history = config%history
       model%wear = prepared%contacts(body%zone%set)%wear/body%zone%area
-      model%is_tangent_fixed = body%zone%is_tangent_fixed
+      model%is_slip_fixed = body%zone%is_slip_fixed
       ! Gives every change of a load, support or friction a part.
       parting = one_part(prepared)
       parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
@@ -231,7 +232,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(error_t), allocatable, intent(out) :: error !! stresses of the surface cannot be computed
-      real(dp) :: unit(2, body%mesh%n_nodes)
+      real(dp) :: unit(1 + body%zone%n_tangents, body%mesh%n_nodes)
       integer :: i, component
 
       associate (loads => model%solver%loads)
@@ -247,14 +248,16 @@ contains
       end associate
       ! Finds what the displacements of the probes are in terms of the contact displacements.
       if (allocated(model%probe_row)) deallocate (model%probe_row)
-      allocate (model%probe_row(2*body%zone%n_points, 2*size(model%probe)))
-      do i = 1, size(model%probe)
-         do component = 1, 2
-            unit = 0.0_dp
-            unit(component, model%probe(i)) = 1.0_dp
-            model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
+      associate (n => size(unit, 1))
+         allocate (model%probe_row(body%zone%n_rows, n*size(model%probe)))
+         do i = 1, size(model%probe)
+            do component = 1, n
+               unit = 0.0_dp
+               unit(component, model%probe(i)) = 1.0_dp
+               model%probe_row(:, n*(i - 1) + component) = condensed_force(body, unit)
+            end do
          end do
-      end do
+      end associate
    end subroutine condense_history
 
    !> Locks the motions of the body that are locked in a state, and lets the others free.
@@ -372,18 +375,20 @@ contains
       call self%solver%loads%move(body, motions, instant, error)
    end subroutine history_model_acting
 
-   !> The displacements of the probes, x and y in turn (2 probes) [L].
+   !> The displacements of the probes, all components of one after the other (any) [L].
    pure function history_model_probed(self, factor, v) result(displacement)
       class(history_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: factor(:) !! factors of the parts [-]
-      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
-      real(dp) :: displacement(2*size(self%probe))
+      real(dp), intent(in) :: v(:) !! contact displacements (n_rows) [L]
+      real(dp) :: displacement(size(self%probe_row, 2))
       integer :: i
 
       displacement = matmul(v, self%probe_row)
       do i = 1, size(self%probe)
-         displacement(2*i - 1:2*i) = displacement(2*i - 1:2*i) &
-            + matmul(self%energies%field(:, self%probe(i), :), factor)
+         associate (n => size(self%energies%field, 1))
+            displacement(n*(i - 1) + 1:n*i) = displacement(n*(i - 1) + 1:n*i) &
+               + matmul(self%energies%field(:, self%probe(i), :), factor)
+         end associate
       end do
    end function history_model_probed
 
@@ -413,16 +418,17 @@ contains
       integer :: m
 
       m = body%zone%n_points
-      call new_contact_solution(state%solution, m)
+      call new_contact_solution(state%solution, m, body%zone%n_tangents)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
-      allocate (state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m), &
+      state%slip = 0.0_dp*state%instant%anchor
+      allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m), &
          state%instant%added_gap(m), source=0.0_dp)
       state%reaction = state%instant%factor
       allocate (state%lock(size(body%lockable)), source=huge(1.0_dp))
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, state%instant%gap)
-      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_tangent_fixed)
+      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_shear_fixed)
    end subroutine new_step_state
 
    !> Takes a step to what acts at its end. The state says what came of it.
@@ -443,7 +449,7 @@ contains
          after%instant%factor(first:) = before%instant%factor(first:)
       end associate
       after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
-         - before%instant%motion), body%zone%is_tangent_fixed)
+         - before%instant%motion), body%zone%is_slip_fixed)
       after%instant%added_gap = instant%added_gap + before%wear_depth
       after%instant%gap = instant%gap + after%instant%added_gap
       call model%solver%loads%pose(body, after%instant, problem)
@@ -469,7 +475,7 @@ contains
       end if
       if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
-      after%accumulated_slip = before%accumulated_slip + abs(after%slip)
+      after%accumulated_slip = before%accumulated_slip + tangential_norm(after%slip, m)
       call complete(after, model, problem)
       call add_works(after, model, problem, before)
    end subroutine take_step
@@ -494,7 +500,8 @@ contains
    pure integer function n_state_numbers(body)
       type(body_t), intent(in) :: body !! the body
 
-      n_state_numbers = n_single + size(body%lockable) + n_per_point*body%zone%n_points
+      n_state_numbers = n_single + size(body%lockable) + (n_scalars + n_normals + n_tangentials*body%zone%n_tangents) &
+         *body%zone%n_points
    end function n_state_numbers
 
    !> What a state must be restored from, the time first: all else follows.
@@ -549,11 +556,12 @@ contains
       m = body%zone%n_points
       if (size(numbers) /= n_state_numbers(body)) then
          call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single - size(body%lockable)) &
-            /n_per_point)//' contact points, the body has '//to_text(m))
+            /(n_scalars + n_normals + n_tangentials*body%zone%n_tangents))//' contact points, the body has '// &
+            to_text(m))
          return
       end if
       state%instant = instant
-      call new_contact_solution(state%solution, m)
+      call new_contact_solution(state%solution, m, body%zone%n_tangents)
       allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%wear_depth(m))
       archive = archive_t(numbers, is_read=.true.)
@@ -568,8 +576,9 @@ contains
       state%outcome = outcome_solved
       ! On a bound of the law, where a held point stays what it was, forces do not tell.
       associate (force => state%solution%force, status => state%solution%status)
-         status = merge(max(open_point, min(slip_minus, status)), problem%status(state%solution%displacement, force), &
-            abs(force(m + 1:)) >= nearly*problem%bound(force(:m)))
+         status = merge(max(open_point, min(merge(slip_minus, slip_point, &
+            body%zone%n_tangents == 1), status)), problem%status(state%solution%displacement, force), &
+            tangential_norm(force(m + 1:), m) >= nearly*problem%bound(force(:m)))
       end associate
       call complete(state, model, problem)
    end subroutine restore_step_state
@@ -590,7 +599,8 @@ contains
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing, way
-      real(dp), dimension(2*problem%n_points) :: mean_force, v_change, whole_change, stiffness
+      real(dp) :: slip(size(after%slip))
+      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, whole_change, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
       integer :: m
@@ -605,16 +615,18 @@ contains
       approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
          after%instant%is_in_reach .and. before%instant%is_in_reach)
       obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
-      taken = 0.5_dp*(after%bound + before%bound)*abs(after%slip)
+      taken = 0.5_dp*(after%bound + before%bound)*tangential_norm(after%slip, m)
       approach = approach - matmul(model%energies%prescribed(:m, :), change) - v_change(:m)
       ! What is left of the contact work: the points' shares of the energy error.
-      missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*approach
+      missing = mean_force(m + 1:2*m)*after%slip(:m) - taken - mean_force(:m)*approach
+      if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
       ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
-      way = abs(after%slip)
-      where (model%is_tangent_fixed) way = abs(matmul(model%energies%prescribed(m + 1:, :), change) &
-         - (after%instant%motion - before%instant%motion))
+      slip = after%slip
+      where (model%is_slip_fixed) slip = matmul(model%energies%prescribed(m + 1:, :), change) &
+         - (after%instant%motion - before%instant%motion)
+      way = tangential_norm(slip, m)
       after%worn = before%worn + mean_force(:m)*way
       after%wear_depth = before%wear_depth + model%wear*mean_force(:m)*way
       if (any(model%wear > 0.0_dp)) then
@@ -650,15 +662,19 @@ contains
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
    end subroutine add_works
 
-   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral of the pressure over the slip [F/L]
-   !> and the depth worn [L] (m, 5).
+   !> Slip of the step, in space its length, accumulated slip [L], dissipation [F L], Archard's integral of the pressure
+   !> over the slip [F/L] and the depth worn [L] (m, 5).
    pure function step_state_slip_record(self, body) result(record)
       class(step_state_t), intent(in) :: self !! the state
       type(body_t), intent(in) :: body !! the body
-      real(dp), allocatable :: record(:, :)
+      real(dp), allocatable :: record(:, :), slip(:)
 
-      record = reshape([self%slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area, &
-         self%wear_depth], [size(self%slip), 5])
+      associate (m => size(self%worn))
+         slip = self%slip(:m)
+         if (size(self%slip) > m) slip = tangential_norm(self%slip, m)
+      end associate
+      record = reshape([slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area, &
+         self%wear_depth], [size(slip), 5])
    end function step_state_slip_record
 
    !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].

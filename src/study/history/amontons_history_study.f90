@@ -330,7 +330,7 @@ contains
          if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
          self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
-            sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
+            sum(state%solution%force(:m)), sum(state%solution%force(m + 1:2*m)), state%strain_energy, &
             state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
             [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
@@ -820,7 +820,7 @@ contains
       end associate
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
          quantity_t('residual', '', result%worst(of_residual)%value), result%last%key_results, &
-         resultants(result%last%solution%force)]
+         resultants(result%last%solution%force, size(result%last%solution%status))]
       outcome%has_grids = result%last%is_complete
       if (result%last%is_complete) call outcome%judge(.true., result%worst(of_residual)%value, &
          result%last%earlier_violation, self%config%method%tolerance)
@@ -835,7 +835,7 @@ contains
 
       associate (solution => state%solution)
          list = [contact_peaks(body, solution%displacement(body%zone%n_points + 1:) - state%instant%motion, &
-            solution%force, solution%status, 0.0_dp), resultants(solution%force)]
+            solution%force, solution%status, 0.0_dp), resultants(solution%force, body%zone%n_points)]
       end associate
    end function contact_numbers
 

@@ -37,7 +37,7 @@ module amontons_history_walk
    !> Numbers of a cycle, all of them.
    integer, parameter :: n_cycle_numbers = n_plain_numbers + 3
    !> What is noted of each point.
-   integer, parameter :: n_per_point = 6
+   integer, parameter :: n_scalars = 3, n_tangentials = 3
 
    !> Planes through a point, by the angle of their normals to the tangent: 2 degrees apart.
    integer, parameter :: n_planes = 90
@@ -73,7 +73,7 @@ module amontons_history_walk
       real(dp), private :: turnover = 0.0_dp !! sum of the works of its steps, each counted positive [F L]
       real(dp), private :: dissipation_before = 0.0_dp !! dissipation of the cycle before [F L]
       real(dp), allocatable, private :: points(:, :)
-         !! at its beginning contact forces, position, accumulated slip, dissipation; drift of the cycle before (m, 6)
+         !! at its beginning contact forces, position, accumulated slip, dissipation; drift of the cycle before (m, any)
    contains
       procedure :: note => cycle_watch_note
       procedure :: noted => cycle_watch_noted
@@ -145,17 +145,17 @@ contains
    pure function surface_stress(model, state) result(stress)
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state
-      real(dp) :: stress(4, size(state%solution%force)/2)
+      real(dp) :: stress(4, size(state%solution%status))
 
       stress = model%surface%stress(state%instant%factor, state%solution%displacement, state%solution%force)
    end function surface_stress
 
-   !> How far the points have moved along their tangents, on the obstacle (m) [L].
+   !> How far the points have moved along their tangents, on the obstacle (n_rows - m) [L].
    pure function position(state)
       type(step_state_t), intent(in) :: state !! a state
-      real(dp) :: position(size(state%solution%force)/2)
+      real(dp) :: position(size(state%instant%motion))
 
-      position = state%solution%displacement(size(position) + 1:) - state%instant%motion
+      position = state%solution%displacement(size(state%solution%status) + 1:) - state%instant%motion
    end function position
 
    !> Work of loads, supports and obstacles since rest [F L].
@@ -169,17 +169,16 @@ contains
    pure subroutine cycle_watch_start(self, state)
       class(cycle_watch_t), intent(inout) :: self !! the cycle; becomes a new one
       type(step_state_t), intent(in) :: state !! the state at its beginning
-      integer :: m
-
-      m = size(state%solution%force)/2
       self%is_begun = .true.
       self%n_steps = 0
       self%begin = state%instant%time
       self%work = work(state)
       self%strain_energy = state%strain_energy
       self%turnover = 0.0_dp
-      self%points(:, :5) = reshape([state%solution%force, position(state), state%accumulated_slip, state%dissipation], &
-         [m, 5])
+      associate (m => size(state%worn), n => size(self%points, 2) - size(state%instant%motion)/max(1, size(state%worn)))
+         self%points(:, :n) = reshape([state%solution%force, position(state), state%accumulated_slip, &
+            state%dissipation], [m, n])
+      end associate
    end subroutine cycle_watch_start
 
    !> Ends a cycle: its numbers, and what the next one is compared with.
@@ -189,19 +188,21 @@ contains
       type(step_state_t), intent(in) :: state !! the state at its end
       ! What rounding leaves of the slips of a cycle in which nothing slips, over the energy that went in and out.
       real(dp), parameter :: rounding = 1.0e-9_dp
-      real(dp), dimension(size(state%solution%force)/2) :: drift, slip
+      real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn))
       real(dp), allocatable :: parameters(:, :)
       real(dp) :: dissipation, changes(3), force
-      integer :: m
+      integer :: t
 
-      m = size(state%solution%force)/2
-      drift = position(state) - self%points(:, 3)
-      slip = state%accumulated_slip - self%points(:, 4)
-      dissipation = sum(state%dissipation - self%points(:, 5))
-      force = max(tiny(1.0_dp), maxval(abs(state%solution%force)), maxval(abs(self%points(:, :2))))
+      ! The columns: 1 + t forces, t positions, slip, dissipation, t drifts.
+      t = (size(self%points, 2) - n_scalars)/n_tangentials
+      drift = position(state) - reshape(self%points(:, t + 2:2*t + 1), shape(drift))
+      slip = state%accumulated_slip - self%points(:, 2*t + 2)
+      dissipation = sum(state%dissipation - self%points(:, 2*t + 3))
+      force = max(tiny(1.0_dp), maxval(abs(state%solution%force)), maxval(abs(self%points(:, :1 + t))))
       changes = [(dissipation - self%dissipation_before)/max(tiny(1.0_dp), dissipation, self%dissipation_before, &
-         rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :2), [2*m])))/force, &
-         maxval(abs(drift - self%points(:, 6)))]
+         rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :1 + t), &
+         shape(state%solution%force))))/force, &
+         maxval(abs(drift - reshape(self%points(:, 2*t + 4:), shape(drift))))]
       self%numbers = 0.0_dp
       self%numbers(:n_plain_numbers) = [real(model%cycle_at(state%instant%time), dp), self%begin, state%instant%time, &
          real(self%n_steps, dp), work(state) - self%work, state%strain_energy - self%strain_energy, dissipation, &
@@ -214,7 +215,7 @@ contains
          self%numbers(n_plain_numbers + 1:) = maxval(parameters(:, 2:4), dim=1)
       end if
       self%dissipation_before = dissipation
-      self%points(:, 6) = drift
+      self%points(:, 2*t + 4:) = reshape(drift, [size(slip), t])
       self%has_before = .true.
       self%is_begun = .false.
       self%is_finished = .true.
@@ -364,8 +365,8 @@ contains
       type(body_t), intent(in) :: body !! the body
 
       call new_step_state(walk%state, model, body)
-      allocate (walk%watch%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), n_per_point), &
-         source=0.0_dp)
+      allocate (walk%watch%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), &
+         n_scalars + n_tangentials*body%zone%n_tangents), source=0.0_dp)
       allocate (walk%watch%fretting%extreme(n_extremes, merge(body%zone%n_points, 0, allocated(model%surface))), &
          source=0.0_dp)
       walk%fault = ''

@@ -109,7 +109,8 @@ contains
       if (allocated(error)) return
       outcome%text = solved_text(config%name, result, config%units)
       outcome%warnings = result%warnings
-      outcome%numbers = [method_numbers(result%solution), result%key_results, resultants(result%solution%force)]
+      outcome%numbers = [method_numbers(result%solution), result%key_results, resultants( &
+         result%solution%force, size(result%solution%status))]
       outcome%has_grids = result%solution%is_converged
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
          config%method%tolerance)

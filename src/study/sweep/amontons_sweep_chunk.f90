@@ -7,6 +7,7 @@
 !> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
 !> in a place that all threads share.
 module amontons_sweep_chunk
+   use amontons_assembly, only: around_axis
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t
    use amontons_condensation, only: condensed_load_t
@@ -23,6 +24,7 @@ module amontons_sweep_chunk
    use amontons_load_case, only: check_shear, load_case_t, recover_displacements
    use amontons_load_family, only: acting_t, one_part, parting_t
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
+   use amontons_material, only: materials_t
    use amontons_model_warnings, only: add_sweep_warnings
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form
    use amontons_quantity, only: expanded, longest_key, quantity_t
@@ -30,7 +32,7 @@ module amontons_sweep_chunk
       outcome_solved, result_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence, find_case_warnings
    use amontons_solve_case, only: cache_t, prepare_case
-   use amontons_stress_field, only: find_node_stresses
+   use amontons_stress_field, only: find_node_stresses, with_twist
    use amontons_study, only: study_monitor_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_load
    use amontons_text, only: longest_decimal, newline, put_decimals, put_integer, put_text, to_text
@@ -132,8 +134,8 @@ contains
          slip => solution%displacement(size(solution%status) + 1:))
          call find_zones(closed, stuck, body, solution%force, solution%status, &
             slip_bound + friction*solution%force(:size(friction)), [gap, slip], solution%displacement)
-         list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, slip, solution%force, &
-            solution%status, maxval(abs(solution%displacement))), &
+         list = [lengths%quantities(), resultants(solution%force, body%zone%n_points), contact_peaks(body, slip, &
+            solution%force, solution%status, maxval(abs(solution%displacement))), &
             set_results(body, solution%force, closed, stuck), peaks]
       end associate
    end function case_quantities
@@ -158,7 +160,7 @@ contains
       type(contact_solution_t) :: solution
       real(dp) :: zeros(body%zone%n_points)
 
-      call new_contact_solution(solution, body%zone%n_points)
+      call new_contact_solution(solution, body%zone%n_points, body%zone%n_tangents)
       zeros = 0.0_dp
       peaks = body_peaks_at_rest()
       if (.not. sweep%has_body_results) peaks = peaks(:0)
@@ -557,7 +559,7 @@ contains
          neighbor = task%sweep%neighbor(number) - chunk%first + 1
          acting%factor(2:) = task%sweep%values(number)
          call task%solver%loads%pose(body, acting, problem)
-         call new_contact_solution(solutions(i), problem%n_points)
+         call new_contact_solution(solutions(i), problem%n_points, problem%matrix%n_tangents)
          ! By a method of its own a deck is solved as it would be alone.
          if (neighbor >= 1 .and. task%solver%is_auto) then
             if (solutions(neighbor)%is_converged) solutions(i) = solutions(neighbor)
@@ -638,6 +640,8 @@ contains
       type(condensed_load_t) :: condensed(n_together)
       type(acting_t) :: acting
       real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strain(:), strains(:, :)
+      real(dp), allocatable :: nodal(:, :)
+      type(materials_t) :: twist
       integer :: first, i, k, n
 
       n = chunk%last - chunk%first + 1
@@ -652,7 +656,7 @@ contains
       do first = 1, size(cases), n_together
          ! These cases take one pass over the factor and the elements.
          associate (some => cases(first:min(size(cases), first + n_together - 1)), loads => task%solver%loads)
-            allocate (displacement(2*body%zone%n_points, size(some)), stress(4, body%mesh%n_nodes, size(some)))
+            allocate (displacement(body%zone%n_rows, size(some)), stress(4, body%mesh%n_nodes, size(some)))
             do k = 1, size(some)
                acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
                displacement(:, k) = solutions(some(k))%displacement
@@ -664,9 +668,16 @@ contains
             end do
             ! No quantity multiplies prescribed displacements: they are those of the first part.
             call recover_displacements(field, body, loads%parts(1), condensed(:size(some)), displacement)
-            call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field, strains)
+            call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field(:2, :, :), &
+               strains)
             do k = 1, size(some)
-               peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
+               nodal = stress(:, :, k)
+               if (body%zone%n_tangents == 2) then
+                  if (k == 1) call body%materials%take_twist(twist)
+                  call find_node_stresses(nodal, 1, body%mesh, twist, body%coloring, around_axis(field(:, :, k)))
+                  nodal = with_twist(stress(:, :, k), nodal)
+               end if
+               peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), nodal)
             end do
          end associate
          deallocate (displacement, stress)
