@@ -164,14 +164,16 @@ class Rigid(ProgramTest):
     def test_sweep_and_history_change_force_and_motion(self):
         rigid = "rigid name = 'p'  set = 'top'  turn = 0.001  force = 0.0, -5.0"
         self.run_program("--quiet", self.write("sweep.nml", block(
-            rigid, CONTACT, "sweep load = 'p'  factor = 0.5, 1.0, 2.0", "output fields_every = 1")))
+            rigid, CONTACT, "sweep load = 'p'  factor = 0.5, 1.0, 2.0",
+            "output fields_every = 1  key_results = 'all'")))
         self.run_program("--verify", ".")
         with open(self.directory / "sweep.sweep.csv", newline="", encoding="utf-8") as table:
             rows = list(csv.DictReader(table))
         # The turn takes part in the factor: half of both is half of the solution.
         self.assert_close([float(row["normal_force"]) for row in rows], [2.5, 5.0, 10.0], 1e-9)
-        peaks = [float(row["max_contact_pressure"]) for row in rows]
-        self.assert_close([peaks[0]/peaks[1], peaks[2]/peaks[1]], [0.5, 2.0], 1e-8)
+        for key in "max_contact_pressure", "max_displacement", "max_von_mises":
+            peaks = [float(row[key]) for row in rows]
+            self.assert_close([peaks[0]/peaks[1], peaks[2]/peaks[1]], [0.5, 2.0], 1e-8)
         text = block(rigid, CONTACT, "history times = 0.0, 1.0, 2.0  substeps = 2",
                      "steps load = 'p'  factor = 0.0, 1.0, 1.0", "steps support = 'p'  factor = 0.0, 0.0, 1.0")
         self.assert_close(self.numbers(text, ["turn", "force_y"], "history"), [0.001, -5.0], 1e-11)

@@ -261,33 +261,33 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
-      type(condensed_load_t) :: condensed(1)
       real(dp), allocatable :: one(:, :, :)
 
-      condensed(1) = load_case%condensed
-      call recover_displacements(one, body, load_case, condensed, reshape(solution, [size(solution), 1]))
+      call recover_displacements(one, body, [load_case], reshape(solution, [size(solution), 1]))
       displacement = one(:, :, 1)
    end subroutine recover_displacement
 
    !> Computes the displacements of all nodes from the solutions of several contact problems, with one pass over the
-   !> factor. They differ in their loads only.
-   subroutine recover_displacements(displacement, body, load_case, condensed, solution)
+   !> factor.
+   subroutine recover_displacements(displacement, body, load_cases, solution)
       real(dp), allocatable, intent(out) :: displacement(:, :, :)
          !! displacements of all nodes (components, n_nodes, problems) [L]
       type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! what the load cases share
-      type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
+      type(load_case_t), intent(in) :: load_cases(:) !! the load cases, condensed (problems)
       real(dp), intent(in) :: solution(:, :) !! displacements v of the contact problems (n_rows, problems) [L]
       real(dp), allocatable :: unknowns(:, :), v(:, :)
       integer :: k, m
 
       m = body%zone%n_points
       v = solution
-      v(m + 1:, :) = v(m + 1:, :) - spread(prescribed_slip(body, load_case), 2, size(condensed))
-      call body%condensation%recover(condensed, v, unknowns)
-      allocate (displacement(size(load_case%prescribed, 1), body%mesh%n_nodes, size(condensed)))
-      do k = 1, size(condensed)
-         displacement(:, :, k) = from_unknowns(unknowns(:, k), load_case%prescribed, body%constraints, body%dof_map)
+      do k = 1, size(load_cases)
+         v(m + 1:, k) = v(m + 1:, k) - prescribed_slip(body, load_cases(k))
+      end do
+      call body%condensation%recover(load_cases%condensed, v, unknowns)
+      allocate (displacement(size(load_cases(1)%prescribed, 1), body%mesh%n_nodes, size(load_cases)))
+      do k = 1, size(load_cases)
+         displacement(:, :, k) = from_unknowns(unknowns(:, k), load_cases(k)%prescribed, body%constraints, &
+            body%dof_map)
       end do
    end subroutine recover_displacements
 

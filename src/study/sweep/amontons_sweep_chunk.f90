@@ -10,7 +10,6 @@ module amontons_sweep_chunk
    use amontons_assembly, only: around_axis
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t
-   use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
@@ -637,9 +636,9 @@ contains
       ! How many cases are worked on together: fields of more take much memory beside a factor, and gain little.
       integer, parameter :: n_together = 4
       integer, allocatable :: cases(:)
-      type(condensed_load_t) :: condensed(n_together)
+      type(load_case_t) :: load_cases(n_together)
       type(acting_t) :: acting
-      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strain(:), strains(:, :)
+      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strains(:, :)
       real(dp), allocatable :: nodal(:, :)
       type(materials_t) :: twist
       integer :: first, i, k, n
@@ -660,14 +659,12 @@ contains
             do k = 1, size(some)
                acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
                displacement(:, k) = solutions(some(k))%displacement
-               call loads%sum_condensed(acting%factor, condensed(k))
-               call loads%sum_thermal(acting%factor, strain)
-               if (.not. allocated(strain)) cycle
-               if (.not. allocated(strains)) allocate (strains(size(strain), size(some)))
-               strains(:, k) = strain
+               call loads%load_case(body, acting, load_cases(k))
+               if (.not. allocated(load_cases(k)%thermal_strain)) cycle
+               if (.not. allocated(strains)) allocate (strains(size(load_cases(k)%thermal_strain), size(some)))
+               strains(:, k) = load_cases(k)%thermal_strain
             end do
-            ! No quantity multiplies prescribed displacements: they are those of the first part.
-            call recover_displacements(field, body, loads%parts(1), condensed(:size(some)), displacement)
+            call recover_displacements(field, body, load_cases(:size(some)), displacement)
             call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field(:2, :, :), &
                strains)
             do k = 1, size(some)
