@@ -125,12 +125,12 @@ class SameAnswers(RanksTest):
                         "history times = 0.0, 1.0, 2.0  substeps = 4", "steps load = 'p'  factor = 0.0, 1.0, 0.5")
         # A rigid set and a preload that are driven by forces, then locked, and moved apart by a load.
         locked = block("mesh name = 'b'  size = 4.0, 1.0  cells = 6, 3  origin = 0.0, 2.0",
-                       "material young = 100.0  poisson = 0.3", CONTACT.replace("bottom", "a.bottom"),
+                       CONTACT.replace("bottom", "a.bottom"),
                        "preload name = 'cut'  set = 'b.bottom'  to = 'a.top'  shortening = 0.001",
                        "rigid name = 'p'  set = 'b.top'  force = 0.3, -5.0  moment = 0.4  lock_time = 1.0",
                        "load name = 'w'  set = 'a.right'  pressure = 1.0", "history times = 0.0, 1.0, 2.0  substeps = 2",
                        "steps load = 'p'  factor = 0.0, 1.0, 0.0", "steps load = 'w'  factor = 0.0, 0.0, 1.0",
-                       mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4", material=None)
+                       mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
         decks = [self.write("cycle.nml", history), self.write("locked.nml", locked),
                  self.write("finer.nml", block(SUPPORT, PRESSURE, CONTACT, "accuracy refinements = 2")),
                  *(self.write(f"pressed_{p}.nml", block(SUPPORT, f"load set = 'top'  pressure = {p}.0", CONTACT))
