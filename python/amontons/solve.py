@@ -30,7 +30,7 @@ from amontons.mesh import Mesh
 
 Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-", "slip"])
-WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
+WORDS = ("status", "pair", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there

@@ -51,6 +51,15 @@ class Decks(ProgramTest):
             self.same(result, expected)
         self.assertEqual(self.files(), ["deck.nml"])
 
+    def test_pair_is_a_column_of_words(self):
+        pair = block("mesh name = 'b'  size = 4.0, 1.0  cells = 5, 2  origin = 0.0, -1.0",
+                     "support set = 'b.bottom'  ux = 0.0  uy = 0.0", "load set = 'a.top'  pressure = 1.0",
+                     "contact set = 'a.bottom'  against = 'b.top'  friction = 0.3",
+                     mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
+        result = amontons.solve_deck(pair)
+        self.assertEqual(set(result.contact["pair"]), {"a.bottom/b.top"})
+        self.assertAlmostEqual(sum(result.contact["normal_force"]), 4.0, delta=1e-9)
+
     def test_words_and_logicals_of_a_dict(self):
         text = amontons.deck_text({"case": {"title": "it's", "a": Path("b c")},
                                    "sweep": [{"factor": range(3)}, {"x": True}]})
