@@ -856,6 +856,8 @@ contains
       call visitor%text(keys(3), field%file, has_table)
       call visitor%table(trim(keys(3)%name), field%file, field%table)
       if (.not. allocated(field%table)) return
+      call visitor%require(.not. any(abs([field%value, field%slope]) > 0.0_dp), trim(keys(3)%name), 'give either '// &
+         trim(keys(1)%name)//' and '//trim(keys(2)%name)//', or '//trim(keys(3)%name))
       n = size(field%table, 2)
       call visitor%require(all(field%table(1, 2:) > field%table(1, :n - 1)), trim(keys(3)%name), &
          trim(keys(3)%name)//' must have lengths that increase from row to row')

@@ -7,7 +7,7 @@ module amontons_history
    use amontons_contact_set, only: contact_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t
+   use amontons_loads, only: load_on_motion, load_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -503,8 +503,10 @@ contains
          case (stepped_load)
             are_known = all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
                visitor%deck%knows('preload', 'name')])
-            missing = 'no &load has the name'
-            has_target = any([(loads(i)%name == last%name, i=1, size(loads))])
+            missing = 'no &load, force or moment has the name'
+            ! Rigid sets and preloads are among the loads, those without a force, too.
+            has_target = any([(loads(i)%name == last%name .and. (loads(i)%target /= load_on_motion .or. &
+               any(abs([loads(i)%force, loads(i)%moment]) > 0.0_dp)), i=1, size(loads))])
          case (stepped_support)
             are_known = all([visitor%deck%knows('support', 'name'), visitor%deck%knows('rigid', 'name'), &
                visitor%deck%knows('preload', 'name')])
