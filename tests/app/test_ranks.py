@@ -128,7 +128,8 @@ class SameAnswers(RanksTest):
                        CONTACT.replace("bottom", "a.bottom"),
                        "preload name = 'cut'  set = 'b.bottom'  to = 'a.top'  shortening = 0.001",
                        "rigid name = 'p'  set = 'b.top'  force = 0.3, -5.0  moment = 0.4  lock_time = 1.0",
-                       "load name = 'w'  set = 'a.right'  pressure = 1.0", "history times = 0.0, 1.0, 2.0  substeps = 2",
+                       "load name = 'w'  set = 'a.right'  pressure = 1.0",
+                       "history times = 0.0, 1.0, 2.0  substeps = 2",
                        "steps load = 'p'  factor = 0.0, 1.0, 0.0", "steps load = 'w'  factor = 0.0, 0.0, 1.0",
                        mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
         decks = [self.write("cycle.nml", history), self.write("locked.nml", locked),

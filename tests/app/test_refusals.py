@@ -130,7 +130,8 @@ class Tables(ProgramTest):
     def test_table_beside_the_value_that_it_replaces(self):
         self.write("table.txt", "0.0 0.3\n4.0 0.2\n")
         for table, key in (("friction", "friction = 0.3"), ("friction", "friction_slope = 0.1, 0.0"),
-                           ("slip_bound", "slip_bound = 0.3"), ("gap", "extra_gap = -0.1"), ("gap", "gap_slope = 0.1, 0.0")):
+                           ("slip_bound", "slip_bound = 0.3"), ("gap", "extra_gap = -0.1"),
+                           ("gap", "gap_slope = 0.1, 0.0")):
             deck = SOUND.replace("friction = 0.3", f"{table}_table = 'table.txt'  {key}")
             run = self.run_program(self.write("case.nml", deck), status=1)
             value = "extra_gap" if table == "gap" else table
