@@ -8,7 +8,7 @@
 !> diagonal of A, so that no unit matters.
 module amontons_extragradient
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
+   use amontons_contact_solution, only: contact_solution_t, dual_method_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: cut_to_bound, tangential_norm
    use amontons_kinds, only: dp
@@ -32,8 +32,10 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), dimension(problem%matrix%n) :: force, displacement, center, b, rho
-      real(dp) :: step, residual, scale
+      ! How fast the vector may change along a step, over the step, and what the step is multiplied by beyond.
+      real(dp), parameter :: too_fast = 0.9_dp, slow = 0.4_dp, shorter = 2.0_dp/3.0_dp
+      real(dp), dimension(problem%matrix%n) :: force, displacement, center, b, rho, trial, vector, trial_vector
+      real(dp) :: step, rate, residual, scale
       integer :: iteration
       logical :: may_continue
 
@@ -50,7 +52,18 @@ contains
       call solution%effort%multiply(2.0_dp)
       step = 1.0_dp
       do iteration = 1, self%max_iterations
-         call double_step(problem, b, rho, step, displacement, force, solution%effort)
+         ! To a trial point, as far as the vector found there is near that at the start, and then along it.
+         vector = driving_vector(problem, displacement)
+         do
+            trial = projection(problem, rho, force + step*rho*vector)
+            trial_vector = driving_vector(problem, problem%displacement(b, trial))
+            call solution%effort%multiply(1.0_dp)
+            rate = step*norm2(sqrt(rho)*(trial_vector - vector))/max(norm2((trial - force)/sqrt(rho)), tiny(rate))
+            if (.not. rate > too_fast) exit
+            step = step*shorter*min(1.0_dp, 1.0_dp/rate)
+         end do
+         force = projection(problem, rho, force + step*rho*trial_vector)
+         if (rate < slow) step = step/shorter
          displacement = problem%displacement(b, force)
          call solution%effort%multiply(1.0_dp)
          residual = max(0.0_dp, problem%matrix%proximal_parameter*maxval(abs(displacement - center)), &
@@ -69,33 +82,6 @@ contains
          call solution%effort%multiply(2.0_dp)
       end do
    end subroutine extragradient_solve
-
-   !> Goes to a trial point, as far as the vector found there is near that at the start, and then along it.
-   pure subroutine double_step(problem, b, rho, step, displacement, force, effort)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
-      real(dp), intent(inout) :: step !! length of a step in scaled components [-]
-      real(dp), intent(in) :: displacement(:) !! v of the forces at the start (2m) [L]
-      real(dp), intent(inout) :: force(:) !! lambda at the start and at the end (2m) [F]
-      type(effort_t), intent(inout) :: effort !! gains a product for each trial point
-      ! How fast the vector may change along a step, over the step, and what the step is multiplied by beyond.
-      real(dp), parameter :: too_fast = 0.9_dp, slow = 0.4_dp, shorter = 2.0_dp/3.0_dp
-      real(dp), dimension(size(force)) :: trial, vector, trial_vector
-      real(dp) :: rate
-
-      vector = driving_vector(problem, displacement)
-      do
-         trial = projection(problem, rho, force + step*rho*vector)
-         trial_vector = driving_vector(problem, problem%displacement(b, trial))
-         call effort%multiply(1.0_dp)
-         rate = step*norm2(sqrt(rho)*(trial_vector - vector))/max(norm2((trial - force)/sqrt(rho)), tiny(rate))
-         if (.not. rate > too_fast) exit
-         step = step*shorter*min(1.0_dp, 1.0_dp/rate)
-      end do
-      force = projection(problem, rho, force + step*rho*trial_vector)
-      if (rate < slow) step = step/shorter
-   end subroutine double_step
 
    !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; a) (2m) [L].
    pure function driving_vector(problem, displacement) result(vector)

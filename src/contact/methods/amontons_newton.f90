@@ -758,14 +758,16 @@ contains
       where (equations%is_known) load_residual = 0.0_dp
    end function load_residual
 
-   !> Factorizes the system of the base on a dense compliance.
-   subroutine factorize_dense(self, problem, values, info)
-      class(newton_system_t), intent(inout) :: self !! the system
+   !> Factorizes the system of the base on a dense compliance: writes the transposed matrix of the active set to the
+   !> first of its entries, and makes its factor of it.
+   subroutine factorize_dense(self, problem, a, info)
+      class(newton_system_t), target, intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), contiguous, intent(in) :: values(:, :) !! A in the axes of the slips (n, n) [L/F]
+      real(dp), contiguous, intent(in) :: a(:, :) !! A in the axes of the slips (n, n) [L/F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp), allocatable :: entries(:)
-      integer :: n
+      real(dp), pointer, contiguous :: factor(:, :)
+      real(dp) :: slopes(problem%n_points)
+      integer :: i, j, n
 
       if (.not. allocated(self%entries)) allocate (self%entries(0))
       n = size(self%unknown)
@@ -780,23 +782,7 @@ contains
       end if
       self%is_symmetric = .not. any(self%base%is_closed .and. self%base%slip_direction /= 0 &
          .and. problem%friction > 0.0_dp)
-      ! No argument may hold what another one writes.
-      call move_alloc(self%entries, entries)
-      call factorize_entries(self, problem, values, n, entries, info)
-      call move_alloc(entries, self%entries)
-   end subroutine factorize_dense
-
-   !> Writes the transposed matrix of the active set to the first of its entries, and makes its factor of it.
-   subroutine factorize_entries(self, problem, a, n, factor, info)
-      class(newton_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), contiguous, intent(in) :: a(:, :) !! A in the axes of the slips (n, n) [L/F]
-      integer, intent(in) :: n !! order of the matrix
-      real(dp), intent(out) :: factor(n, n) !! the factor
-      integer, intent(out) :: info !! 0, or nonzero where the matrix is singular
-      real(dp) :: slopes(problem%n_points)
-      integer :: i, j
-
+      factor(1:n, 1:n) => self%entries
       slopes = self%base%slip_direction*problem%friction
       associate (unknown => self%unknown, m => problem%n_points)
          do i = 1, n
@@ -814,35 +800,27 @@ contains
       else
          call lu_factor(factor, self%pivots, info)
       end if
-   end subroutine factorize_entries
+   end subroutine factorize_dense
 
    !> Solves the factorized system for its unknown forces.
    subroutine solve_unknown(self, right, info)
-      class(newton_system_t), intent(in) :: self !! the system
+      class(newton_system_t), target, intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, one of a sparse compliance, then solutions
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), pointer, contiguous :: factor(:, :)
 
       info = 0
-      if (allocated(self%entries)) then
-         call solve_entries(self, size(right, 1), self%entries, right)
-      else if (size(right) > 0) then
-         call self%sparse_factors%solve_transposed(right(:, 1), info)
+      if (.not. allocated(self%entries)) then
+         if (size(right) > 0) call self%sparse_factors%solve_transposed(right(:, 1), info)
+         return
       end if
-   end subroutine solve_unknown
-
-   !> Solves with the first of the entries as a matrix.
-   subroutine solve_entries(self, n, factor, right)
-      class(newton_system_t), intent(in) :: self !! the system
-      integer, intent(in) :: n !! order of the matrix
-      real(dp), intent(in) :: factor(n, n) !! the factor
-      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
-
+      factor(1:size(right, 1), 1:size(right, 1)) => self%entries
       if (self%is_symmetric) then
          call cholesky_solve(factor, right)
       else
          call lu_solve_transposed(factor, self%pivots, right)
       end if
-   end subroutine solve_entries
+   end subroutine solve_unknown
 
    !> Factorizes the system of the base on a sparse compliance, which stays sparse.
    subroutine factorize_sparse(self, problem, a, info)

@@ -354,60 +354,41 @@ contains
    end subroutine relax_force
 
    !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is shrunk by what friction
-   !> holds.
+   !> holds. A block is solved as a whole, and put on the gap exactly where it is closed.
    pure subroutine relax_displacement(sweep, problem, n)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: n !! the point
       real(dp), parameter :: singular = 1.0e-12_dp
-      real(dp) :: bound, det, slip
+      real(dp) :: bound, det, w_nn, w_nt, w_tt, free(2), force(2), slip, distance
       integer :: t
 
       t = n + problem%n_points
       associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal, omega => sweep%omega)
          det = s(n)*s(t) - sweep%block(2, 1, n)**2
          if (sweep%is_block .and. det > singular*s(n)*s(t)) then
-            call solve_displacement(sweep, problem, n, det)
-            return
+            w_nn = s(t)/det
+            w_nt = -sweep%block(2, 1, n)/det
+            w_tt = s(n)/det
+            free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
+               v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
+            force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
+            distance = free(1) - w_nn*force(1) - w_nt*force(2)
+            slip = free(2) - w_nt*force(1) - w_tt*force(2)
+            slip = v(t) + omega*(problem%anchor(n) + slip - v(t))
+            distance = min(problem%gap(n), v(n) + omega*(problem%gap(n) + distance - v(n)))
+            call set_unknown(sweep, problem, n, merge(problem%gap(n), distance, force(1) > 0.0_dp))
+            call set_unknown(sweep, problem, t, slip)
+         else
+            call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
+            bound = problem%slip_bound(n)
+            if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
+            slip = v(t) - problem%anchor(n) + omega*f(t)/s(t)
+            call set_unknown(sweep, problem, t, problem%anchor(n) &
+               + sign(max(0.0_dp, abs(slip) - omega*bound/s(t)), slip))
          end if
-         call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
-         bound = problem%slip_bound(n)
-         if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
-         slip = v(t) - problem%anchor(n) + omega*f(t)/s(t)
-         call set_unknown(sweep, problem, t, problem%anchor(n) &
-            + sign(max(0.0_dp, abs(slip) - omega*bound/s(t)), slip))
       end associate
    end subroutine relax_displacement
-
-   !> Solves one point as a whole for its displacement. A closed one is put on the gap exactly.
-   pure subroutine solve_displacement(sweep, problem, n, det)
-      type(relaxation_t), intent(inout) :: sweep !! the sweeps
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: n !! the point
-      real(dp), intent(in) :: det !! determinant of its stiffness
-      real(dp) :: w_nn, w_nt, w_tt, free(2), force(2), slip, distance
-      integer :: t
-
-      t = n + problem%n_points
-      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal)
-         w_nn = s(t)/det
-         w_nt = -sweep%block(2, 1, n)/det
-         w_tt = s(n)/det
-         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
-            v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
-         force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
-         distance = free(1) - w_nn*force(1) - w_nt*force(2)
-         slip = free(2) - w_nt*force(1) - w_tt*force(2)
-         slip = v(t) + sweep%omega*(problem%anchor(n) + slip - v(t))
-         if (force(1) > 0.0_dp) then
-            call set_unknown(sweep, problem, n, problem%gap(n))
-         else
-            call set_unknown(sweep, problem, n, min(problem%gap(n), &
-               v(n) + sweep%omega*(problem%gap(n) + distance - v(n))))
-         end if
-         call set_unknown(sweep, problem, t, slip)
-      end associate
-   end subroutine solve_displacement
 
    !> Displacements and forces that a sweep ended with; in the primal space the forces are what the displacements
    !> leave, cut to the contact law.
