@@ -73,27 +73,6 @@ module amontons_config
 
 contains
 
-   !> Takes materials, supports and loads from a mesh file.
-   subroutine take_file(part, materials, supports, loads, error)
-      type(mesh_part_t), intent(in) :: part !! the part of the mesh that names the file
-      type(material_t), allocatable, intent(inout) :: materials(:) !! become those of the file
-      type(support_t), allocatable, intent(inout) :: supports(:) !! become those of the file
-      type(load_t), allocatable, intent(inout) :: loads(:) !! become those of the file
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
-      type(file_model_t) :: model
-      integer :: i
-
-      if (len(part%file) == 0) return
-      call read_file_model(model, part%file, part%is_used, error)
-      if (allocated(error)) return
-      materials = model%materials
-      supports = model%supports(:model%n_supports)
-      loads = model%loads(:model%n_loads)
-      do i = 1, size(loads)
-         loads(i)%name = file_load_name
-      end do
-   end subroutine take_file
-
    !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
    !> judged only where its form is right, and what follows from another fault is not told.
    subroutine read_config(config, file, error, settings)
@@ -270,30 +249,29 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of a file
       type(error_t), allocatable :: error
+      type(file_model_t) :: model
       logical :: is_new
       integer :: i, k
-      type(material_t), allocatable :: materials(:)
-      type(support_t), allocatable :: supports(:)
-      type(load_t), allocatable :: loads(:)
 
       is_new = .not. allocated(config%meshes)
-      if (is_new) allocate (config%meshes(max(1, visitor%deck%count_groups('mesh'))), config%materials(0), &
-         config%supports(0), config%loads(0))
+      if (is_new) allocate (config%meshes(max(1, visitor%deck%count_groups('mesh'))))
       do i = 1, size(config%meshes)
          call describe_mesh(visitor, config%meshes(i))
          if (.not. (is_new .and. any(config%meshes(i)%is_used) .and. visitor%is_judging())) cycle
          call visitor%require(.not. any([(any(config%meshes(k)%is_used), k=1, i - 1)]), 'use', &
             'use is only for one &mesh')
-         call take_file(config%meshes(i), config%materials, config%supports, config%loads, error)
-         if (allocated(error)) call visitor%require(.false., 'use', error%message)
-         if (any(config%loads%target == load_by_temperature)) call require_expansion(visitor, 'use')
+         if (len(config%meshes(i)%file) == 0) cycle
+         call read_file_model(model, config%meshes(i)%file, config%meshes(i)%is_used, error)
+         if (allocated(error)) then
+            call visitor%require(.false., 'use', error%message)
+            config%n_used = 0
+            cycle
+         end if
+         config%n_used = [size(model%materials), model%n_supports, model%n_loads]
+         if (any(model%loads(:model%n_loads)%target == load_by_temperature)) call require_expansion(visitor, 'use')
       end do
       if (is_new) then
          ! Makes room for what the groups of a deck say of a body, behind what its mesh file says.
-         config%n_used = [size(config%materials), size(config%supports), size(config%loads)]
-         call move_alloc(config%materials, materials)
-         call move_alloc(config%supports, supports)
-         call move_alloc(config%loads, loads)
          associate (n_used => config%n_used)
             ! A body without a material gets one whose required keys are reported as missing, unless the file is at
             ! fault.
@@ -301,9 +279,14 @@ contains
                n_used(1) + visitor%deck%count_groups('material'))))
             allocate (config%supports(n_used(2) + visitor%deck%count_groups('support')))
             allocate (config%loads(n_used(3) + visitor%deck%count_groups('load')))
-            config%materials(:n_used(1)) = materials
-            config%supports(:n_used(2)) = supports
-            config%loads(:n_used(3)) = loads
+            if (any(n_used > 0)) then
+               config%materials(:n_used(1)) = model%materials
+               config%supports(:n_used(2)) = model%supports(:n_used(2))
+               config%loads(:n_used(3)) = model%loads(:n_used(3))
+            end if
+            do i = 1, n_used(3)
+               config%loads(i)%name = file_load_name
+            end do
             allocate (config%rigid_sets(visitor%deck%count_groups('rigid')), &
                config%preloads(visitor%deck%count_groups('preload')))
             allocate (config%contacts(visitor%deck%count_groups('contact')), &

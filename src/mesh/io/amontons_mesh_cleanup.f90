@@ -91,25 +91,6 @@ contains
          ': from there on, elements touch without sharing their nodes')
    end subroutine warn_of_slits
 
-   !> Files the sides of the boundary by the corner they lead to.
-   pure subroutine collect_incoming(incoming, mesh, table)
-      type(incoming_sides_t), intent(out) :: incoming !! the sides
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(side_table_t), intent(in) :: table !! the sides of its elements
-      integer :: corners(3), number, side
-
-      allocate (incoming%start(table%n_sides), incoming%before(table%n_sides), source=0)
-      allocate (incoming%last(mesh%n_nodes), source=0)
-      do side = 1, table%n_sides
-         number = table%boundary(side)
-         if (number == 0) cycle
-         corners = mesh%side(side_element(number), side_place(number))
-         incoming%start(side) = corners(1)
-         incoming%before(side) = incoming%last(corners(2))
-         incoming%last(corners(2)) = side
-      end do
-   end subroutine collect_incoming
-
    !> Goes from one corner of a side to the other along shorter sides of the elements opposite, against their
    !> direction.
    pure subroutine follow(incoming, coordinates, from, to, node)
@@ -156,14 +137,26 @@ contains
       type(side_table_t) :: table
       type(incoming_sides_t) :: incoming
       integer, allocatable :: cell_of(:), piece(:)
-      integer :: element, n_pieces
+      integer :: cell, element, first, i, n_pieces, node, tag
 
       call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
       if (allocated(input%error)) return
       call new_tag_map(renumbering%place, raw%node_tag%items())
-      call find_nodes(raw, renumbering%place, input)
-      if (allocated(input%error)) return
+      do cell = 1, raw%cell_tag%n
+         first = raw%cell_start%item(cell)
+         do i = first, first + n_cell_nodes(raw%cell_kind%item(cell)) - 1
+            tag = raw%node%item(i)
+            node = renumbering%place%find(tag)
+            if (node == 0) then
+               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//', which the file does not give')
+            else if (any(raw%node%item(first:i - 1) == node)) then
+               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//' twice')
+            end if
+            if (allocated(input%error)) return
+            raw%node%item(i) = node
+         end do
+      end do
       call connect_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
       call place_nodes(mesh, raw, input, renumbering%node)
@@ -208,29 +201,6 @@ contains
 
       call input%refuse('element '//to_text(raw%cell_tag%item(cell))//' '//sentence, raw%cell_place%item(cell))
    end subroutine refuse_cell
-
-   !> Replaces the numbers of the cells' nodes by places in the list of nodes.
-   pure subroutine find_nodes(raw, node_map, input)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(tag_map_t), intent(in) :: node_map !! from the numbers of the nodes to their places
-      type(input_file_t), intent(inout) :: input !! the file
-      integer :: cell, first, i, node, tag
-
-      do cell = 1, raw%cell_tag%n
-         first = raw%cell_start%item(cell)
-         do i = first, first + n_cell_nodes(raw%cell_kind%item(cell)) - 1
-            tag = raw%node%item(i)
-            node = node_map%find(tag)
-            if (node == 0) then
-               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//', which the file does not give')
-            else if (any(raw%node%item(first:i - 1) == node)) then
-               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//' twice')
-            end if
-            if (allocated(input%error)) return
-            raw%node%item(i) = node
-         end do
-      end do
-   end subroutine find_nodes
 
    !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
    pure subroutine connect_elements(mesh, raw, input, cell_of)
@@ -385,7 +355,16 @@ contains
             to_text(raw%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
-      call collect_incoming(incoming, mesh, table)
+      allocate (incoming%start(table%n_sides), incoming%before(table%n_sides), source=0)
+      allocate (incoming%last(mesh%n_nodes), source=0)
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         one = mesh%side(side_element(number), side_place(number))
+         incoming%start(side) = one(1)
+         incoming%before(side) = incoming%last(one(2))
+         incoming%last(one(2)) = side
+      end do
       do side = 1, table%n_sides
          number = table%boundary(side)
          if (number == 0) cycle
