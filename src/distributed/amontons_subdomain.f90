@@ -81,17 +81,23 @@ contains
 
    !> Finds the rank that owns each element: the one whose share of the order of elimination has the element's unknown
    !> that is eliminated first. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
+   !> All have the same share but rank 0: for each unknown of the body it holds mesh, loads and the last front besides,
+   !> where a share costs each of its unknowns some 190 bytes until it is factorized. Its share is so much smaller that
+   !> all hold about the same.
    pure subroutine find_owners(owner, n_ranks, position, mesh, dof_map)
       integer, allocatable, intent(out) :: owner(:) !! the rank of each element
       integer, intent(in) :: n_ranks !! number of ranks
       integer, intent(in) :: position(:) !! position of each unknown
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      ! What rank 0 holds besides over what a share costs, measured on two ranks and two million unknowns.
+      real(dp), parameter :: burden = 0.57_dp
       integer, allocatable :: node_start(:), node(:)
-      integer :: i, k, axis, first
+      integer :: i, k, axis, first, n_own
 
+      n_own = int(max(0.0_dp, 1.0_dp - burden*(n_ranks - 1))*size(position)/n_ranks)
       call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, node_start, node)
-      allocate (owner(mesh%n_elements))
+      allocate (owner(mesh%n_elements), source=0)
       do i = 1, mesh%n_elements
          first = size(position)
          do k = node_start(i), node_start(i + 1) - 1
@@ -101,7 +107,8 @@ contains
                end associate
             end do
          end do
-         owner(i) = owner_of(first, size(position), n_ranks)
+         if (first > n_own .and. n_ranks > 1) owner(i) = 1 + int((first - n_own - 1)*int(n_ranks - 1, int64) &
+            /(size(position) - n_own))
       end do
    end subroutine find_owners
 
@@ -121,23 +128,6 @@ contains
          assembly_mb(owner(i)) = assembly_mb(owner(i)) + 12.0e-6_dp*(n*(n + 1)/2)
       end do
    end function assembly_mb
-
-   !> The rank that owns a position in the order of elimination. All have the same share but rank 0: for each unknown of
-   !> the body it holds mesh, loads and the last front besides, where a share costs each of its unknowns some 190 bytes
-   !> until it is factorized. Its share is so much smaller that all hold about the same.
-   pure integer function owner_of(position, n_positions, n_ranks) result(owner)
-      integer, intent(in) :: position !! the position
-      integer, intent(in) :: n_positions !! number of positions
-      integer, intent(in) :: n_ranks !! number of ranks
-      ! What rank 0 holds besides over what a share costs, measured on two ranks and two million unknowns.
-      real(dp), parameter :: burden = 0.57_dp
-      integer :: n_own
-
-      n_own = int(max(0.0_dp, 1.0_dp - burden*(n_ranks - 1))*n_positions/n_ranks)
-      owner = 0
-      if (position > n_own .and. n_ranks > 1) owner = 1 + int((position - n_own - 1)*int(n_ranks - 1, int64) &
-         /(n_positions - n_own))
-   end function owner_of
 
    !> Cuts a subdomain out of a body: elements, nodes and unknowns.
    pure subroutine new_subdomain(subdomain, elements, springs, last_nodes, number, mesh, dof_map)
