@@ -33,6 +33,7 @@ table { border-collapse: collapse; display: block; overflow-x: auto } img { max-
 th, td { padding: .3rem .6rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top }
 math[display=block] { margin: 1rem 0; overflow-x: auto }
 @media (max-width: 45rem) { nav { flex-basis: 100%; padding: .5rem 1rem } nav a { display: inline-block }
+   col { width: auto !important } td:last-child { min-width: 11rem }
    main { padding: 0 1rem 3rem } }
 @media print { nav { display: none } }
 """
