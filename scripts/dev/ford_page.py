@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints the project file of FORD: doc/ford.md, and behind it the rooms of src/ with their modules, each with the first
-sentence of its comment. Usage: ford_page.py >build/ford.md
+"""Prints the project file of FORD: the file ford.md, and behind it the rooms of src/ with their modules, each with the
+first sentence of its comment. Usage: ford_page.py >build/ford.md
 
 What a room holds is said in doc/architecture.md. Standard library only.
 """
@@ -29,7 +29,7 @@ def first_sentence(path):
 def page():
     """The project file with the rooms, from the lowest to the highest."""
     held = held_in_rooms()
-    parts = [(ROOT/"doc/ford.md").read_text(encoding="utf-8").rstrip()]
+    parts = [(ROOT/"scripts/dev/ford.md").read_text(encoding="utf-8").rstrip()]
     modules = {}
     for path in sorted(SOURCE.rglob("*.f90")):
         if ".absent." not in path.name and ".band." not in path.name:
