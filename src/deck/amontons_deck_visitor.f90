@@ -632,9 +632,8 @@ contains
       if (source(1) == 0) return
       word = lower_case(bare_value(self%deck%contents, source(1)))
       value = any(word == [character(6) :: '.true.', 'true', 't'])
-      if (.not. (value .or. any(word == [character(7) :: '.false.', 'false', &
-         'f']))) call &
-         refuse_value(self%deck%contents, self%place, key%name, source(1), 'a '//noun)
+      if (.not. (value .or. any(word == [character(7) :: '.false.', 'false', 'f']))) call refuse_value( &
+         self%deck%contents, self%place, key%name, source(1), 'a '//noun)
    end subroutine visitor_flag
 
    !> Visits a list of words.

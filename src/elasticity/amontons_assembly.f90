@@ -12,8 +12,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: around_axis, assemble_stiffness, from_unknowns, magnitude, measure_terms, spring_forces, thermal_work, &
-      to_unknowns
+   public :: around_axis, assemble_stiffness, from_unknowns, measure_terms, spring_forces, thermal_work, to_unknowns
 
 contains
 
@@ -230,15 +229,6 @@ contains
       uncanceled = hypot(uncanceled, of_twist)
       strained_share = max(strained_share, share_of_twist)
    end subroutine measure_terms
-
-   !> The lengths of displacements, of two components or of three (any) [L].
-   pure function magnitude(displacement) result(length)
-      real(dp), intent(in) :: displacement(:, :) !! the displacements (components, any) [L]
-      real(dp), allocatable :: length(:)
-
-      length = hypot(displacement(1, :), displacement(2, :))
-      if (size(displacement, 1) > 2) length = hypot(length, displacement(3, :))
-   end function magnitude
 
    !> The third component of a field, around the axis, as the first one of a plane field, see `materials_take_twist`.
    pure function around_axis(field) result(plane)

@@ -325,8 +325,15 @@ contains
          do component = 1, size(support%is_held)
             if (.not. support%is_held(component)) cycle
             if (component > 4) then
-               call hold_around(constraints, prescribed(:, nodes(i)), nodes(i), support%displacement(component) &
-                  *merge(mesh%coordinates(1, nodes(i)), 1.0_dp, component > 5), number, is_consistent)
+               ! Around the axis; on it the displacement is 0, whatever the supports say of others.
+               associate (is_free => constraints%is_free(3, nodes(i)), holder => constraints%holder(3, nodes(i)), &
+                  moved => prescribed(3, nodes(i)), asked => support%displacement(component) &
+                  *merge(mesh%coordinates(1, nodes(i)), 1.0_dp, component > 5))
+                  is_consistent = holder == 0 .or. abs(asked - moved) <= negligible*abs(asked)
+                  if (is_free) holder = number
+                  if (is_free) moved = asked
+                  is_free = .false.
+               end associate
                if (.not. is_consistent) exit
                cycle
             end if
@@ -378,22 +385,6 @@ contains
       self%skew(free, node) = share(3 - free)/share(free)
       prescribed = prescribed + frame(:, free)*missing/share(free)
    end subroutine constraints_hold
-
-   !> Holds the displacement of a node around the axis; on the axis it is 0, whatever the supports say of others.
-   pure subroutine hold_around(constraints, prescribed, node, displacement, support, is_consistent)
-      type(constraints_t), intent(inout) :: constraints !! the constraints of a twisted body
-      real(dp), intent(inout) :: prescribed(:) !! prescribed displacement of the node [L]
-      integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: displacement !! where to [L]
-      integer, intent(in) :: support !! number of the support
-      logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere
-      is_consistent = constraints%holder(3, node) == 0 .or. &
-         abs(displacement - prescribed(3)) <= negligible*abs(displacement)
-      if (.not. constraints%is_free(3, node)) return
-      constraints%is_free(3, node) = .false.
-      constraints%holder(3, node) = support
-      prescribed(3) = displacement
-   end subroutine hold_around
 
    !> What of a motion the forces of some supports do work on: the work of the reactions on this part is that of the
    !> forces of these supports on the motion. Each support acts along the directions that it holds; what another one

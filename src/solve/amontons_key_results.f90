@@ -10,7 +10,6 @@
 !> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
 !> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
 module amontons_key_results
-   use amontons_assembly, only: magnitude
    use amontons_body, only: body_t, of_contact
    use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
@@ -335,8 +334,7 @@ contains
       integer, intent(in) :: m !! number of points
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('normal_force', 'Normal forces', sum(force(:m)), sum(abs(force)), &
-         dimension='F'), &
+      list = [quantity_t('normal_force', 'Normal forces', sum(force(:m)), sum(abs(force)), dimension='F'), &
          quantity_t('tangential_force', 'Tangential forces', sum(force(m + 1:2*m)), &
          sum(abs(force)), dimension='F')]
    end function resultants
@@ -360,8 +358,7 @@ contains
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
          list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
          list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &
-            list(1)%value, &
-            'F/L^2')
+            list(1)%value, 'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
          scale = max(displacement, maxval([0.0_dp, abs(force)/[area, (area, i=1, &
             zone%n_tangents)]])/maxval(body%materials%list%young(1)) &
@@ -495,7 +492,7 @@ contains
 
       list = body_peaks_at_rest()
       call find_peak(list(1), all_von_mises(stress), mesh%coordinates)
-      call find_peak(list(2), magnitude(displacement), mesh%coordinates)
+      call find_peak(list(2), norm2(displacement, dim=1), mesh%coordinates)
    end function body_peaks
 
    !> Von Mises stresses [F/L^2].

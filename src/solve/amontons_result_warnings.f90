@@ -1,7 +1,6 @@
 !> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds; among those on the mesh,
 !> zones of the contact line of few sides, and ends of zones that most of the estimated error comes from.
 module amontons_result_warnings
-   use amontons_assembly, only: magnitude
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_contact_rows, only: turned
@@ -357,7 +356,7 @@ contains
 
       if (.not. result%condition > 0.0_dp) return
       call find_strain(body%mesh, result%displacement, strain, at)
-      distance = maxval(magnitude(result%displacement))
+      distance = maxval(norm2(result%displacement, dim=1))
       travel = ''
       if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
          result%warnings%number(distance, 'L')//', far more than it is strained: place it closer to its obstacle'
@@ -374,7 +373,7 @@ contains
       real(dp) :: strain, largest
       integer :: node, at
 
-      largest = maxval(magnitude(displacement))
+      largest = maxval(norm2(displacement, dim=1))
       if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &

@@ -45,19 +45,11 @@ module amontons_verify_case
       real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
    end type law_scales_t
 
-   !> Names of the columns of the tangential forces of bodies.
-   character(22), parameter :: shear_names(2) = [character(22) :: 'tangential_force', 'tangential_force_theta']
+   !> Names of the columns of the tangential forces: of bodies, and behind them of reduced problems in space.
+   character(22), parameter :: shear_names(4) = [character(22) :: 'tangential_force', 'tangential_force_theta', &
+      'tangential_force_1', 'tangential_force_2']
 
 contains
-
-   !> Names of the columns of the tangential forces of reduced problems.
-   pure function reduced_shears(dimension) result(names)
-      integer, intent(in) :: dimension !! components of the forces, 2 or 3
-      character(18) :: names(dimension - 1)
-
-      names(1) = 'tangential_force'
-      if (dimension == 3) names = [character(18) :: 'tangential_force_1', 'tangential_force_2']
-   end function reduced_shears
 
    !> Checks the files of a case.
    subroutine verify_case(case, cache)
@@ -340,8 +332,8 @@ contains
       associate (system => result%system, solution => result%solution, limit => certificate_limit( &
          case%config%method%tolerance))
          call new_contact_solution(solution, system%n_contacts, system%dimension - 1)
-         call read_points(case%stem//'.contact.csv', system%n_contacts, reduced_shears(system%dimension), &
-            solution%force, solution%status, fault)
+         call read_points(case%stem//'.contact.csv', system%n_contacts, shear_names(2*system%dimension - 3: &
+            3*system%dimension - 5), solution%force, solution%status, fault)
          call case%fault('.contact.csv', fault)
          if (len(fault) > 0) return
          ! The tangential forces turn to the direction of the slip.

@@ -13,10 +13,13 @@ G\theta c^3 + 8\mu p_0\int_c^a t^2 I(t/a)\,dt$, $I(k) = K(k')-E(k')$, the comple
 \sqrt{1-k^2}$. The sphere is pressed on without friction, so that no slip is left of that. $c$ is found from the turn,
 and compared with where the points stick; the torque follows.
 
+The torque of a stepped shaft is compared with finite volumes on Michell's equation for the angle $u_\theta/r$, a program
+of its own in the test, extrapolated.
+
 A ring on a shaft slides along the resultant of pull and twist when $(T/r)^2+Q^2 = (\mu N)^2$; a clutch of two rings
 slips at $\frac23\pi\mu p(b^3-a^3)$.
 
-Tolerances: shaft and clutch 1e-9, ring 0.1 %, sphere 0.5 %, punch 1.5 % on the finest mesh.
+Tolerances: shaft and clutch 1e-9, stepped shaft and ring 0.1 %, sphere 0.5 %, punch 1.5 % on the finest mesh.
 """
 import csv
 import math
@@ -59,6 +62,27 @@ def partial_slip(turn, peak):
     return low, 16/3*HALF_SPACE*turn*low**3 + 8*FRICTION*peak*ring
 
 
+def stepped_torque(n):
+    """Torque of the stepped shaft by finite volumes, n to a length of 1, relaxed until they stay."""
+    cells = [(i, j) for j in range(4*n) for i in range(2*n if j < 2*n else n)]
+    angle = dict.fromkeys(cells, 0.0005)
+    flow = [((i + 1)**4 - i**4)/(4*n**3) for i in range(2*n)]
+    links = {}
+    for i, j in cells:
+        sides = [((i - 1, j), (i/n)**3), ((i + 1, j), ((i + 1)/n)**3), ((i, j - 1), flow[i]), ((i, j + 1), flow[i])]
+        near = [side for side in sides if side[0] in angle]
+        top, end = 2*flow[i]*(j == 4*n - 1), 2*flow[i]*(j in (0, 4*n - 1))
+        links[i, j] = near, top*0.001, sum(share for _, share in near) + end
+    change = 1.0
+    while change > 1e-12:
+        change = 0.0
+        for cell, (near, driven, whole) in links.items():
+            step = (driven + sum(share*angle[other] for other, share in near))/whole - angle[cell]
+            angle[cell] += 2/(1 + math.pi/(4*n))*step
+            change = max(change, abs(step))
+    return 2*math.pi*SHEAR*sum(2*flow[i]*angle[i, 0] for i in range(2*n))
+
+
 class Twist(Benchmark):
     """Torsion, and friction against the resultant of two slips."""
 
@@ -74,6 +98,17 @@ class Twist(Benchmark):
                                        abs(key["max_von_mises"]/(math.sqrt(3)*5.0*2/polar) - 1),
                                        abs(key["reaction_torque_bottom"]/-5.0 - 1)])
         self.assert_table(table)
+
+    def test_stepped_shaft(self):
+        coarse, fine = stepped_torque(4), stepped_torque(8)
+        n = self.meshes(8, 32)
+        deck = self.deck("twist_stepped").replace("cells = 32, 32", f"cells = {n}, {n}")
+        result = self.solve(deck.replace("cells = 16, 32", f"cells = {n//2}, {n}"))
+        self.assert_sound(result)
+        values = ValueTable("Stepped shaft", ["quantity"])
+        values.add("torque", computed=result.summary["key_results"]["reaction_torque_thin.top"],
+                   reference=fine + (fine - coarse)/(2**(4/3) - 1), allowed=self.meshes(0.005, 0.001))
+        self.assert_table(values)
 
     def test_cone(self):
         orders = {element: (2,) if element in ("tri3", "quad4") else (4,) for element in ELEMENTS}

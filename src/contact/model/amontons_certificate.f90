@@ -318,8 +318,7 @@ contains
          displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, largest_displacement)
       call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
-         depth, &
-         place, set)
+         depth, place, set)
       certificate%penetration_between = relative(depth, largest_displacement)
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
