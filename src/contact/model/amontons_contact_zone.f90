@@ -346,7 +346,9 @@ contains
       end do
       ! The points that stand for corners, and the places on the line that each point stands for.
       stand_in = point_of(line%next(corner(:n_corners)))
-      where (stand_in == 0) stand_in = point_of([(findloc(line%next, corner(i), dim=1), i=1, n_corners)])
+      do i = 1, n_corners
+         if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))
+      end do
       if (any(stand_in > 0)) zone%is_nodal = .false.
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
       points%rows%start(1) = 1
