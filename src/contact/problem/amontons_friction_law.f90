@@ -171,13 +171,9 @@ contains
       real(dp), intent(in) :: force(:) !! lambda_T (n_tangents m) [F]
       integer, intent(in) :: n_points !! number m of points
       real(dp) :: wrong_slip(n_points)
-      real(dp) :: along(2), axis(2)
+      real(dp), dimension(size(slip)/max(1, n_points)) :: along, axis
       integer :: p
 
-      if (size(slip) == n_points) then
-         wrong_slip = merge(abs(slip), 0.0_dp, sign(1.0_dp, force)*slip < 0.0_dp)
-         return
-      end if
       do p = 1, n_points
          axis = force(p::n_points)/max(norm2(force(p::n_points)), tiny(axis))
          along = slip(p::n_points)
