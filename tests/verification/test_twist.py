@@ -13,8 +13,8 @@ G\theta c^3 + 8\mu p_0\int_c^a t^2 I(t/a)\,dt$, $I(k) = K(k')-E(k')$, the comple
 \sqrt{1-k^2}$. The sphere is pressed on without friction, so that no slip is left of that. $c$ is found from the turn,
 and compared with where the points stick; the torque follows.
 
-The torque of a stepped shaft is compared with finite volumes on Michell's equation for the angle $u_\theta/r$, a program
-of its own in the test, extrapolated.
+The torque of a stepped shaft is compared with finite volumes on Michell's equation for the angle $u_\theta/r$, a
+program of its own in the test, extrapolated.
 
 A ring on a shaft slides along the resultant of pull and twist when $(T/r)^2+Q^2 = (\mu N)^2$; a clutch of two rings
 slips at $\frac23\pi\mu p(b^3-a^3)$.
