@@ -40,6 +40,7 @@ module amontons_condensation
    !> What condenses loads and recovers displacements.
    type :: row_condensation_t
       real(dp), allocatable :: stiffness(:, :) !! T (r, r) [F/L]
+      real(dp) :: least_augmentation = 0.0_dp !! a small share of rho [F/L]
       real(dp), allocatable, private :: rows(:, :) !! C (r, n) [-]
       real(dp), allocatable, private :: factor(:, :) !! Cholesky factor of M (n, n)
       real(dp), allocatable, private :: lifting(:, :) !! G^-1 C M^-1, the v of unit w, transposed (r, n) [-]
@@ -303,7 +304,7 @@ contains
       if (size(self%is_locked) > 0) call self%eliminate(schur, error)
       if (allocated(error)) return
       if (allocated(self%rows)) then
-         call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, self%unnoticed, error)
+         call new_row_condensation(self%to_rows, schur, self%rows, self%unnoticed, error)
          if (allocated(error)) return
          schur = self%to_rows%stiffness
       end if
@@ -329,7 +330,7 @@ contains
             if (self%unknown(k + 1, r) == 0) stiffness(r + k*m, r + k*m) = stiffness(r, r)
          end do
       end do
-      call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1)
+      call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1, self%to_rows%least_augmentation)
    end subroutine condensation_condense_stiffness
 
    !> Eliminates the unknowns that no contact point has and that are not locked. The Schur complement with them stays:
@@ -486,16 +487,17 @@ contains
    end function may_suit_band
 
    !> Condenses a stiffness.
-   pure subroutine new_row_condensation(condensation, stiffness, rows, is_definite, unnoticed, error)
+   pure subroutine new_row_condensation(condensation, stiffness, rows, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
       real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
-      logical, intent(in) :: is_definite !! whether S is definite, so that rho = 0
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows are dependent, or leave another part of S's kernel free
       ! Of a row that depends on others rounding leaves no more of its square.
       real(dp), parameter :: negligible = 1.0e-12_dp
+      ! Few cells follow rigid motions in their means, which then have no stiffness; that of others is a larger share.
+      real(dp), parameter :: small_share = 1.0e-3_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh: make '// &
          'their cells larger'
       real(dp), allocatable :: flexibility(:, :), gram(:, :)
@@ -517,19 +519,18 @@ contains
          call new_error(error, numerical_failure, dependent)
          return
       end if
-      rho = 0.0_dp
       condensation%factor(:, :) = stiffness
       condensation%rows = rows
-      if (.not. is_definite) then
-         ! Both parts of M then have diagonals of one size, which keeps its condition near that of S.
-         trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
-         rho = trace/sum(rows**2)
-         do i = 1, size(rows, 2)
-            condensation%factor(:, i) = condensation%factor(:, i) + rho*matmul(rows(:, i), rows)
-            if (size(unnoticed, 2) > 0) condensation%factor(:, i) = condensation%factor(:, i) &
-               + trace/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
-         end do
-      end if
+      ! Both parts of M then have diagonals of one size, which keeps its condition near that of S, and better where soft
+      ! springs are all that holds the body.
+      trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
+      rho = trace/sum(rows**2)
+      condensation%least_augmentation = small_share*rho
+      do i = 1, size(rows, 2)
+         condensation%factor(:, i) = condensation%factor(:, i) + rho*matmul(rows(:, i), rows)
+         if (size(unnoticed, 2) > 0) condensation%factor(:, i) = condensation%factor(:, i) &
+            + trace/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
+      end do
       call cholesky_factor(condensation%factor, info)
       if (info /= 0) then
          call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &

@@ -25,6 +25,8 @@ module amontons_contact_operator
          !! the stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a
          !! reduced problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the
          !! others; one number for both tangents of a point in space (n) [F/L]
+      real(dp) :: least_augmentation = 0.0_dp
+         !! what none of these is below: the means over a few cells may have no stiffness of their own [F/L]
       type(symmetric_matrix_t), allocatable :: stiffness
          !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
@@ -53,15 +55,17 @@ module amontons_contact_operator
 contains
 
    !> Takes over a dense stiffness.
-   pure subroutine new_stiffness_operator(matrix, stiffness, is_held, n_tangents)
+   pure subroutine new_stiffness_operator(matrix, stiffness, is_held, n_tangents, least_augmentation)
       type(contact_operator_t), intent(out) :: matrix !! the operator
       real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); not allocated on return [F/L]
       logical, intent(in) :: is_held !! whether S is positive definite
       integer, intent(in), optional :: n_tangents !! number of tangential directions of a point; 1 if it is not given
+      real(dp), intent(in), optional :: least_augmentation !! what no entry of rho is below; 0 if absent [F/L]
 
       matrix%n = size(stiffness, 1)
       matrix%is_held = is_held
       if (present(n_tangents)) matrix%n_tangents = n_tangents
+      if (present(least_augmentation)) matrix%least_augmentation = least_augmentation
       allocate (matrix%stiffness)
       call new_dense_matrix(matrix%stiffness, stiffness, matrix%n_pairs())
       call matrix%find_augmentation()
@@ -116,6 +120,7 @@ contains
       else
          self%augmentation = self%compliance%reciprocal_diagonal()
       end if
+      self%augmentation = max(self%augmentation, self%least_augmentation)
    end subroutine contact_operator_find_augmentation
 
    !> The product S v.
@@ -217,7 +222,8 @@ contains
       real(dp), allocatable :: dense(:, :)
 
       call new_dense_stiffness(self, dense, error)
-      if (.not. allocated(error)) call new_stiffness_operator(copy, dense, self%is_held, self%n_tangents)
+      if (.not. allocated(error)) call new_stiffness_operator(copy, dense, self%is_held, self%n_tangents, &
+         self%least_augmentation)
    end subroutine contact_operator_copy_dense
 
    !> Makes an operator of its own that has the stiffness in the form in which it is known.
@@ -362,6 +368,7 @@ contains
       part%n = size(rows)
       part%n_tangents = self%n_tangents
       part%is_held = self%is_held
+      part%least_augmentation = self%least_augmentation
       if (.not. allocated(self%stiffness) .and. size(rows) >= least_sparse_rows) then
          if (self%compliance%is_sparse()) then
             allocate (part%compliance)
