@@ -113,9 +113,9 @@ contains
       is_loose = any(body%motions%n_free > 0)
       start = solution
       call solution%reset()
-      if (self%is_auto .and. has_place(solution)) call solve_components(newton_t(tolerance=self%method%tolerance, &
+      if (self%is_auto .and. has_place(solution)) call solve_from_start(newton_t(tolerance=self%method%tolerance, &
          max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, &
-         decrease=decrease), problem, solution, error)
+         decrease=decrease), body, problem, solution, error)
       ! Where memory has no room for these steps, the deck's method may still do.
       if (allocated(error)) deallocate (error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
@@ -144,6 +144,7 @@ contains
             call solution%follow(first)
          end if
       end if
+      if (solution%is_converged .and. problem%is_unloaded()) call come_to_rest(solution, problem, self%size_of_body)
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
@@ -182,27 +183,74 @@ contains
          problem%matrix%n_tangents)
    end subroutine forget_start
 
+   !> Ends all forces and displacements of a body that nothing loads and that is back where it was: rounding errors of a
+   !> state before, when loads acted, are all there is.
+   pure subroutine come_to_rest(solution, problem, size_of_body)
+      type(contact_solution_t), intent(inout) :: solution !! the solution
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      ! Of gaps, which are differences of coordinates, too: some tens of their rounding errors.
+      real(dp), parameter :: rounding = 1.0e-14_dp
+
+      if (any(abs(solution%displacement) > rounding*size_of_body)) return
+      solution%displacement = 0.0_dp
+      solution%force = 0.0_dp
+      call solution%measure(problem)
+   end subroutine come_to_rest
+
+   !> Solves a contact problem from a start. Of a loose body displacements are counted from the rigid motion that the
+   !> start is, if it is little else.
+   subroutine solve_from_start(method, body, problem, solution, error)
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: motion(:)
+
+      if (any(body%motions%n_free > 0)) then
+         call fit_travel(motion, body, solution%displacement)
+         call solve_from_motion(motion, method, body, problem, solution, error)
+      else
+         call solve_components(method, problem, solution, error)
+      end if
+   end subroutine solve_from_start
+
    !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
-   !> Where they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
    subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; stays as it is
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: motion(:)
+
+      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
+      call solve_from_motion(motion, method, body, problem, solution, error)
+   end subroutine solve_from_obstacles
+
+   !> Solves a contact problem, its displacements counted from a rigid motion. Where they turn out to be little else
+   !> than another one, solves it once more, counted from this one, too.
+   subroutine solve_from_motion(motion, method, body, problem, solution, error)
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
       type(contact_solution_t) :: first
-      real(dp), allocatable :: motion(:), travel(:)
+      real(dp), allocatable :: travel(:)
 
-      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
       if (has_place(solution)) solution%displacement = solution%displacement - motion
-      call solve_from(motion, method, problem, solution, error)
+      call solve_from(motion, body, method, problem, solution, error)
       ! Of displacements that the motion is a part of, rounding would look like travel.
-      call fit_travel(travel, body, problem%load, solution%displacement)
+      call fit_travel(travel, body, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
          solution%displacement = solution%displacement - travel
-         call solve_from(motion + travel, method, problem, solution, error)
+         if (.not. any(abs(problem%load) > 0.0_dp)) solution%force = 0.0_dp
+         call solve_from(motion + travel, body, method, problem, solution, error)
          solution%displacement = solution%displacement + travel
          if (solution%is_converged .or. .not. first%is_converged) then
             call solution%follow(first)
@@ -211,7 +259,7 @@ contains
          end if
       end if
       solution%displacement = solution%displacement + motion
-   end subroutine solve_from_obstacles
+   end subroutine solve_from_motion
 
    !> Finds the rigid motion that displacements are counted from: none at rest where nothing acts; that which comes
    !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
@@ -238,22 +286,25 @@ contains
       if (any(abs(laid) > 0.0_dp)) motion = laid
    end subroutine find_origin
 
-   !> Solves a contact problem for the displacements from a rigid motion.
-   subroutine solve_from(motion, method, problem, solution, error)
+   !> Solves a contact problem for the displacements from a rigid motion, which takes no force unless it strains ties:
+   !> what S makes of it is rounding then.
+   subroutine solve_from(motion, body, method, problem, solution, error)
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
+      type(body_t), intent(in) :: body !! the body
       class(contact_method_t), intent(in) :: method !! the contact method
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      real(dp), allocatable :: gap(:), anchor(:)
+      type(contact_problem_t) :: counted
 
-      gap = problem%gap
-      anchor = problem%anchor
-      problem%gap = gap - motion(:size(gap))
-      problem%anchor = anchor - motion(size(gap) + 1:)
-      call solve_components(method, problem, solution, error)
-      problem%gap = gap
-      problem%anchor = anchor
+      counted = problem
+      if (body%is_rotation_strained) then
+         call counted%count_from(motion)
+      else
+         counted%gap = problem%gap - motion(:problem%n_points)
+         counted%anchor = problem%anchor - motion(problem%n_points + 1:)
+      end if
+      call solve_components(method, counted, solution, error)
    end subroutine solve_from
 
    !> Refuses a solution whose numbers have left the finite range, or whose points move so far that the rounding of

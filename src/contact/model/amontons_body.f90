@@ -90,6 +90,7 @@ module amontons_body
          !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
+      logical :: is_rotation_strained = .false. !! whether a free rotation strains bonded pieces, from `strains_ties`
       type(contact_zone_t) :: zone !! the contact points
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
@@ -139,6 +140,8 @@ contains
       integer :: nothing(0), i
       ! Rounding leaves about the root of the precision, with a few digits to spare.
       real(dp), parameter :: dependent = 1.0e-6_dp
+      ! Gaps are differences of coordinates: some tens of their rounding errors.
+      real(dp), parameter :: rounding = 1.0e-14_dp
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -167,6 +170,7 @@ contains
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
+      where (abs(body%gap_change) <= rounding*maxval(abs(mesh%coordinates))) body%gap_change = 0.0_dp
       call body%tie_rows%begin(nothing)
       call body%checked_tie_rows%begin(nothing)
       do i = 1, size(body%ties)
@@ -176,6 +180,8 @@ contains
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
          call body%checked_tie_rows%add(points%rows)
       end do
+      if (size(body%ties) > 0 .and. .not. body%is_axisymmetric) body%is_rotation_strained = &
+         strains_ties(body%tie_rows, mesh%coordinates)
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
       if (allocated(error)) return
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
@@ -198,6 +204,25 @@ contains
          return
       end do
    end subroutine new_body
+
+   !> Whether ties resist a rotation of what they join: across a gap, and between the polygons of a curve, slaves get
+   !> the mean displacement of another place of the master.
+   pure logical function strains_ties(rows, coordinates)
+      type(contact_rows_t), intent(in) :: rows !! the rows of the points of all ties
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      ! Of surfaces that meet, rounding of coordinates leaves less.
+      real(dp), parameter :: negligible = 1.0e-10_dp
+      real(dp), allocatable :: rotation(:, :)
+      real(dp) :: middle(2)
+      integer :: node
+
+      middle = 0.5_dp*(minval(coordinates, dim=2) + maxval(coordinates, dim=2))
+      allocate (rotation, mold=coordinates)
+      do node = 1, size(coordinates, 2)
+         rotation(:, node) = turned(coordinates(:, node) - middle)
+      end do
+      strains_ties = any(abs(rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
+   end function strains_ties
 
    !> Lists what exerts forces on a body, by name.
    pure subroutine name_forces(list, supports, contacts, ties)
@@ -580,6 +605,7 @@ contains
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
       ! Free motions strain nothing: what S makes of them is what the condensation of stiff bodies has lost.
+      if (body%is_rotation_strained) return
       allocate (force(body%zone%n_rows))
       do i = 1, size(body%rigid_modes, 2)
          associate (motion => body%rigid_modes(:, i))

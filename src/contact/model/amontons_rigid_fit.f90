@@ -8,17 +8,22 @@ module amontons_rigid_fit
    use amontons_body, only: body_t
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_case, only: load_case_t, recover_displacement
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
-   public :: fit_rigid_motion, fit_travel, lay_rigid_body, travel_of_nodes
+   ! Gaps are differences of coordinates: some tens of their rounding errors.
+   real(dp), parameter :: rounding = 1.0e-14_dp
+
+   public :: fit_rigid_motion, fit_travel, lay_rigid_body, recover_with_travel, travel_of_nodes
 
 contains
 
    !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if it
-   !> leaves much of them.
+   !> leaves much of them. Of pieces without loads it is the gaps themselves where rounding errors alone are left: these
+   !> would be all that acts on them. Where loads act, small ones on a stiff body at the least, a motion that is not
+   !> quite rigid would spoil their equilibrium.
    subroutine fit_rigid_motion(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -30,7 +35,13 @@ contains
 
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      call fit(motion, body, load, aim, counts, much)
+      call fit(motion, body, aim, counts, much)
+      associate (lengths => max(maxval(abs(aim)), maxval(abs(body%mesh%coordinates))))
+         if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
+            motion = merge(aim, motion, counts .and. &
+               is_unloaded(body%rigid_modes, load, body%zone%n_points))
+         end if
+      end associate
    end subroutine fit_rigid_motion
 
    !> Finds the free rigid motion by which loads lay a rigid body on its obstacles, sliding as little as can be: of the
@@ -111,15 +122,44 @@ contains
    end subroutine find_ways
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
-   subroutine fit_travel(motion, body, load, displacement)
+   subroutine fit_travel(motion, body, displacement)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (n_rows) [L]
       real(dp), parameter :: much = 0.01_dp
 
-      call fit(motion, body, load, displacement, spread(.true., 1, size(displacement)), much)
+      call fit(motion, body, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
+
+   !> Computes the displacements of all nodes from the solution of the contact problem; the free rigid motion in it
+   !> apart from the rest, which keeps its digits.
+   subroutine recover_with_travel(displacement, body, load_case, solution)
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case, condensed
+      real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
+      real(dp) :: amounts(size(body%rigid_modes, 2))
+      integer :: first, i, j
+
+      if (size(amounts) == 0 .or. body%is_rotation_strained) then
+         call recover_displacement(displacement, body, load_case, solution)
+         return
+      end if
+      amounts = amounts_of(body%rigid_modes, solution)
+      call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts))
+      first = 0
+      do j = 1, size(body%motions)
+         associate (motions => body%motions(j))
+            do i = 1, size(motions%node)
+               if (motions%n_free == 0) exit
+               displacement(:, motions%node(i)) = displacement(:, motions%node(i)) + matmul(motions%displacement( &
+                  body%mesh%coordinates(:, motions%node(i)), motions%node(i)), &
+                  amounts(first + 1:first + motions%n_free))
+            end do
+            first = first + motions%n_free
+         end associate
+      end do
+   end subroutine recover_with_travel
 
    !> The rigid motion of each piece that comes closest to the displacements of its nodes (components, n_nodes) [L].
    function travel_of_nodes(free, coordinates, displacement) result(travel)
@@ -159,18 +199,13 @@ contains
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 
-   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it. Of pieces without loads it
-   !> is the aim itself where rounding errors alone are left: these would be all that acts on them. Where loads act,
-   !> small ones on a stiff body at the least, a motion that is not quite rigid would spoil their equilibrium.
-   subroutine fit(motion, body, load, aim, counts, much)
+   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it, and more than rounding.
+   subroutine fit(motion, body, aim, counts, much)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
       logical, intent(in) :: counts(:) !! whether they count (n_rows)
       real(dp), intent(in) :: much !! how much of the aim is much [-]
-      ! Gaps are differences of coordinates: some tens of their rounding errors.
-      real(dp), parameter :: rounding = 1.0e-14_dp
       real(dp) :: left
 
       allocate (motion(size(aim)), source=0.0_dp)
@@ -179,25 +214,26 @@ contains
          motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
       end associate
       left = maxval(abs(aim - motion), mask=counts)
-      if (left > much*maxval(abs(aim))) then
-         motion = 0.0_dp
-      else if (left <= rounding*max(maxval(abs(aim)), maxval(abs(body%mesh%coordinates)))) then
-         motion = merge(aim, motion, counts .and. is_unloaded(body%rigid_modes, load))
-      end if
+      if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%mesh%coordinates)))) motion = 0.0_dp
    end subroutine fit
 
-   !> Which displacements are those of loose pieces without loads (n_rows).
-   pure function is_unloaded(modes, load)
+   !> Which displacements are those of loose pieces without loads, those that no motion of the piece changes included
+   !> (n_rows).
+   pure function is_unloaded(modes, load, n_points)
       real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (n_rows, k) [-]
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
-      logical :: is_unloaded(size(load)), is_of_piece(size(load))
-      integer :: k
+      integer, intent(in) :: n_points !! number m of contact points
+      logical, dimension(size(load)) :: is_unloaded, is_loaded, is_of_piece
+      integer :: i, k
 
-      is_unloaded = .true.
+      is_unloaded = .false.
+      is_loaded = .false.
       do k = 1, size(modes, 2)
-         is_of_piece = abs(modes(:, k)) > 0.0_dp
-         if (any(is_of_piece .and. abs(load) > 0.0_dp)) is_unloaded = is_unloaded .and. .not. is_of_piece
+         is_of_piece = [(any(abs(modes(1 + modulo(i - 1, n_points)::n_points, k)) > 0.0_dp), i=1, size(load))]
+         is_unloaded = is_unloaded .or. is_of_piece
+         is_loaded = is_loaded .or. (is_of_piece .and. any(is_of_piece .and. abs(load) > 0.0_dp))
       end do
+      is_unloaded = is_unloaded .and. .not. is_loaded
    end function is_unloaded
 
    !> The least amounts of some modes whose sum comes closest to an aim.

@@ -18,7 +18,6 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
       model_text, quantities_text, times_text, warnings_text
-   use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
    use amontons_output_file, only: hold_signals, output_file_t, release_signals, remove_temporaries, write_text_file
    use amontons_quantity, only: quantity_t, scales
@@ -28,6 +27,7 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
+   use amontons_rigid_fit, only: recover_with_travel
    use amontons_solve_case, only: cache_t, certify, condense_case, estimate_error, set_factor
    use amontons_stress_field, only: new_stress_field
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
@@ -266,7 +266,7 @@ contains
             if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= outcome_solved) cycle
             result%solution = solutions(i)
             call new_case(result%load_case, task, body, number)
-            call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
+            call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement)
             call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
                result%load_case%thermal_strain)
             if (task%wants_error_estimate) then

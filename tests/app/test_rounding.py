@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Sound cases in which rounding is all that is left of forces, strains or gaps: the certificate passes."""
+import json
+import unittest
+
+from verification import Verification
+
+# A stack on a floor, pressed and released.
+STACK = """&mesh name = 'low'  size = 4.0, 1.0  cells = 8, 3 /
+&mesh name = 'high'  size = 3.0, 1.0  cells = 5, 3  origin = 0.5, 1.0 /
+&material young = 1000.0  poisson = 0.3 /
+&load name = 'press'  set = 'high.top'  pressure = 1.0 /
+&contact set = 'low.bottom'  friction = 0.3 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.5 /
+&history times = 0.0, 1.0, 2.0  substeps = 4 /
+&steps load = 'press'  factor = 0.0, 1.0, 0.0 /
+"""
+# Two bonded blocks that fall on a floor, pressed by their weight, of which a part in 1e9 is left at the end.
+FALLEN = """&mesh name = 'low'  size = 5.6, 1.19  cells = 24, 6  element = 'tri3' /
+&mesh name = 'high'  size = 3.5, 1.5  cells = 15, 4  origin = 0.92, 1.19  element = 'quad9' /
+&material young = 1200.0  poisson = 0.0  region = 'low' /
+&material young = 5700.0  poisson = 0.0  region = 'high' /
+&contact set = 'low.bottom'  friction = 0.3  point = 0.0, -0.0021 /
+&tie set = 'low.top'  to = 'high.bottom' /
+&load name = 'weight'  body_force = 0.0, -7.6 /
+&history times = 0.0, 1.0, 2.0  substeps = 4 /
+&steps load = 'weight'  factor = 0.7, 0.6, 1e-9 /
+"""
+
+
+class Rounding(Verification):
+    """Cases that were refused because of rounding errors."""
+
+    def summary_of(self, deck):
+        """Solves and verifies a deck; its summary."""
+        self.solve_into_results(deck)
+        self.verify()
+        return json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
+
+    def test_a_body_that_is_released_is_at_rest(self):
+        results = self.summary_of(STACK)["key_results"]
+        self.assertEqual((results["max_contact_pressure"], results["max_displacement"]), (0.0, 0.0))
+
+    def test_displacements_of_steps_are_counted_from_the_rigid_motion(self):
+        # What the way to the floor leaves of a stiffness times itself is no force.
+        results = self.summary_of(FALLEN)["key_results"]
+        self.assertAlmostEqual(results["contact_force_y"], 7.6e-9*(5.6*1.19 + 3.5*1.5), delta=1e-18)
+
+    def test_energies_of_a_body_that_moves_back_are_measured_by_its_way(self):
+        self.summary_of("&mesh size = 4.0, 2.0  cells = 8, 4 /\n"
+                        "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric' /\n"
+                        "&support name = 'lid'  set = 'top'  uy = -0.001 /\n"
+                        "&contact set = 'bottom'  friction = 0.3  extra_gap = 0.01 /\n"
+                        "&history times = 0.0, 1.0, 2.0  substeps = 2 /\n"
+                        "&steps support = 'lid'  factor = 0.0, 1.0, 0.0 /\n")
+
+    def test_what_a_rigid_motion_does_not_move_is_no_part_of_it(self):
+        # A wall leaves the vertical motion free, to which the strains, of 1e-14, are no rounding along the floor.
+        results = self.summary_of("&mesh size = 5.0, 2.0  cells = 22, 2  element = 'quad9' /\n"
+                                  "&material young = 300.0  poisson = 0.2 /\n"
+                                  "&load set = 'top'  total_force = 0.0, -5e-12 /\n"
+                                  "&support set = 'right'  ux = 0.0 /\n"
+                                  "&contact set = 'bottom'  friction = 0.1  extra_gap = -3e-6 /\n")["key_results"]
+        # Displacements of 3e-6 are known to 4e-22, times the stiffness that is 1e-19 at each node.
+        self.assertAlmostEqual(results["reaction_x_right"], -results["contact_force_x"], delta=1e-18)
+
+    def test_gaps_of_rounding_size_are_no_penetration(self):
+        # Coordinates are known to 1e-16, the displacements are 1e-11.
+        for young in (2e9, 2e11, 2e13):
+            with self.subTest(young=young):
+                self.summary_of("&mesh name = 'a'  size = 5.142875662356811, 0.7354020165073905  cells = 5, 2"
+                                "  element = 'quad9' /\n"
+                                "&mesh name = 'b'  size = 3.438500417869192, 1.3576553464617827  cells = 19, 2"
+                                "  origin = 1.289983626436224, 0.7354020165073905 /\n"
+                                f"&material young = {young}  poisson = 0.3 /\n"
+                                "&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
+                                "&load set = 'b.top'  pressure = 1.0  traction = 0.1, 0.0 /\n"
+                                "&contact set = 'b.bottom'  against = 'a.top'  friction = 0.5 /\n")
+
+    def test_cells_of_a_body_on_soft_springs(self):
+        # The springs are 1e-10 as stiff as the body.
+        summary = self.summary_of("&mesh size = 3000.0, 600.0  cells = 18, 6 /\n"
+                                  "&material young = 5000.0  poisson = 0.0 /\n"
+                                  "&support set = 'top'  spring_n = 2e-7  spring_t = 1e-7 /\n"
+                                  "&load set = 'top'  pressure = 0.1 /\n"
+                                  "&contact set = 'bottom'  friction = 0.3  multipliers = 'constant' /\n")
+        # All but what the springs bear, 2e-7 (0.1/5000 600) 3000.
+        self.assertAlmostEqual(summary["key_results"]["contact_force_y"], 300.0 - 7.2e-6, delta=1e-7)
+
+
+if __name__ == "__main__":
+    unittest.main()
