@@ -34,13 +34,7 @@ contains
       character(*), intent(in) :: dimension !! what it is measured in
       type(quantity_t) :: quantity
 
-      quantity%key = key
-      quantity%label = label
-      quantity%value = value
-      quantity%scale = scale
-      quantity%dimension = dimension
-      quantity%has_place = .true.
-      quantity%place = place
+      quantity = quantity_t(key, label, value, scale, dimension=dimension, has_place=.true., place=place)
    end function at_place
 
    !> Quantities as they stand in files: all of them, then the coordinates of their places.

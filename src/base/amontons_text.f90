@@ -29,7 +29,7 @@ module amontons_text
 
    !> Shortest text that reads back as the same value.
    interface to_text
-      module procedure :: integer_to_text, long_to_text, real_to_text, logical_to_text
+      module procedure :: integer_to_text, long_to_text, real_to_text
    end interface to_text
 
    !> Most characters of such a text: '-1.2345678901234567e-308'.
@@ -369,14 +369,6 @@ contains
       end do
       text = text(:last)
    end function as_lines
-
-   !> A logical as a namelist writes it.
-   pure function logical_to_text(value) result(text)
-      logical, intent(in) :: value !! the value
-      character(:), allocatable :: text
-
-      text = trim(merge('.true. ', '.false.', value))
-   end function logical_to_text
 
    !> Text as a quoted namelist string; quotes inside are doubled.
    pure function quoted(text) result(literal)
