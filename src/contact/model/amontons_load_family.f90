@@ -9,7 +9,6 @@
 module amontons_load_family
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
-   use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
@@ -74,8 +73,6 @@ module amontons_load_family
       procedure :: load_case => load_family_load_case
       procedure :: move => load_family_move
       procedure :: pose => load_family_pose
-      procedure :: sum_condensed => load_family_sum_condensed
-      procedure :: sum_thermal => load_family_sum_thermal
    end type load_family_t
 
    !> What makes a member of the family: the factors and, in a history, places of the obstacles and anchors.
@@ -315,48 +312,24 @@ contains
       load_case%force = acting%factor(1)*self%parts(1)%force
       load_case%driven = acting%factor(1)*self%parts(1)%driven
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
+      load_case%condensed = self%parts(1)%condensed
+      if (allocated(self%parts(1)%thermal_strain)) load_case%thermal_strain = &
+         acting%factor(1)*self%parts(1)%thermal_strain
       do k = 2, size(self%parts)
          load_case%driven = load_case%driven + acting%factor(k)*self%parts(k)%driven
          if (self%has_force(k)) load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
          if (self%has_displacement(k)) load_case%prescribed = load_case%prescribed &
             + acting%factor(k)*self%parts(k)%prescribed
+         if (allocated(load_case%condensed%load)) call load_case%condensed%add(acting%factor(k), &
+            self%parts(k)%condensed)
+         if (allocated(load_case%thermal_strain)) load_case%thermal_strain = load_case%thermal_strain &
+            + acting%factor(k)*self%parts(k)%thermal_strain
       end do
-      call self%sum_thermal(acting%factor, load_case%thermal_strain)
-      call self%sum_condensed(acting%factor, load_case%condensed)
       load_case%free_gap = self%gap_of(acting)
       load_case%friction = self%friction_of(acting)
       load_case%anchor = acting%anchor
       load_case%obstacle_motion = acting%motion
    end subroutine load_family_load_case
-
-   !> The condensed load of a member, if the family is condensed.
-   pure subroutine load_family_sum_condensed(self, factor, condensed)
-      class(load_family_t), intent(in) :: self !! the family
-      real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
-      type(condensed_load_t), intent(out) :: condensed !! the condensed load
-      integer :: k
-
-      condensed = self%parts(1)%condensed
-      if (.not. allocated(condensed%load)) return
-      do k = 2, size(factor)
-         call condensed%add(factor(k), self%parts(k)%condensed)
-      end do
-   end subroutine load_family_sum_condensed
-
-   !> The thermal strain of a member, if there is any.
-   pure subroutine load_family_sum_thermal(self, factor, strain)
-      class(load_family_t), intent(in) :: self !! the family
-      real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
-      real(dp), allocatable, intent(out) :: strain(:)
-         !! strain of free thermal expansion at the nodes of each element, as in `load_case_t` [-]
-      integer :: k
-
-      if (.not. allocated(self%parts(1)%thermal_strain)) return
-      strain = factor(1)*self%parts(1)%thermal_strain
-      do k = 2, size(factor)
-         strain = strain + factor(k)*self%parts(k)%thermal_strain
-      end do
-   end subroutine load_family_sum_thermal
 
    !> The largest component of the nodal forces of a member, of some nodes at a time, which stay in the cache [F].
    pure real(dp) function load_family_largest_force(self, factor) result(largest)
