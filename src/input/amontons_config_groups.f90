@@ -577,7 +577,7 @@ contains
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4), has(4), has_total
+      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4), has(4), has_total, has_twist(2)
       real(dp) :: slopes(4)
       logical :: has_force, has_gravity, has_speed, has_center, has_axis
 
@@ -611,8 +611,13 @@ contains
          'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
          has_total)
       load%traction_slope = reshape(slopes, [2, 2])
-      is_given(load_on_sides) = any(has) .or. has_total
-      call describe_twist(visitor, load, is_given(load_on_sides))
+      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
+      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
+         'F/L²', default='`0.0`'), load%traction_theta, has_twist(1))
+      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
+         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, &
+         has_twist(2))
+      is_given(load_on_sides) = any([has, has_total, has_twist])
       call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
          'give either total_force, or traction and pressure')
       call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
@@ -657,22 +662,6 @@ contains
          'force', 'force needs either set or point')
       if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
    end subroutine describe_load
-
-   !> Describes the keys of what acts around the axis of a twisted body.
-   subroutine describe_twist(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical, intent(inout) :: is_given !! whether it acts on sides; true if it has any of them
-      logical :: has_traction, has_torque
-
-      has_traction = abs(load%traction_theta) > 0.0_dp
-      has_torque = abs(load%torque) > 0.0_dp
-      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
-         'F/L²', default='`0.0`'), load%traction_theta, has_traction)
-      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
-         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, has_torque)
-      is_given = is_given .or. has_traction .or. has_torque
-   end subroutine describe_twist
 
    !> Describes the keys of a temperature.
    subroutine describe_temperature(visitor, load, is_given)

@@ -436,7 +436,7 @@ contains
       real(dp), parameter :: between_nodes = 0.2_dp
       character(12) :: number
       character(13) :: suffix
-      real(dp) :: sums(2), moment, torque, center(2), acting(2), normal_force, length, scale
+      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
       integer :: i, p, n_sets
 
       n_sets = 0
@@ -451,7 +451,6 @@ contains
          sums = 0.0_dp
          center = 0.0_dp
          moment = 0.0_dp
-         torque = 0.0_dp
          normal_force = 0.0_dp
          associate (zone => body%zone)
             do p = 1, zone%n_points
@@ -459,7 +458,6 @@ contains
                acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
                sums = sums + acting
                moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
-               if (zone%n_tangents == 2) torque = torque - zone%position(1, p)*force(2*zone%n_points + p)
                center = center + force(p)*zone%position(:, p)
                normal_force = normal_force + force(p)
             end do
@@ -478,8 +476,9 @@ contains
          ! In a body of revolution the forces around the axis have no moment.
          if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
             length*scale, dimension='F L')]
-         if (body%zone%n_tangents == 2) list = [list, quantity_t('contact_torque'//suffix, 'Torque '//number, torque, &
-            length*scale, dimension='F L')]
+         if (body%zone%n_tangents == 2) list = [list, quantity_t('contact_torque'//suffix, 'Torque '//number, &
+            -sum(body%zone%position(1, :)*force(2*size(body%zone%set) + 1:), mask=body%zone%set == i), length*scale, &
+            dimension='F L')]
       end do
    end function set_results
 

@@ -206,8 +206,7 @@ contains
             zone%is_nodal = .false.
          end do
       end do
-      zone%is_slip_fixed = zone%is_tangent_fixed
-      if (zone%n_tangents == 2) zone%is_slip_fixed = [zone%is_tangent_fixed, zone%is_twist_fixed]
+      zone%is_slip_fixed = [zone%is_tangent_fixed, (zone%is_twist_fixed, p=2, zone%n_tangents)]
       zone%is_shear_fixed = zone%is_tangent_fixed .and. zone%is_twist_fixed
    end subroutine let_guided_slaves_slip
 

@@ -202,7 +202,6 @@ contains
       end do
       is_inside = .false.
       is_inside(motions%node) = .true.
-      twisted = 0.0_dp
       associate (zone => body%zone)
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
@@ -216,10 +215,9 @@ contains
                   sheared = matmul(shear, motion(:2, :))
                   ! A given slip bound holds open points, too.
                   cone(:, given) = cone(:, given) + sheared
-                  if (.not. zone%is_twist_fixed(p)) then
-                     twisted = zone%rows%around(i)*motion(3, :)
-                     cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
-                  end if
+                  twisted = 0.0_dp
+                  if (.not. zone%is_twist_fixed(p)) twisted = zone%rows%around(i)*motion(3, :)
+                  if (n_edges > 3) cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
                   if (.not. load_case%is_in_reach(p)) cycle
                   cone(:, last) = cone(:, last) + pressed
                   if (n_edges == 3) then
@@ -227,7 +225,6 @@ contains
                      cone(:, last - 1) = cone(:, last - 1) + (pressed - load_case%friction(p)*sheared)
                      cycle
                   end if
-                  if (zone%is_twist_fixed(p)) twisted = 0.0_dp
                   ! The edges of a cone around the round one: what they cannot balance nothing can.
                   do k = 1, n_directions
                      angle = 2.0_dp*pi*k/n_directions

@@ -669,10 +669,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: record(:, :), slip(:)
 
-      associate (m => size(self%worn))
-         slip = self%slip(:m)
-         if (size(self%slip) > m) slip = tangential_norm(self%slip, m)
-      end associate
+      slip = self%slip
+      if (size(slip) > size(self%worn)) slip = tangential_norm(self%slip, size(self%worn))
       record = reshape([slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area, &
          self%wear_depth], [size(slip), 5])
    end function step_state_slip_record
