@@ -336,17 +336,24 @@ contains
       class(load_family_t), intent(in) :: self !! the family
       real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
       integer, parameter :: n_together = 512
-      real(dp) :: forces(size(self%parts(1)%force, 1), n_together)
-      integer :: first, n, k
+      real(dp) :: forces(2, n_together), around(n_together)
+      logical :: is_twisted
+      integer :: first, last, n, k
 
       largest = 0.0_dp
+      is_twisted = size(self%parts(1)%force, 1) > 2
       do first = 1, size(self%parts(1)%force, 2), n_together
-         n = min(n_together, size(self%parts(1)%force, 2) - first + 1)
+         last = min(first + n_together - 1, size(self%parts(1)%force, 2))
+         n = last - first + 1
          forces(:, :n) = 0.0_dp
+         around(:n) = 0.0_dp
          do k = 1, size(factor)
-            if (self%has_force(k)) forces(:, :n) = forces(:, :n) + factor(k)*self%parts(k)%force(:, first:first + n - 1)
+            if (.not. self%has_force(k)) cycle
+            forces(:, :n) = forces(:, :n) + factor(k)*self%parts(k)%force(:2, first:last)
+            if (is_twisted) around(:n) = around(:n) + factor(k)*self%parts(k)%force(3, first:last)
          end do
          largest = max(largest, maxval(abs(forces(:, :n))))
+         if (is_twisted) largest = max(largest, maxval(abs(around(:n))))
       end do
    end function load_family_largest_force
 
