@@ -53,7 +53,6 @@ module amontons_deck_visitor
       logical :: is_shared = .false. !! whether decks that share a factorization agree in it
       logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
    contains
-      procedure :: admits => key_admits
       procedure :: noun => key_noun
       procedure :: numbers => key_numbers
       procedure :: range => key_range
@@ -260,16 +259,6 @@ contains
       call read_number_table(table, file, error, n_columns)
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
-
-   !> Whether a number lies in the range of a key.
-   elemental logical function key_admits(self, value) result(admits)
-      class(key_t), intent(in) :: self !! the key
-      real(dp), intent(in) :: value !! the number
-
-      admits = value >= self%at_least
-      if (self%above > -huge(1.0_dp)) admits = admits .and. value > self%above
-      if (self%below < huge(1.0_dp)) admits = admits .and. value < self%below
-   end function key_admits
 
    !> The range of the numbers of a key, as messages tell it: 'above -1 and below 0.5'; empty without one.
    pure function key_range(self) result(text)
@@ -581,7 +570,8 @@ contains
          end if
       end do
       if (all(source == 0)) return
-      wrong = findloc(key%admits(values), .false., dim=1)
+      wrong = findloc(values >= key%at_least .and. (values > key%above .or. key%above <= -huge(1.0_dp)) .and. &
+         (values < key%below .or. key%below >= huge(1.0_dp)), .false., dim=1)
       if (wrong > 0) call self%judge(key, key%range(), key%numbers(values(wrong:wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')

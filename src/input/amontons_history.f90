@@ -41,7 +41,6 @@ module amontons_history
       character(:), allocatable :: origin !! where it was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: acts_on => steps_acts_on
-      procedure :: changes => steps_changes
       procedure :: label => steps_label
       procedure :: largest => steps_largest
       procedure :: n_numbers => steps_n_numbers
@@ -118,13 +117,6 @@ contains
       acts = self%target >= stepped_obstacle .and. contact%set == self%name
       if (self%target >= stepped_obstacle .and. allocated(contact%name)) acts = acts .or. contact%name == self%name
    end function steps_acts_on
-
-   !> Whether the numbers of the steps differ anywhere.
-   pure logical function steps_changes(self) result(changes)
-      class(steps_t), intent(in) :: self !! the steps
-
-      changes = any(abs(self%table(2:, :) - spread(self%table(2:, 1), 2, size(self%table, 2))) > 0.0_dp)
-   end function steps_changes
 
    !> Name of one of the numbers in tables: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
    pure function steps_label(self, number) result(label)

@@ -197,7 +197,10 @@ contains
       interval%ends(:, 2) = place_at(zone, chain, end)
    end subroutine set_interval
 
-   !> Where a zone ends that has points beyond it.
+   !> Where a zone ends that has points beyond it: by its forces; a closed zone rather by three of the gaps beyond it,
+   !> of which the first is the least accurate; a stick zone by two of the slips beyond it. There the first is of no
+   !> use: the points next to the true end often have the other status, so that it may lie beyond the first point that
+   !> slips.
    pure real(dp) function edge(arc, bound, force, n_summed, gap, slip)
       real(dp), intent(in) :: arc(0:) !! where its last point and those beyond it lie (0:k) [L]
       real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
@@ -205,23 +208,17 @@ contains
       integer, intent(in) :: n_summed !! number of points of each sum
       real(dp), intent(in) :: gap(:) !! gaps of the points beyond it (k) [L]
       real(dp), intent(in) :: slip(:) !! slips of the points beyond it (k) [L]
-      logical :: is_growing
-
-      call find_edge_by_force(edge, is_growing, bound, force, arc(1), n_summed)
-      if (.not. is_growing) edge = edge_by_gap(arc, gap, bound(size(force) - 1), edge)
-      edge = edge_by_slip(arc, slip, edge)
-   end function edge
-
-   !> Finds by the forces of its last points where a zone ends.
-   pure subroutine find_edge_by_force(edge, is_growing, bound, force, outside, n_summed)
-      real(dp), intent(out) :: edge !! where it ends [L]
-      logical, intent(out) :: is_growing !! whether the stress grows towards the end
-      real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
-      real(dp), intent(in) :: force(:) !! their forces (n) [F]
-      real(dp), intent(in) :: outside !! where the first point outside lies [L]
-      integer, intent(in) :: n_summed !! number of points of each sum
+      integer, parameter :: gaps(3) = [2, 4, 6], fewest = 3, most = 5
+      ! Which slips are used where three, four, or five points and more in a row slip: if possible two corners or two
+      ! middles.
+      integer, parameter :: slips(2, fewest:most) = reshape([2, 3, 2, 4, 3, 5], shape(slips))
+      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force; one as
+      ! small beside the lengths, what it leaves of coordinates.
+      real(dp), parameter :: negligible = 1.0e-6_dp, rounding = 1.0e-12_dp
+      ! Powers of the stress over the distance from the end: where it grows towards it, and where it falls.
       real(dp), parameter :: falling = 2.0_dp/3.0_dp, growing = 2.0_dp
-      real(dp) :: outer, inner, power
+      real(dp) :: outer, inner
+      logical :: is_growing
       integer :: k, n
 
       n = size(force)
@@ -229,53 +226,23 @@ contains
       is_growing = .false.
       ! Both sums together take at most half of the points: the zone may end on the other side as well.
       k = min(n_summed, n/4)
-      if (k == 0) return
       outer = sum(force(n - k + 1:))
       inner = sum(force(n - 2*k + 1:n - k))
-      if (.not. min(outer, inner) > 0.0_dp) return
-      is_growing = outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))
-      power = merge(growing, falling, is_growing)
-      ! Over the larger sum, neither power overflows.
-      associate (ratio => (outer/(outer + inner))**power)
-         edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
-      end associate
-      edge = max(bound(n - 1), min(outside, edge))
-   end subroutine find_edge_by_force
-
-   !> Where a closed zone ends, from three of the gaps beyond it. The first one is the least accurate.
-   pure real(dp) function edge_by_gap(arc, gap, least, by_force) result(edge)
-      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
-      real(dp), intent(in) :: gap(:) !! gaps of those beyond it (n) [L]
-      real(dp), intent(in) :: least !! where the zone ends at least [L]
-      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where gaps tell nothing [L]
-      integer, parameter :: used(3) = [2, 4, 6]
-      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force; one as
-      ! small beside the lengths, what it leaves of coordinates.
-      real(dp), parameter :: negligible = 1.0e-6_dp, rounding = 1.0e-12_dp
-
-      edge = by_force
-      if (size(gap) < used(3)) return
-      if (.not. gap(1) > max(negligible*gap(2), rounding*(arc(used(3)) - arc(0)))) return
-      if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
-   end function edge_by_gap
-
-   !> Where a stick zone ends, from two of the slips beyond it. The first one is of no use: the points next to the true
-   !> end often have the other status, so that it may lie beyond the first point that slips.
-   pure real(dp) function edge_by_slip(arc, slip, by_force) result(edge)
-      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
-      real(dp), intent(in) :: slip(:) !! slips of those beyond it (n) [L]
-      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where slips tell nothing [L]
-      integer, parameter :: fewest = 3, most = 5
-      ! Which slips are used where three, four, or five points and more in a row slip: if possible two corners or two
-      ! middles.
-      integer, parameter :: used(2, fewest:most) = reshape([2, 3, 2, 4, 3, 5], shape(used))
-      integer :: n
-
-      edge = by_force
+      if (min(outer, inner) > 0.0_dp) then
+         is_growing = outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))
+         ! Over the larger sum, neither power overflows.
+         associate (ratio => (outer/(outer + inner))**merge(growing, falling, is_growing))
+            edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
+         end associate
+         edge = max(bound(n - 1), min(arc(1), edge))
+      end if
+      if (.not. is_growing .and. n_growing(gap) >= gaps(3)) then
+         if (gap(1) > max(negligible*gap(2), rounding*(arc(gaps(3)) - arc(0)))) edge = max(bound(n - 1), &
+            min(arc(1), place_of_zero(arc(gaps), gap(gaps))))
+      end if
       n = min(n_growing(slip), most)
-      if (n < fewest) return
-      edge = max(arc(0), min(arc(2), place_of_zero(arc(used(:, n)), slip(used(:, n)))))
-   end function edge_by_slip
+      if (n >= fewest) edge = max(arc(0), min(arc(2), place_of_zero(arc(slips(:, n)), slip(slips(:, n)))))
+   end function edge
 
    !> How many of the first numbers have one sign, each larger than the one before.
    pure integer function n_growing(values) result(n)

@@ -107,6 +107,7 @@ contains
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error
       logical :: is_loose
+      real(dp), allocatable :: motion(:)
 
       reason = ''
       if (present(error_kind)) error_kind = numerical_failure
@@ -137,7 +138,9 @@ contains
             first = solution
             solution = start
             if (is_loose) then
-               call solve_from_obstacles(self%method, body, load_case, problem, solution, error)
+               ! Displacements are counted from where the body meets its obstacles.
+               call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
+               call solve_from_motion(motion, self%method, body, problem, solution, error)
             else
                call solve_components(self%method, problem, solution, error)
             end if
@@ -215,20 +218,6 @@ contains
          call solve_components(method, problem, solution, error)
       end if
    end subroutine solve_from_start
-
-   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
-   subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
-      class(contact_method_t), intent(in) :: method !! the contact method
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      real(dp), allocatable :: motion(:)
-
-      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
-      call solve_from_motion(motion, method, body, problem, solution, error)
-   end subroutine solve_from_obstacles
 
    !> Solves a contact problem, its displacements counted from a rigid motion. Where they turn out to be little else
    !> than another one, solves it once more, counted from this one, too.

@@ -18,7 +18,6 @@ module amontons_load_family
    use amontons_kinds, only: dp
    use amontons_load_case, only: apply_loads, load_case_t, prescribe, prescribed_slip, set_obstacles
    use amontons_loads, only: load_t
-   use amontons_obstacle, only: obstacle_t
    use amontons_system, only: checksum_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -34,7 +33,6 @@ module amontons_load_family
    contains
       procedure :: displacement => obstacle_motion_displacement
       procedure :: is_at_rest => obstacle_motion_is_at_rest
-      procedure :: moved => obstacle_motion_moved
    end type obstacle_motion_t
 
    !> Which part each load, each prescribed displacement and the friction of each contact set belong to.
@@ -254,7 +252,10 @@ contains
       contacts = self%base%contacts
       if (.not. allocated(acting%motions)) return
       do i = 1, size(contacts)
-         contacts(i)%obstacle = acting%motions(i)%moved(contacts(i)%obstacle)
+         associate (obstacle => contacts(i)%obstacle, motion => acting%motions(i))
+            obstacle%point = obstacle%point + motion%displacement(obstacle%point)
+            obstacle%normal = cos(motion%turn)*obstacle%normal + sin(motion%turn)*turned(obstacle%normal)
+         end associate
       end do
    end function load_family_contacts_of
 
@@ -399,17 +400,6 @@ contains
          displacement = self%shift + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
       end associate
    end function obstacle_motion_displacement
-
-   !> The obstacle where it has moved to.
-   pure function obstacle_motion_moved(self, obstacle) result(moved)
-      class(obstacle_motion_t), intent(in) :: self !! the motion
-      type(obstacle_t), intent(in) :: obstacle !! the obstacle where it was
-      type(obstacle_t) :: moved
-
-      moved = obstacle
-      moved%point = obstacle%point + self%displacement(obstacle%point)
-      moved%normal = cos(self%turn)*obstacle%normal + sin(self%turn)*turned(obstacle%normal)
-   end function obstacle_motion_moved
 
    !> The feet of the contact points: where the normals meet the obstacles, or the points themselves where they do not
    !> (2, quadrature points) [L].

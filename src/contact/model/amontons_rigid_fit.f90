@@ -55,11 +55,14 @@ contains
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       ! The way without obstacles, over the largest gap; a gap that stays open, likewise, where nothing would close it.
       real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
-      real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp
-      real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:)
+      ! Squares of the modes have half of the digits.
+      real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp, negligible = 1.0e-12_dp
+      real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:), slip(:, :)
+      real(dp), dimension(size(body%rigid_modes, 2), size(body%rigid_modes, 2)) :: vector
+      real(dp) :: value(size(body%rigid_modes, 2))
       real(dp) :: aim(body%zone%n_rows), drive(size(body%rigid_modes, 2)), amounts(size(body%rigid_modes, 2)), unit
       logical :: counts(body%zone%n_rows)
-      integer :: k, m, n
+      integer :: info, k, m, n, n_slips
 
       m = body%zone%n_points
       counts = counted(body, load_case)
@@ -67,7 +70,21 @@ contains
       allocate (motion(size(aim)), source=0.0_dp)
       unit = maxval(abs(aim(:m)))
       if (size(body%rigid_modes, 2) == 0 .or. .not. unit > 0.0_dp) return
-      call find_ways(in_modes, body%rigid_modes, counts, m)
+      ! The ways in which the body can move so that the normals of the points notice, each with the least slip and of
+      ! the mean square 1 along the normals.
+      associate (normal => merge(body%rigid_modes(:m, :), 0.0_dp, spread(counts(:m), 2, size(value))))
+         vector = matmul(transpose(normal), normal)
+      end associate
+      call symmetric_eigenvectors(vector, value, info)
+      n_slips = size(value)
+      if (info == 0) n_slips = count(value <= negligible*maxval(value))
+      slip = matmul(body%rigid_modes, vector)
+      slip = merge(slip, 0.0_dp, spread(counts .and. [(k > m, k=1, size(counts))], 2, size(value)))
+      do k = n_slips + 1, size(value)
+         vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
+            *sqrt(real(count(counts(:m)), dp)/value(k))
+      end do
+      in_modes = vector(:, n_slips + 1:)
       way = matmul(body%rigid_modes, in_modes)
       n = size(way, 2)
       amounts = amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim)
@@ -92,34 +109,6 @@ contains
          if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
       end if
    end subroutine lay_rigid_body
-
-   !> The ways in which a rigid body can move so that the normals of the points notice, each with the least slip and of
-   !> the mean square 1 along the normals.
-   subroutine find_ways(in_modes, modes, counts, m)
-      real(dp), allocatable, intent(out) :: in_modes(:, :) !! amount of each mode in each of them (k, ways) [-]
-      real(dp), intent(in) :: modes(:, :) !! displacements (u_N; u_T) under the free motions (n_rows, k) [-]
-      logical, intent(in) :: counts(:) !! which of the displacements count (n_rows)
-      integer, intent(in) :: m !! number of points
-      ! Squares of the modes have half of the digits.
-      real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp), dimension(size(modes, 2), size(modes, 2)) :: vector
-      real(dp) :: value(size(modes, 2))
-      real(dp), allocatable :: slip(:, :)
-      integer :: info, k, n_slips
-
-      associate (normal => merge(modes(:m, :), 0.0_dp, spread(counts(:m), 2, size(modes, 2))))
-         vector = matmul(transpose(normal), normal)
-      end associate
-      call symmetric_eigenvectors(vector, value, info)
-      n_slips = size(value)
-      if (info == 0) n_slips = count(value <= negligible*maxval(value))
-      slip = merge(matmul(modes, vector), 0.0_dp, spread(counts .and. [(k > m, k=1, size(counts))], 2, size(value)))
-      do k = n_slips + 1, size(value)
-         vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
-            *sqrt(real(count(counts(:m)), dp)/value(k))
-      end do
-      in_modes = vector(:, n_slips + 1:)
-   end subroutine find_ways
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
    subroutine fit_travel(motion, body, displacement)

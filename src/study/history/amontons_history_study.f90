@@ -261,7 +261,12 @@ contains
       if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
          error)
       if (allocated(error)) return
-      changes = any([(model%history%steps(i)%changes(), i=1, size(model%history%steps))])
+      changes = .false.
+      do i = 1, size(model%history%steps)
+         associate (numbers => model%history%steps(i)%table(2:, :))
+            changes = changes .or. any(abs(numbers - spread(numbers(:, 1), 2, size(numbers, 2))) > 0.0_dp)
+         end associate
+      end do
       if (.not. changes) call last%warnings%add('no load, support, obstacle or friction changes over the history')
       call set_factor(last%factor, cache%body)
    end subroutine prepare_history
