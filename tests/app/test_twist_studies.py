@@ -54,9 +54,11 @@ class Twist(ProgramTest):
                 self.assertAlmostEqual(float(row["contact_torque"]), -torque, delta=1e-8)
 
     def test_history_reverses(self):
-        self.solve_and_verify(CLUTCH + CONTACT + HISTORY)
+        extremes = self.solve_and_verify(CLUTCH + CONTACT + HISTORY).summary["load_history"]
         with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
+        for name in "utheta_1", "force_torque_disc":
+            self.assertEqual(extremes[f"greatest_{name}"], max(float(row[name]) for row in rows))
         self.assertIn("*", rows[8]["statuses"])
         self.assertAlmostEqual(float(rows[8]["force_torque_disc"]), -8.4, delta=1e-8)
         self.assertAlmostEqual(float(rows[12]["force_torque_disc"]), 8.4, delta=1e-8)

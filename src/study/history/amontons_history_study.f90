@@ -348,14 +348,15 @@ contains
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       character(8), parameter :: extreme_words(2) = [character(8) :: 'Least', 'Greatest']
+      character(6), parameter :: displacements(3) = [character(6) :: 'ux', 'uy', 'utheta']
       type(quantity_t), allocatable :: followed(:), list(:), energies(:)
-      type(quantity_t) :: probe(2)
+      type(quantity_t) :: probe(1 + body%zone%n_tangents)
       integer :: i, k
 
       followed = contact_numbers(body, result%walk%state)
       do i = 1, model%history%n_probes()
-         do k = 1, 2
-            probe(k)%key = 'u'//achar(iachar('x') + k - 1)//'_'//to_text(i)
+         do k = 1, size(probe)
+            probe(k)%key = trim(displacements(k))//'_'//to_text(i)
          end do
          probe%label = probe%key
          probe%dimension = 'L'
