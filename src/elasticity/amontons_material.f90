@@ -20,8 +20,8 @@ module amontons_material
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
-   !> Degrees of half a turn.
-   real(dp), parameter :: half_turn = 180.0_dp
+   !> A degree, in radians.
+   real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
    !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest radius.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
@@ -125,7 +125,7 @@ contains
                'nu13**2 E3/E1 and nu23**2 E3/E2 must be below 1, and so must their sum and 2 nu12 nu13 nu23 E3/E1')
             return
          end if
-         self%compliance = turned_compliance(self%compliance, -radians(self%angle))
+         self%compliance = turned_compliance(self%compliance, -self%angle*degree)
          ! In plane stress the strain zz is not known, and makes no stress.
          n = merge(3, 4, self%is_plane_stress)
          law = self%compliance
@@ -347,18 +347,11 @@ contains
 
       along = 1.0_dp
       if (abs(self%largest_expansion()) > 0.0_dp) along = self%expansion/self%largest_expansion()
-      c = cos(radians(self%angle))
-      s = sin(radians(self%angle))
+      c = cos(self%angle*degree)
+      s = sin(self%angle*degree)
       form = [along(1)*c**2 + along(2)*s**2, along(1)*s**2 + along(2)*c**2, 2.0_dp*c*s*(along(1) - along(2)), &
          merge(0.0_dp, along(3), self%is_plane_stress)]
    end function material_expansion_form
-
-   !> An angle in radians.
-   pure real(dp) function radians(degrees)
-      real(dp), intent(in) :: degrees !! the angle [degrees]
-
-      radians = degrees*acos(-1.0_dp)/half_turn
-   end function radians
 
    !> Stress times the strain that makes it, twice the density of the strain energy [F/L^2].
    pure real(dp) function material_squared_norm(self, stress) result(product)

@@ -237,6 +237,8 @@ contains
       type(load_solver_t), allocatable :: solver
       type(acting_t) :: acting
       type(uniqueness_t) :: known
+      type(contact_solution_t) :: exact
+      type(auto_t) :: exact_method
       integer :: kind
 
       call result%timings%begin(phase_condense)
@@ -256,8 +258,14 @@ contains
       if (result%outcome == outcome_numbers) call new_error(error, kind, result%answer)
       if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       deallocate (result%answer)
-      if (result%solution%is_at_rest) call compare_with_exact(problem, result%method%tolerance, result, error)
-      if (allocated(error)) return
+      if (result%solution%is_at_rest) then
+         exact_method%tolerance = result%method%tolerance
+         call new_contact_solution(exact, problem%n_points, problem%matrix%n_tangents)
+         call exact_method%solve(problem, exact, error)
+         if (allocated(error)) return
+         if (exact%is_converged) result%method_error = maxval(abs(result%solution%force - exact%force)) &
+            /max(maxval(abs(exact%force)), tiny(1.0_dp))
+      end if
       call result%timings%begin(phase_recover)
       call certify(result, body, error)
       if (allocated(error)) return
@@ -356,22 +364,6 @@ contains
             result%solution%force)
       end if
    end subroutine evaluate
-
-   !> Measures the forces of a method that came to rest against the exact ones.
-   subroutine compare_with_exact(problem, tolerance, result, error)
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem
-      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
-      type(result_t), intent(inout) :: result !! the result, gains the error of the method
-      type(error_t), allocatable, intent(out) :: error !! the exact solution cannot be computed
-      type(contact_solution_t) :: exact
-      type(auto_t) :: method
-
-      method%tolerance = tolerance
-      call new_contact_solution(exact, problem%n_points, problem%matrix%n_tangents)
-      call method%solve(problem, exact, error)
-      if (allocated(error) .or. .not. exact%is_converged) return
-      result%method_error = maxval(abs(result%solution%force - exact%force))/max(maxval(abs(exact%force)), tiny(1.0_dp))
-   end subroutine compare_with_exact
 
    !> Solves a body made in code under loads: what a deck describes, in arguments. It is factorized once: solve it again
    !> with the same contact problem for other loads, prescribed displacements, obstacles or friction.

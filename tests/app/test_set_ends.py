@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Contact that runs past the end of its set: the boundary that goes on bears no force, so it goes through obstacles and
 other bodies. A warning names the end; what penetrates fails the certificate."""
+import csv
 import json
 import math
 import unittest
@@ -192,6 +193,35 @@ class MeetingSets(Verification, ProgramTest):
             one, two = self.corner_results(element, hypothesis, 0.2, element)
             one, two = (results["max_displacement"] for results in (one, two))
             self.assertAlmostEqual(one, two, delta=2e-4*one, msg=element)
+
+
+class AxisOfRevolution(Verification, ProgramTest):
+    """Bodies of revolution of quadratic elements: the corner on the axis, whose shape function has no area."""
+
+    def points(self, element, obstacle, top):
+        """Solves a disc on an obstacle; its points from the axis on, as numbers by columns."""
+        deck = f"&mesh size = 2.0, 1.0  cells = 4, 3  element = '{element}' /\n&support set = 'left'  ux = 0.0 /\n" \
+            "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric' /\n" \
+            f"{top}\n&contact set = 'bottom'  {obstacle} /\n"
+        self.run_program("--output", "results", self.write("disc.nml", deck))
+        self.run_program("--verify", "results")
+        with open(self.directory/"results"/"disc.contact.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def test_uniform_pressure_is_exact(self):
+        for element in ("tri6", "quad8", "quad9"):
+            points = self.points(element, "friction = 0.0", "&load set = 'top'  pressure = 5.0 /")
+            self.assertEqual(float(points[0]["x"]), 0.0)
+            for point in points:
+                self.assertAlmostEqual(float(point["contact_pressure"]), 5.0, delta=1e-8, msg=element)
+
+    def test_corner_stays_on_a_sphere(self):
+        # The largest pressure is on the axis; a corner that is no point has the obstacle's apex inside the body.
+        for element in ("tri6", "quad8", "quad9"):
+            points = self.points(element, "obstacle = 'circle'  radius = 20.0", "&support set = 'top'  uy = -0.05 /")
+            pressures = [float(point["contact_pressure"]) for point in points]
+            self.assertEqual(float(points[0]["x"]), 0.0)
+            self.assertGreater(pressures[0], 0.8*max(pressures), msg=element)
 
 
 if __name__ == "__main__":

@@ -43,7 +43,6 @@ module amontons_psor
    contains
       procedure :: advance => relaxation_advance
       procedure :: admit => relaxation_admit
-      procedure :: move_center => relaxation_move_center
       procedure :: pair => relaxation_pair
       procedure :: refresh => relaxation_refresh
       procedure :: scaled_residual => relaxation_scaled_residual
@@ -91,7 +90,8 @@ contains
       type(relaxation_t) :: sweep, before
       integer :: i
       logical :: is_dual, may_continue, is_last
-      real(dp) :: displacement(problem%matrix%n), force(problem%matrix%n), residual
+      real(dp), dimension(problem%matrix%n) :: displacement, force, change
+      real(dp) :: residual
 
       call solution%reset()
       is_dual = is_dual_for(self, problem)
@@ -116,7 +116,14 @@ contains
          end if
          if (.not. may_continue) exit
          if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
-         if (is_dual .and. .not. problem%matrix%is_held) call sweep%move_center(problem)
+         if (is_dual .and. .not. problem%matrix%is_held) then
+            call sweep%pair(problem, displacement, force)
+            call problem%matrix%compliance%multiply( &
+               problem%matrix%proximal_parameter*(displacement - sweep%center), change)
+            call sweep%effort%multiply(1.0_dp)
+            sweep%residual = sweep%residual + change
+            sweep%center = displacement
+         end if
          call accelerate(acceleration, problem, before, sweep)
       end do
       call solution%effort%add(sweep%effort)
@@ -428,19 +435,6 @@ contains
       if (.not. all(ieee_is_finite(self%residual))) return
       residual = max(0.0_dp, maxval(abs(imbalance)), problem%violation(displacement, force))/self%scale
    end function relaxation_scaled_residual
-
-   !> Moves the proximal center of a body that only contact holds to the displacement at hand.
-   pure subroutine relaxation_move_center(self, problem)
-      class(relaxation_t), intent(inout) :: self !! the sweeps
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), dimension(size(self%unknown)) :: displacement, force, change
-
-      call self%pair(problem, displacement, force)
-      call problem%matrix%compliance%multiply(problem%matrix%proximal_parameter*(displacement - self%center), change)
-      call self%effort%multiply(1.0_dp)
-      self%residual = self%residual + change
-      self%center = displacement
-   end subroutine relaxation_move_center
 
    !> Makes a point put together from others admissible: forces are cut to the contact law; a displacement stays off the
    !> obstacle, and on it where it was on it before.

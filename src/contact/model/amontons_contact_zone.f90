@@ -67,8 +67,8 @@ module amontons_contact_zone
 contains
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
-   !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
-   !> of two contact sets belongs to the first of them.
+   !> is one whose sides lie on the axis of revolution: no pressure acts there. A corner of two contact sets belongs to
+   !> the first of them.
    subroutine new_contact_zone(zone, body, contacts, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
@@ -290,6 +290,10 @@ contains
    !> both. At a corner, where the law of the earlier set has another direction, the node beside it stands for both
    !> nodes: its displacement and its force are means over them, as those of the slave of a pair are. So it does for a
    !> node that moves with a rigid set, on which no force of a point acts.
+   !>
+   !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
+   !> function N_a. With a share of the middle node's, N_a + alpha N_b and (1 - alpha) N_b, both have one: the corner's
+   !> own displacement is bounded, and (u_b - alpha u_a) / (1 - alpha) in the place of u_b.
    pure subroutine add_line(zone, set, direction, line, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
@@ -299,8 +303,10 @@ contains
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       ! What rounding leaves of an area of 0, over the largest one; next to the axis it may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
+      ! The alpha with which the pressure on the axis is exact where it is a quadratic function of the radius.
+      real(dp), parameter :: axis_share = 0.125_dp
       type(contact_zone_t) :: points
-      real(dp) :: arc_length(line%n_nodes), normal(2, line%n_nodes), along
+      real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
       integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes)
       integer :: ends(2), i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:)
@@ -309,6 +315,12 @@ contains
       n = 0
       n_corners = 0
       along = 0.0_dp
+      area = merge(line%area, 0.0_dp, line%area > negligible*maxval(line%area))
+      do k = 1, line%n_nodes
+         ! What a corner on the axis takes from the middle node beside it is negative in the sum over that one's places.
+         if (line%area(k) <= negligible*maxval(line%area)) area(k) = -axis_share*max(0.0_dp, &
+            maxval(area(pack([(i, i=1, line%n_nodes)], line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]))))
+      end do
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
             - body%mesh%coordinates(:, line%node(k - 1)))
@@ -335,18 +347,23 @@ contains
                [zone%idle_side, 0.5_dp*sum(body%mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
          else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
-         else if (line%area(k) <= negligible*maxval(line%area)) then
+         else if (.not. abs(area(k)) > 0.0_dp) then
             zone%zero_area_node = [zone%zero_area_node, line%node(k)]
          else
             n = n + 1
             kept(n) = k
             point_of(k) = n
+            if (area(k) > 0.0_dp) cycle
+            n_corners = n_corners + 1
+            corner(n_corners) = k
          end if
       end do
       ! The points that stand for corners, and the places on the line that each point stands for.
       stand_in = point_of(line%next(corner(:n_corners)))
       do i = 1, n_corners
          if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))
+         ! Where another set has the corner on the axis, or a rigid one moves it, nothing is taken.
+         if (point_of(corner(i)) == 0) area(corner(i)) = max(0.0_dp, area(corner(i)))
       end do
       if (any(stand_in > 0)) zone%is_nodal = .false.
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
@@ -355,8 +372,9 @@ contains
          associate (first => points%rows%start(i), next => points%rows%start(i + 1))
             next = first + 1 + count(stand_in == i)
             place(first:next - 1) = [kept(i), pack(corner(:n_corners), stand_in == i)]
-            points%weight(i) = sum(line%weight(place(first:next - 1)))
-            points%area(i) = sum(line%area(place(first:next - 1)))
+            points%weight(i) = sum(line%weight(place(first:next - 1)), mask=area(place(first:next - 1))*area(kept(i)) &
+               > 0.0_dp)
+            points%area(i) = sum(area(place(first:next - 1)))
          end associate
       end do
       own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
@@ -365,7 +383,7 @@ contains
       points%position = body%mesh%coordinates(:, line%node(kept(:n)))
       points%normal = normal(:, kept(:n))
       points%foot = points%position
-      associate (share => line%area(place)/points%area(own), node => line%node(place))
+      associate (share => area(place)/points%area(own), node => line%node(place))
          points%rows%node = node
          points%rows%part = points%normal(:, own)*spread(share, 1, 2)
          points%rows%tangent = points%rows%part
@@ -375,6 +393,7 @@ contains
             normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
       end associate
+      points%area = abs(points%area)
       zone%node = [zone%node, line%node(kept(:n))]
       call add_points(zone, set, .false., points)
    end subroutine add_line

@@ -87,6 +87,8 @@ contains
       real(dp), intent(in) :: position(2) !! coordinates of the node [L]
       integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
       type(body_t), intent(in) :: body !! the body
+      ! Digits of a mesh file.
+      real(dp), parameter :: negligible = 1.0e-6_dp
       type(material_t) :: material
       real(dp) :: values(3), slopes(3), along(2), x(2)
       integer :: i, k, point
@@ -100,8 +102,10 @@ contains
                call side_shapes(sides(3, i) > 0, side_abscissa(point), values, slopes)
                x = on_side(values, sides(:3, i), body%mesh%coordinates)
                along = on_side(slopes, sides(:3, i), body%mesh%coordinates)
+               ! With the depth a corner of a quadratic side on the axis of revolution would have no weight.
                places = [places, place_t(i, side_abscissa(point), side_weight(point)*values(k)*norm2(along) &
-                  *material%depth(x(1)))]
+                  *merge(material%depth(x(1)), 1.0_dp, sides(3, i) == 0 .or. .not. material%is_axisymmetric .or. &
+                  position(1) > negligible*x(1)))]
             end do
          end do
       end do
