@@ -311,7 +311,7 @@ contains
    pure function contact_peaks(body, slip, force, status, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: slip(:) !! slip of the points (n_rows - m) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: displacement !! largest displacement that is known [L]
       type(quantity_t), allocatable :: list(:)
@@ -361,7 +361,7 @@ contains
       type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
       type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: bound(:) !! slip bounds g + phi lambda_N of the tangential forces (m) [F]
       real(dp), intent(in) :: motion(:) !! gaps and slips of the points (2m) [L]
@@ -395,7 +395,7 @@ contains
    !> What each contact set carries.
    pure function set_results(body, force, closed, stuck) result(list)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       type(interval_t), intent(in) :: closed(:) !! the closed parts of the contact line
       type(interval_t), intent(in) :: stuck(:) !! its parts that stick
       type(quantity_t), allocatable :: list(:)

@@ -3,8 +3,8 @@
 !>
 !> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times
 !> the share of the node; the tangential one the same sum with the parts turned by a right angle, unless it has shares
-!> of its own. A node that is a contact point itself has one part, its normal; a cell of constant multipliers has one
-!> for each node of its sides.
+!> of its own. A node that is a contact point itself has one part, its normal, and others where it stands for a corner
+!> beside it, too; a cell of constant multipliers has one for each node of its sides.
 !>
 !> Beside them is where gap, friction and slip bound of the points are measured: a node at itself, a cell at its
 !> quadrature points. In both lists each point has a range: that of point p goes from `start(p)` to `start(p + 1) - 1`.

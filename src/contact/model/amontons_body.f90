@@ -87,7 +87,7 @@ module amontons_body
       type(coloring_t) :: coloring !! colors of the elements
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       real(dp), allocatable :: rigid_modes(:, :)
-         !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
+         !! displacements (u_N; u_T) of the contact points under each of these (n_rows, motions) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_rotation_strained = .false. !! whether a free rotation strains bonded pieces, from `strains_ties`

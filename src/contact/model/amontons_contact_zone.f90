@@ -54,7 +54,7 @@ module amontons_contact_zone
       logical, allocatable :: is_slave_guided(:)
          !! whether it is a corner of a slave that a support guides, while its master may slip (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
-      integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
+      integer, allocatable :: shared_node(:) !! nodes between two contact sets: they belong to the set named first
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       real(dp), allocatable :: idle_side(:, :)
          !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,

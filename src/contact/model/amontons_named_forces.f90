@@ -331,8 +331,8 @@ contains
    pure function force_form_values(self, factor, v, force) result(values)
       class(force_form_t), intent(in) :: self !! the form
       real(dp), intent(in) :: factor(:) !! factors of the parts [-]
-      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), intent(in) :: v(:) !! contact displacements (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
       real(dp), allocatable :: values(:)
 
       values = matmul(self%of_part, factor) + matmul(v, self%of_displacement) + matmul(force, self%of_contact)
