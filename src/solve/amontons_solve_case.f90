@@ -456,64 +456,52 @@ contains
       call estimate%add(of_twist)
    end subroutine estimate_error
 
-   !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
-   !> and what ties transmit is not known side by side.
+   !> Sets the tractions on the sides of the contact sets: the force of the points of each on its nodes over their
+   !> areas. What a master bears and what ties transmit is not known side by side.
    subroutine set_contact_tractions(tractions, body, load_case, force)
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its contact sets
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      real(dp), allocatable :: traction(:, :), on_nodes(:, :)
-      logical, allocatable :: is_joined(:)
+      ! Areas that are rounding errors of those of the other nodes.
+      real(dp), parameter :: negligible = 1.0e-10_dp
+      real(dp), allocatable :: traction(:, :), area(:)
+      logical :: is_joined(body%mesh%n_nodes), is_meant(body%zone%n_points)
+      integer, allocatable :: place(:)
       type(boundary_line_t) :: line
       type(error_t), allocatable :: error
-      integer :: i
+      integer :: i, k
 
-      on_nodes = body%zone%rows%forces(force, body%mesh%n_nodes)
       do i = 1, size(load_case%contacts)
-         traction = on_nodes(:2, :)
+         is_meant = body%zone%set == i
+         is_meant(pack(body%zone%passed_point(2, :), body%zone%passed_point(1, :) == i)) = .true.
+         traction = body%zone%rows%forces(merge(force, 0.0_dp, [(is_meant, k=0, body%zone%n_tangents)]), &
+            body%mesh%n_nodes)
+         area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
+            body%mesh%n_nodes), dim=1)
          ! The contact zone was made of these lines, so they are sound.
          call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
-         call divide_by_area(traction, line)
+         ! The points of a pair have no area where the slave faces nothing.
+         line%area = max(line%area, area(line%node))
+         ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle node.
+         place = [(k, k=1, line%n_nodes)]
+         where (line%area <= negligible*maxval(line%area)) place = merge(line%next, place - 1, line%next > 0)
+         traction(:, line%node) = traction(:, line%node(place))/spread(max(line%area(place), tiny(1.0_dp)), 1, 2)
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
       end do
-      allocate (is_joined(body%mesh%n_nodes), source=.false.)
+      is_joined = .false.
       do i = 1, size(body%zone%pairs)
          if (body%zone%pairs(i)%is_set()) call mark_sides(is_joined, body%zone%pairs(i)%master, &
             body%zone%pairs(i)%segments%master)
       end do
-      is_joined = is_joined .and. any(abs(on_nodes) > 0.0_dp, dim=1)
+      traction = body%zone%rows%forces(force, body%mesh%n_nodes)
+      is_joined = is_joined .and. any(abs(traction) > 0.0_dp, dim=1)
       do i = 1, size(body%ties)
          call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)
          call mark_sides(is_joined, body%ties(i)%slave, body%ties(i)%segments%slave)
       end do
       call tractions%forget(is_joined)
    end subroutine set_contact_tractions
-
-   !> Makes tractions of the forces on the nodes of a line. On the axis of revolution a corner of a quadratic side has
-   !> no area: its traction continues those of the two nodes beside it linearly. Nothing acts on sides that lie on it.
-   pure subroutine divide_by_area(traction, line)
-      real(dp), intent(inout) :: traction(:, :)
-         !! forces on the nodes of the mesh, and on return, on those of the line, over their areas (2, n_nodes) [F/L^2]
-      type(boundary_line_t), intent(in) :: line !! the line
-      ! Areas that are rounding errors of those of the other nodes.
-      real(dp), parameter :: negligible = 1.0e-10_dp
-      logical :: is_bare(line%n_nodes)
-      integer :: k, way, nearest(2)
-
-      is_bare = line%area <= negligible*maxval(line%area)
-      do k = 1, line%n_nodes
-         if (.not. is_bare(k)) traction(:, line%node(k)) = traction(:, line%node(k))/line%area(k)
-      end do
-      do k = 1, line%n_nodes
-         if (.not. is_bare(k)) cycle
-         way = merge(1, -1, line%next(k) > 0)
-         nearest = k + [way, 2*way]
-         if (any(nearest < 1 .or. nearest > line%n_nodes)) cycle
-         if (any(is_bare(nearest))) cycle
-         traction(:, line%node(k)) = 2.0_dp*traction(:, line%node(nearest(1))) - traction(:, line%node(nearest(2)))
-      end do
-   end subroutine divide_by_area
 
    !> Marks the corners of sides of a surface.
    pure subroutine mark_sides(is_marked, surface, sides)

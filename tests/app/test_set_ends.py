@@ -148,10 +148,11 @@ class MeetingSets(Verification, ProgramTest):
     """Contact sets that meet at a node: the law of both holds there, whichever the deck names first."""
 
     def key_results(self, name, deck):
-        """Runs a deck; its key results."""
+        """Runs a deck; its key results, and the estimated error."""
         self.run_program("--output", "results", self.write(f"{name}.nml", deck))
         self.run_program("--verify", "results")
-        return json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))["key_results"]
+        summary = json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))
+        return {**summary["key_results"], **summary["accuracy"]}
 
     def test_line_cut_in_two_sets(self):
         # The pressure at the node between them is that of the whole line, and so is the shear within Tresca's bound.
@@ -165,7 +166,8 @@ class MeetingSets(Verification, ProgramTest):
                     "&load set = 'top'  pressure = 5.0  pressure_slope = -0.5, 0.0 /\n"
                 deck += "".join(f"&contact set = '{key}'  slip_bound = 0.02 /\n" for key in sets)
                 results = self.key_results(name, deck)
-                found.append([results[key] for key in ("max_contact_pressure", "max_contact_shear", "max_slip")])
+                found.append([results[key] for key in ("max_contact_pressure", "max_contact_shear", "max_slip",
+                                                       "error_norm")])
             for one, two in zip(*found):
                 self.assertAlmostEqual(one, two, delta=1e-8*abs(one))  # ten digits are solved for
 
@@ -186,6 +188,26 @@ class MeetingSets(Verification, ProgramTest):
                 for results in self.corner_results(element, hypothesis, 0.0, element):
                     self.assertAlmostEqual(results["max_contact_pressure"], 20.0, delta=1e-7)
                     self.assertAlmostEqual(results["max_von_mises"], mises, delta=1e-7)
+                    self.assertLess(results["relative_error"], 1e-12)
+
+    def test_estimated_error_where_sets_and_ties_meet(self):
+        # Nothing is to be estimated where the stresses are exact: each set has its own pressure in the corners.
+        cells = "multipliers = 'constant'  cells"
+        for link in ("&contact set = 'upper.bottom'  against = 'lower.top' /",
+                     "&tie set = 'upper.bottom'  to = 'lower.top' /",
+                     f"&contact set = 'lower.top'  against = 'upper.bottom'  {cells} = 3 /"):
+            walls = ["&contact set = 'lower.bottom'  point = 0.0, -2.0 /",
+                     "&contact set = 'upper.left'  normal = 1.0, 0.0 /",
+                     f"&contact set = 'lower.left'  normal = 1.0, 0.0  {cells} = 1 /"]
+            for element in ("quad4", "tri6"):
+                deck = "&mesh name = 'lower'  size = 4.0, 2.0  cells = 5, 3  origin = 0.0, -2.0  " \
+                    f"element = '{element}' /\n&mesh name = 'upper'  size = 4.0, 2.0  cells = 4, 3  " \
+                    f"element = '{element}' /\n&material young = 1000.0  poisson = 0.3 /\n" \
+                    "&load set = 'upper.top'  pressure = 10.0 /\n&load set = 'upper.right'  pressure = 20.0 /\n" \
+                    "&load set = 'lower.right'  pressure = 20.0 /\n"
+                for sets in ([link, *walls], [*walls[::-1], link]):
+                    results = self.key_results("meet", deck + "\n".join(sets) + "\n")
+                    self.assertLess(results["relative_error"], 1e-12, msg=f"{element} {sets[0]}")
 
     def test_order_of_the_sets_at_a_corner(self):
         # What is left of it is the direction in which the node at the corner slides, on either wall.

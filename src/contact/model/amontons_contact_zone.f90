@@ -55,6 +55,8 @@ module amontons_contact_zone
          !! whether it is a corner of a slave that a support guides, while its master may slip (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! nodes between two contact sets: they belong to the set named first
+      integer, allocatable :: passed_point(:, :)
+         !! contact sets whose line goes on from that of an earlier set, and the point between the two (2, any)
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       real(dp), allocatable :: idle_side(:, :)
          !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,
@@ -79,8 +81,9 @@ contains
       integer :: follower(body%mesh%n_nodes), nothing(0), i
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), &
-         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_slave_guided(0))
+         zone%zero_area_node(0), zone%passed_point(2, 0), zone%idle_side(2, 0), zone%is_cell(0), zone%position(2, 0), &
+         zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_tangent_fixed(0), &
+         zone%is_slave_guided(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
@@ -336,6 +339,7 @@ contains
             if (i > 0) then
                zone%weight(i) = zone%weight(i) + line%weight(k)
                zone%area(i) = zone%area(i) + line%area(k)
+               zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
             else
                n_corners = n_corners + 1
                corner(n_corners) = k
