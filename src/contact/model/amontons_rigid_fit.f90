@@ -36,7 +36,7 @@ contains
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
       call fit(motion, body, aim, counts, much)
-      associate (lengths => max(maxval(abs(aim)), maxval(abs(body%mesh%coordinates))))
+      associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
          if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
             motion = merge(aim, motion, counts .and. &
                is_unloaded(body%rigid_modes, load, body%zone%n_points))
@@ -203,7 +203,7 @@ contains
          motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
       end associate
       left = maxval(abs(aim - motion), mask=counts)
-      if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%mesh%coordinates)))) motion = 0.0_dp
+      if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
    end subroutine fit
 
    !> Which displacements are those of loose pieces without loads, those that no motion of the piece changes included
