@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the manual, build/manual/index.html: the pages of doc/ and the reference of the library, to be read offline.
 # Usage: manual.sh [--update]
-#   --update    only put the program's own reference of decks into doc/decks.md
+#   --update    only put into the tables of the pages what program, manual page and sources say
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
@@ -9,10 +9,10 @@ scripts/setup.sh build manual
 scripts/build.sh release amontons_app
 program=build/release/bin/amontons
 if [[ ${1-} == --update ]]; then
-   exec python3 -B scripts/dev/deck_tables.py "$program" --update
+   exec python3 -B scripts/dev/page_tables.py "$program" --update
 fi
 scripts/dev/tools.sh
-python3 -B scripts/dev/deck_tables.py "$program"
+python3 -B scripts/dev/page_tables.py "$program"
 python3 -B scripts/dev/check_links.py
 rm -rf build/manual
 mkdir -p build/manual

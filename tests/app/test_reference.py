@@ -193,7 +193,7 @@ class Printing(ProgramTest):
         self.assertEqual(run.stdout, "")
 
     def test_page_of_decks_shows_the_reference(self):
-        run = self.run_command([sys.executable, "-B", str(SCRIPTS / "deck_tables.py"), PROGRAM], None)
+        run = self.run_command([sys.executable, "-B", str(SCRIPTS / "page_tables.py"), PROGRAM], None)
         self.assertEqual(run.stdout, "", "put it in place with scripts/dev/manual.sh --update")
         self.assertEqual(run.returncode, 0, run.stderr)
 

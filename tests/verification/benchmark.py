@@ -1,7 +1,8 @@
 """Benchmarks: tests on decks whose results are in doc/verification.md.
 
-A benchmark is a file test_NAME.py, named in benchmarks.txt, with its decks in decks/. Its docstring is its text in the
-document: the first line the heading, the rest what is computed, the formula or source, and the tolerances.
+A benchmark is a file test_NAME.py, named in benchmarks.txt, with its decks in decks/. The first line of its docstring
+is its heading in the document, the paragraph after it the text: what is computed, the formula or source. What follows,
+how numbers are measured and what is allowed for which reason, is printed with every row only.
 
     python3 test_NAME.py           the test: coarse meshes, seconds
     python3 test_NAME.py --print   on fine meshes; prints its section with every row, in Markdown
@@ -14,7 +15,7 @@ import unittest
 import zlib
 from pathlib import Path
 
-from convergence import ORDER_ALLOWANCE, ConvergenceTable, joined
+from convergence import ORDER_ALLOWANCE, ConvergenceTable, digest
 from field_error import displacement_error, stress_error
 from harness import ProgramTest
 
@@ -112,20 +113,18 @@ def main():
     options, others = parser.parse_known_args()
     Benchmark.is_printing = options.print
     program = unittest.main(module, argv=[sys.argv[0], *others], exit=False)
+    heading, _, text = module.__doc__.strip().partition("\n")
     if options.print:
-        print(section(module.__doc__, [table.markdown() for table in Benchmark.tables]))
+        print(section(heading, text, [table.markdown() for table in Benchmark.tables]))
     if options.digest:
-        text = section(module.__doc__, [table.digest() for table in Benchmark.tables], is_short=True)
-        options.digest.write_text(text + "\n", encoding="utf-8")
+        text = text.strip().partition("\n\n")[0]
+        options.digest.write_text(section(heading, text, digest(Benchmark.tables)) + "\n", encoding="utf-8")
     sys.exit(not program.result.wasSuccessful())
 
 
-def section(text, tables, is_short=False):
-    """The section on a benchmark: its text, its files, its tables in Markdown; a short one joins what can be joined."""
-    heading, _, body = text.strip().partition("\n")
+def section(heading, text, tables):
+    """The section on a benchmark: its text, its files, its tables in Markdown."""
     script = Path(sys.argv[0]).name
     files = [f"[{script}](../tests/verification/{script})"]
     files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
-    parts = [f"## {heading.rstrip('.')}", f"{body.strip()}\n\nFiles: {', '.join(files)}.",
-             *(joined(tables) if is_short else tables)]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join([f"## {heading.rstrip('.')}", f"{text.strip()}\nFiles: {', '.join(files)}.", *tables])

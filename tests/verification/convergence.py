@@ -4,6 +4,7 @@ A table knows what is required of its rows, prints itself in Markdown, and tells
 """
 import math
 import re
+import textwrap
 
 # Observed orders approach the theoretical ones from either side. A study whose finest meshes are still on the way
 # states its own allowance, with the reason.
@@ -12,10 +13,11 @@ ORDER_ALLOWANCE = 0.1
 EFFECTIVITY = (0.8, 1.25)
 # Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
 ROUNDOFF = 1e-4
-# Tables of values, and tables of any rows, with more rows are shortened in the page.
-FEW_ROWS, FEW_ROWS_OF_ANY_KIND = 6, 10
-# Cells of a sentence; longer ones are hard to read.
-MOST_IN_A_SENTENCE = 10
+# Tables of any rows with more of them are shortened in the page.
+FEW_ROWS = 10
+# Columns of a line of the page, and headings that a sentence needs no word for.
+WIDTH = 120
+CLEAR = ("case", "contact", "element", "hypothesis", "quantity")
 
 
 def observed_order(coarse, fine):
@@ -38,8 +40,8 @@ class Table:
 
     def digest(self):
         """The table with its caption, as short as a page has room for: of many rows, the last two for each value of the
-        first label."""
-        if len(self.rows) <= FEW_ROWS_OF_ANY_KIND or self.faults:
+        first label. A table of another kind is a sentence, if no row is at fault."""
+        if len(self.rows) <= FEW_ROWS or self.faults:
             return self.markdown()
         rows = [row for group in distinct(row[0] for row in self.rows)
                 for row in [row for row in self.rows if row[0] == group][-2:]]
@@ -68,6 +70,11 @@ def varied(rows, labels):
     """The values that each label has in some rows."""
     return "; ".join(f"{label} {', '.join(map(str, distinct(row[column] for row in rows)))}"
                      for column, label in enumerate(labels))
+
+
+def named(headings, cells):
+    """Cells with their headings, where those are needed, for a sentence."""
+    return ", ".join(str(cell) if heading in CLEAR else f"{heading} {cell}" for heading, cell in zip(headings, cells))
 
 
 class ConvergenceTable(Table):
@@ -112,17 +119,15 @@ class ConvergenceTable(Table):
                                           f"{ratio:.2f}", row[:2]))
                 self.rows.append(row)
 
-    def digest(self):
-        """Of the kinds of equal theory the one with the largest error on its finest mesh."""
-        if self.faults:
-            return self.markdown()
-        finest, worst = {row[0]: row for row in self.rows}, {}
+    def findings(self):
+        """For each kind, on its finest mesh: what it is to be compared with, its first error, and a sentence on it."""
+        finest = {row[0]: row for row in self.rows}
         for kind, row in finest.items():
-            theory = tuple(self.orders[kind])
-            if theory not in worst or float(row[2]) > float(worst[theory][2]):
-                worst[theory] = row
-        others = "" if len(worst) == len(finest) else f": the largest error of {len(finest)} kinds"
-        return written_table(f"{self.caption}, finest mesh{others}", self.headings, worst.values())
+            errors = [f"{heading} {row[column]} of order {row[column + 1]} (theory {row[column + 2]})"
+                      for column, heading in enumerate(self.headings) if heading.startswith("error of")]
+            ratio = f" Effectivity {row[-1]}." if self.effectivities else ""
+            yield ((*self.headings, *self.orders[kind]), float(row[2]),
+                   f"{self.caption}, {named(self.headings[:2], row[:2])}: {', '.join(errors)}.{ratio}")
 
     def coarser(self, kind, number):
         """The mesh before a mesh, as (h, error) of each quantity; nothing before the first."""
@@ -153,21 +158,18 @@ class ValueTable(Table):
             cells = [self.judge(is_right, text, labels), f"{allowed:.0e}"]
         self.rows.append([*labels, f"{computed:.5g}", f"{reference:.5g}", *cells])
 
-
     def digest(self):
-        """The rows where there are few; a sentence where all are exact; else, for each value of the first label, the
-        row         furthest off."""
-        if len(self.rows) <= FEW_ROWS:
+        """A sentence: that all are exact, or the row that takes the largest share of what is allowed."""
+        if self.faults:
             return self.markdown()
-        if self.largest_allowance < ROUNDOFF and not self.faults:
-            return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all "
-                    f"{len(self.rows)} rows. Rows: {varied(self.rows, self.headings[:-4])}.")
-        groups = distinct(row[0] for row in self.rows)
-        rows = []
-        for group in groups:
-            members = [(share, row) for share, row in zip(self.shares, self.rows) if row[0] == group]
-            rows.append([*max(members, key=lambda member: member[0])[1], len(members)])
-        return written_table(self.caption + ": the row that is furthest off", [*self.headings, "of rows"], rows)
+        labels, count = self.headings[:-4], len(self.rows)
+        if self.largest_allowance < ROUNDOFF:
+            return (f"{self.caption}: within {self.largest_allowance:.0e} of the references in all {count} rows. "
+                    f"Rows: {varied(self.rows, labels)}.")
+        *cells, computed, reference, deviation, allowed = self.rows[self.shares.index(max(self.shares))]
+        of_many = f" The nearest to its limit of {count} rows." if count > 1 else ""
+        return (f"{self.caption}, {named(labels, cells)}: {computed} for {reference}, {deviation} where {allowed} is "
+                f"allowed.{of_many}")
 
 
 class RoundoffTable(Table):
@@ -196,31 +198,21 @@ class RoundoffTable(Table):
                 f"{len(self.rows)} rows. Rows: {varied(self.rows, self.labels)}.")
 
 
-def joined(tables):
-    """Tables of equal headings that are shortened alike as one, their captions in its first column; sentences, which
-    stand in the place of tables, as one list; tables of one row as sentences."""
-    groups = {}
+def digest(tables):
+    """Tables as a page has room for them: a list of sentences, and the tables for which there is none. Of convergence
+    studies with equal quantities and theory the one with the largest error is left."""
+    sentences, counts, others = {}, {}, []
     for table in tables:
-        caption, _, rows = table.partition("\n\n")
-        name, _, note = re.fullmatch(r"(.*?)(, (?=finest mesh)|: (?=the )|$)(.*)", caption).groups()
-        groups.setdefault((note, rows.partition("\n")[0]), []).append((name, table))
-    parts = []
-    for (note, headings), group in groups.items():
-        if len(group) == 1 or headings and not note:
-            parts += [table for _, table in group]
-        elif not headings:
-            parts.append("\n".join(f"* {table}" for _, table in group))
+        if isinstance(table, ConvergenceTable) and not table.faults:
+            for key, error, text in table.findings():
+                counts[key] = counts.get(key, 0) + 1
+                sentences[key] = max(sentences.get(key, (error, text)), (error, text))
+        elif (text := table.digest()).count("\n"):
+            others.append(text)
         else:
-            rows = [f"| {name} {row}" for name, table in group for row in table.splitlines()[4:]]
-            parts.append("\n".join([f"{note[0].upper()}{note[1:]}", "", f"| case {headings}",
-                                    "| --- " + "| --- "*(headings.count("|") - 1) + "|", *rows]))
-    return [sentence(part) for part in parts]
-
-
-def sentence(table):
-    """A table of one row as a sentence, each cell behind its heading; any other, and one of many columns, as it is."""
-    caption, _, rows = table.partition("\n\n")
-    headings, *lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in rows.splitlines()] or [[]]
-    if len(lines) != 2 or len(headings) > MOST_IN_A_SENTENCE:
-        return table
-    return f"{caption}: {', '.join(f'{name} {cell}' for name, cell in zip(headings, lines[1]) if cell)}."
+            sentences[table] = 0.0, text
+    items = [text if counts.get(key, 1) == 1 else f"{text} The largest {key[2]} of {counts[key]} studies."
+             for key, (_, text) in sentences.items()]
+    lines = [textwrap.fill(item, WIDTH, initial_indent="* ", subsequent_indent="  ", break_long_words=False,
+                           break_on_hyphens=False) for item in items]
+    return ["\n".join(lines), *others] if lines else others

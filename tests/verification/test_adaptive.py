@@ -4,7 +4,10 @@ r"""Adaptive meshes: Hertz contact and flat punch.
 The cylinder of [Hertz contact](#hertz-contact-cylinder-and-sphere) and the [flat
 punch](#flat-punch-with-friction-the-stick-zone) for $\nu = \mu = 0.3$, solved by the script behind `scripts/adapt.sh`
 on meshes of triangles that Gmsh makes from the estimated error. All that is given is the outline of the block, $200a$
-and $800a$ large, and a first mesh of some ten elements along its sides. A run ends with the first mesh whose estimated
+and $800a$ large. Beside the last mesh of each run is a uniform one of ten times its unknowns, which must be less
+accurate.
+
+The first mesh has some ten elements along the sides. A run ends with the first mesh whose estimated
 error of the stresses is as small as asked for; every mesh is a row.
 
 Errors are those from the closed form and the integral equations. On meshes that suit a solution the error of the

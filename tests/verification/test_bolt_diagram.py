@@ -3,13 +3,8 @@ r"""Bolt diagram.
 
 A bolt in a sleeve, both bars with $\nu = 0$ under one rigid head, is tightened by a force $F$ across a cut between
 meshes that do not match, and locked. The cut has closed by $F/k_b + F/k_s$. A working load $P$ on the head is then
-shared as the stiffnesses are,
-
-```math
-F_b = F + P\,\frac{k_b}{k_b + k_s}, \qquad F_s = F - P\,\frac{k_s}{k_b + k_s},
-```
-
-exactly, with any two kinds of elements on both sides of the cut. Without the lock the bolt would keep $F$.
+shared as the stiffnesses are, $F_b = F + P k_b/(k_b + k_s)$ and $F_s = F - P k_s/(k_b + k_s)$, exactly, with any two
+kinds of elements on both sides of the cut. Without the lock the bolt would keep $F$.
 """
 from benchmark import ELEMENTS, main
 from convergence import RoundoffTable

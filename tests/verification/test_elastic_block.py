@@ -3,12 +3,13 @@ r"""Long bar on an elastic block.
 
 The paper's bar, 32 by 10, rests on an elastic block of 60 by 20 that is held at its bottom, with friction of 0.2; their
 meshes do not match, and the bar, with the finer one, is the slave. The stiffer the block, the more it is the rigid
-floor: as $E_b$ grows, all differences to the bar on the floor fall with $1/E_b$. The rigid floor has contact forces at
-the nodes; the dual multipliers of the pair have the same weights on the bar, so that the limit is the same to the last
-digits. The lower right corner of the bar is held along the line. On the floor the support bears its shear; on the
-block, which slides below it, friction does, so the tangential force there is left out. Shown are the differences of the
-displacement of the bar's upper left corner and of the contact forces, over their largest values, and that the forces on
-both bodies cancel.
+floor: as $E_b$ grows, all differences to the bar on the floor fall with $1/E_b$.
+
+The rigid floor has contact forces at the nodes; the dual multipliers of the pair have the same weights on the bar, so
+that the limit is the same to the last digits. The lower right corner of the bar is held along the line. On the floor
+the support bears its shear; on the block, which slides below it, friction does, so the tangential force there is left
+out. Shown are the differences of the displacement of the bar's upper left corner and of the contact forces, over their
+largest values, and that the forces on both bodies cancel.
 """
 from harness import read_vtu
 

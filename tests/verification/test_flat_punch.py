@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 r"""Flat punch with friction: the stick zone.
 
-An elastic block on a rigid flat punch $2a$ wide (a polyline in the deck). Under a growing force the middle
-$|x| < c$ sticks and the rest slides outwards; $c/a$ depends on friction $\mu$ and, through
-$\beta = (1-2\nu)/(2(1-\nu))$, on Poisson's ratio alone, as D. A. Spence showed (*Proc. Camb. Phil. Soc.* 73 (1973)
-249-268). Displacements are proportional to the force, so that one static step gives the same as the history.
+An elastic block on a rigid flat punch $2a$ wide (a polyline in the deck). Under a growing force the middle $|x| < c$
+sticks and the rest slides outwards; $c/a$ depends on friction $\mu$ and, through $\beta = (1-2\nu)/(2(1-\nu))$, on
+Poisson's ratio alone, as D. A. Spence showed (*Proc. Camb. Phil. Soc.* 73 (1973) 249-268). The reference solves the
+integral equations of the half plane, [stick_zone.py](../tests/verification/stick_zone.py).
+
+Displacements are proportional to the force, so that one static step gives the same as the history.
 
 The reference is the fully coupled problem of the half plane: `stick_zone.py` solves its integral equations (K. L.
 Johnson, *Contact Mechanics*, 1985, section 2.5) to $10^{-3}$ of $c$. Without the effect of the shear on the pressure,
@@ -16,8 +18,8 @@ checks the integral equations against it. The effect is not small: it is what th
 The far sides of the block are $800a$ away; on one of $200a$, $c$ is 0.4 % smaller. The computed $c$ is where the slip,
 which grows with the power 3/2 of the distance from $c$, extrapolates to zero from the first two corner nodes that
 slide. $h$ is the width of a cell over $a$; where $c$ lies between two nodes makes the error uneven, so each mesh is
-four times as fine as the one before. Tolerance: 1 % of $c$ on the finest mesh. The
-[end between the nodes](output.md#zones-and-their-ends) that the summary states keeps $5h^2/a$ from 8 cells on.
+four times as fine as the one before. Tolerance: 1 % of $c$ on the finest mesh. The [end between the
+nodes](output.md#zones-and-their-ends) that the summary states keeps $5h^2/a$ from 8 cells on.
 """
 import shutil
 

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 r"""Hertz contact: cylinder and sphere.
 
-An elastic block on a rigid cylinder, and on a parabola of the same curvature. For a half plane, with $E^* =
-E/(1-\nu^2)$ and the force $P$ per length, the contact has the half width $a = \sqrt{4PR/(\pi E^*)}$ and the pressure
-$p_0\sqrt{1-x^2/a^2}$, $p_0 = 2P/(\pi a)$ (K. L. Johnson, *Contact Mechanics*, 1985, section 4.2). The block is so
-large, $200a$ from the contact to its far sides, that it differs from a half plane by some $(a/200a)^2 = 3\cdot
-10^{-5}$; so does the cylinder, $R = 100a$, from its parabola. All the block rests on is the contact.
+An elastic block on a rigid cylinder, on a parabola of the same curvature, and, as a body of revolution, on a sphere.
+For a half plane, with $E^* = E/(1-\nu^2)$ and the force $P$ per length, the contact has the half width $a =
+\sqrt{4PR/(\pi E^*)}$ and the pressure $p_0\sqrt{1-x^2/a^2}$, $p_0 = 2P/(\pi a)$ (K. L. Johnson, *Contact Mechanics*,
+1985, section 4.2). For the sphere the radius is $a = (3PR/(4E^*))^{1/3}$, the peak $p_0 = 3P/(2\pi a^2)$. The error of
+the pressure is its $L_2$ norm along the contact; its infinite slope at $x = a$ leaves order 1 to every element.
+
+The block is so large, $200a$ from the contact to its far sides, that it differs from a half plane by some $(a/200a)^2 =
+3\cdot 10^{-5}$; so does the cylinder, $R = 100a$, from its parabola. All the block rests on is the contact.
 
 $h$ is the width of a cell over $a$. The half width is measured by the second moment of the contact forces, which is
 $Pa^2/4$; the last closed and the first open node bracket it as well. The peak is the largest nodal stress. The error

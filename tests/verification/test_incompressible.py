@@ -2,16 +2,19 @@
 r"""Nearly incompressible material.
 
 For Poisson's ratios near 0.5 linear elements lock in plane strain and in bodies of revolution: of the displacements
-that they can have, hardly any keeps the volume at every point. The `b-bar` formulation of `quad4` asks for the volume
-of the element in the mean (T. J. R. Hughes, *Int. J. Numer. Methods Eng.* 15, 1980), the mean taken over the volume of
-the ring in a body of revolution. `formulation = 'auto'` chooses it from 0.49 on. Quadratic elements need nothing of the
-kind.
+that they can have, hardly any keeps the volume at every point. The `b-bar` formulation of `quad4` does not
+([theory](theory.md#nearly-incompressible-materials)). A tube under inner pressure (Lamé), and a block between a rough
+plate and a floor with friction, beside `quad8`.
 
-The tube under inner pressure (Lamé) has the default formulation; theory: order 2 in $L_2$. The block is pressed
-between a rough plate and a floor with friction; the reference is the force on `quad8`, 48 by 24 cells, 32 by 16 in
-the test. Tolerance: 3 % on 16 by 8 cells of `quad4`. On the same cells the standard
-formulation gives 0.2 to 0.3 % too much for 0.3, 6 to 8 % for 0.49, and 4 to 5 times the force for 0.4999. The program
-warns of it, and of `tri3`, which has no such remedy and gives 5 to 6 times the force.
+The `b-bar` formulation asks for the volume of the element in the mean (T. J. R. Hughes, *Int. J. Numer. Methods Eng.*
+15, 1980), the mean taken over the volume of the ring in a body of revolution. `formulation = 'auto'` chooses it from
+0.49 on. Quadratic elements need nothing of the kind.
+
+The tube under inner pressure (Lamé) has the default formulation; theory: order 2 in $L_2$. The block is pressed between
+a rough plate and a floor with friction; the reference is the force on `quad8`, 48 by 24 cells, 32 by 16 in the test.
+Tolerance: 3 % on 16 by 8 cells of `quad4`. On the same cells the standard formulation gives 0.2 to 0.3 % too much for
+0.3, 6 to 8 % for 0.49, and 4 to 5 times the force for 0.4999. The program warns of it, and of `tri3`, which has no such
+remedy and gives 5 to 6 times the force.
 """
 from math import hypot, pi
 

@@ -3,16 +3,13 @@ r"""Spring and slider.
 
 The smallest history: one free node of stiffness $k$ under the force $N$, whose neighbors move by $\delta$ to and fro
 (Jenkins' element). It sticks until the spring force is $\mu N$ and slips then, whatever the number of steps: the first
-loading dissipates $\mu N (\delta - \mu N/k)$, a closed cycle
+loading dissipates $\mu N (\delta - \mu N/k)$, a closed cycle four times that. The same with all else at rest and a
+floor that moves.
 
-```math
-W = 4 \mu N \left(\delta - \frac{\mu N}{k}\right).
-```
-
-The same with all else at rest and a floor that moves. It rises by $y$, which presses the node with $N = k y$ at the
-cost of the work $k y^2/2$, shifts to and fro by $\delta$, and at the end turns by $w$ about a far point, which shifts
-it on by $w R$. Then the work of the obstacle is dissipation and strain energy. All is exact to rounding, but for the
-turn, which changes the height of the floor by $R w^2/2 + w \delta$, $1.5\cdot 10^{-6} y$.
+The floor rises by $y$, which presses the node with $N = k y$ at the cost of the work $k y^2/2$, shifts to and fro by
+$\delta$, and at the end turns by $w$ about a far point, which shifts it on by $w R$. Then the work of the obstacle is
+dissipation and strain energy. All is exact to rounding, but for the turn, which changes the height of the floor by $R
+w^2/2 + w \delta$, $1.5\cdot 10^{-6} y$.
 """
 from benchmark import main
 from convergence import ValueTable

@@ -2,24 +2,21 @@
 r"""Cycle of partial slip after Mindlin.
 
 The block of *Partial slip*, pressed on the parabola in one step and then pushed to and fro. On a half plane whose
-normal forces cause no slip the shear force swings between $Q^* = k \mu P$ and $-Q^*$. The first loading leaves the
-stick zone $c = a\sqrt{1-k}$; while the force falls from $Q^*$ to $Q$, the points beyond $c' = a\sqrt{1-(Q^*-Q)/(2\mu
-P)}$ slip back, and the shear is $\mu p_0(-\sqrt{1-x^2/a^2} + 2\frac{c'}{a}\sqrt{1-x^2/c'^2} -
-\frac{c}{a}\sqrt{1-x^2/c^2})$ (K. L. Johnson, *Contact Mechanics*, 1985, sections 7.2 and 7.4). The tangential approach
-of the body on the first loading is $\frac{\mu p_0 a}{E^*}(\Lambda k + \frac12 (1-k)\ln(1-k))$, $\Lambda$ that of the
-body without slip; a reversed branch has twice that at half the fall of the force (Masing). $\Lambda$ cancels from a
-closed cycle, which dissipates
+normal forces cause no slip the shear force swings between $Q^* = k \mu P$ and $-Q^*$. A cycle dissipates $W =
+\frac{2\mu^2 P^2}{\pi E^*}[2(1-k)\ln(1-k) + k(2-k)]$, the first loading a quarter of that; when the force is back in the
+middle, $|x| < c' = a\sqrt{1-k/2}$ has not slipped back (K. L. Johnson, *Contact Mechanics*, 1985, sections 7.2 and
+7.4).
 
-```math
-W = \frac{2\mu^2 P^2}{\pi E^*}\left[2(1-k)\ln(1-k) + k(2-k)\right],
-```
-
-and the first loading $W/4$: a reversed branch has twice the slip under the same bound. Here the grip moves by given
-steps, and $P$ and $Q$ are those of the computed forces; the branches are symmetric. $a$ and $c'$ are measured by second
-moments, $c'$ by that of $\mu p + q$. The cycle is taken in 1 step for a branch and in 5: the bound does not change, no
-point slips back within a branch, so that the dissipation is the same but for the small coupling of $\nu = 0.499$.
-Meshes and elements are those of *Partial slip*. Tolerances on the finest mesh: 0.5 % of $W$, 0.25 % of $c'/a$; four
-times as much where the cells are twice as wide.
+The first loading leaves the stick zone $c = a\sqrt{1-k}$; while the force falls from $Q^*$ to $Q$, the points beyond
+$c' = a\sqrt{1-(Q^*-Q)/(2\mu P)}$ slip back, and the shear is $\mu p_0(-\sqrt{1-x^2/a^2} +
+2\frac{c'}{a}\sqrt{1-x^2/c'^2} - \frac{c}{a}\sqrt{1-x^2/c^2})$. The tangential approach of the body on the first loading
+is $\frac{\mu p_0 a}{E^*}(\Lambda k + \frac12 (1-k)\ln(1-k))$, $\Lambda$ that of the body without slip; a reversed
+branch has twice that at half the fall of the force (Masing). $\Lambda$ cancels from a closed cycle. A reversed branch
+has twice the slip under the same bound. Here the grip moves by given steps, and $P$ and $Q$ are those of the computed
+forces; the branches are symmetric. $a$ and $c'$ are measured by second moments, $c'$ by that of $\mu p + q$. The cycle
+is taken in 1 step for a branch and in 5: the bound does not change, no point slips back within a branch, so that the
+dissipation is the same but for the small coupling of $\nu = 0.499$. Meshes and elements are those of *Partial slip*.
+Tolerances on the finest mesh: 0.5 % of $W$, 0.25 % of $c'/a$; four times as much where the cells are twice as wide.
 """
 import csv
 import math

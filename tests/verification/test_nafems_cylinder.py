@@ -4,11 +4,13 @@ r"""Steel cylinder on an aluminium block (NAFEMS).
 The first of NAFEMS' benchmarks of contact (A. Konter, *Advanced Finite Element Contact Benchmarks*, 2006), in
 code_aster's manual of validation as SSNP154. A cylinder of radius 50 mm, $E = 210$ GPa, is pressed by 35 kN per mm on
 a block of 200 mm by 200 mm, $E = 70$ GPa, both $\nu = 0.3$, in plane strain and without friction. Hertz has the half
-width $a = \sqrt{4PR/(\pi E^*)} = 6.2146$ mm and the peak $p_0 = 2P/(\pi a) = 3585.4$ MPa. Half of it is meshed: the
-cylinder by the conformal map $z/(1 - iz/(2R))$ of the block of *Hertz contact*, so that its cells are squares that
-measure $h$ at the contact. Where the map ends, 10 mm from its top, nodal forces act. The block's cells are 9/8 as wide.
-Each body is once the slave. The half width is measured by the second moment of the contact forces, the peak is the
-largest nodal stress.
+width $a = \sqrt{4PR/(\pi E^*)} = 6.2146$ mm and the peak $p_0 = 2P/(\pi a) = 3585.4$ MPa. The ratio $a/R = 1/8$ is
+not small: half planes and parabolas differ from the two by some 0.2 %.
+
+Half of it is meshed: the cylinder by the conformal map $z/(1 - iz/(2R))$ of the block of *Hertz contact*, so that its
+cells are squares that measure $h$ at the contact. Where the map ends, 10 mm from its top, nodal forces act. The block's
+cells are 9/8 as wide. Each body is once the slave. The half width is measured by the second moment of the contact
+forces, the peak is the largest nodal stress.
 
 Tolerances: 0.5 % on the finest mesh, 3 % on the others. The ratio $a/R = 1/8$ is not small, and the block is only 16
 times as wide as the contact: half planes and parabolas differ from them by some $a^2/(8R^2) = 0.2$ %, which is what is

@@ -2,17 +2,16 @@
 r"""One point with three solutions.
 
 With much friction a contact problem may have several solutions. The smallest example is a single point with
+$A_{NN} = A_{TT} = 1$, $A_{NT} = 0.8$, $B = (-0.1,\ -0.5)$ and $\mu = 1.5$, as a reduced problem and as one corner of a
+triangle. It may be open, stick, or slip backwards. Every method must end in one of the three, and the program has to
+find the bound of the friction, 1.25, below which there is one.
 
-```math
-A = \begin{pmatrix} 1 & 0.8 \\ 0.8 & 1 \end{pmatrix}, \qquad B = (-0.1,\ -0.5), \qquad \mu = 1.5 .
-```
-
-By hand: *open*, since $B_N < 0$; *slip* backwards, $\lambda_T = -\mu \lambda_N$, where
-$(1 - 0.8\mu)\,\lambda_N = B_N$ gives $\lambda = (0.5, -0.75)$ and $u_T = -0.15$; *stick*, where $A \lambda = B$ gives
-$\lambda = (5/6, -7/6)$, a ratio of $1.4 < \mu$. Slip needs $1 - 0.8\mu < 0$, and its slip is backwards only for
-$\mu > 1.4$; stick needs $\mu \ge 1.4$: with these loads there are three solutions above $\mu = 1.4$ and one below.
-With any loads there is one below $\mu = A_{NN}/|A_{NT}| = 1.25$, the bound that the program has to find; from there on
-it has to warn, although these loads need more.
+By hand: *open*, since $B_N < 0$; *slip* backwards, $\lambda_T = -\mu \lambda_N$, where $(1 - 0.8\mu)\,\lambda_N = B_N$
+gives $\lambda = (0.5, -0.75)$ and $u_T = -0.15$; *stick*, where $A \lambda = B$ gives $\lambda = (5/6, -7/6)$, a ratio
+of $1.4 < \mu$. Slip needs $1 - 0.8\mu < 0$, and its slip is backwards only for $\mu > 1.4$; stick needs $\mu \ge 1.4$:
+with these loads there are three solutions above $\mu = 1.4$ and one below. With any loads there is one below $\mu =
+A_{NN}/|A_{NT}| = 1.25$, the bound that the program has to find; from there on it has to warn, although these loads need
+more.
 
 The case comes in two forms. As a *reduced problem*, $W$ is $A$ but for the sign of $W_{NT}$, $q = (-B_N, B_T)$,
 $r = (\lambda_N, -\lambda_T)$. As a *body* it is one corner of a triangle whose other corners are held: in plane strain

@@ -4,8 +4,10 @@ r"""Partial slip of Cattaneo and Mindlin.
 An almost incompressible block, gripped at its top and its sides, is pressed on a rigid parabola and pushed along it.
 On an incompressible half plane ($\nu = 1/2$) normal forces cause no tangential displacement and tangential ones no
 normal displacement. The pressure is that of Hertz, and under the shear force $Q < \mu P$ the middle $|x| < c$ sticks,
-$c = a\sqrt{1-Q/(\mu P)}$, under the shear $q = \mu p_0(\sqrt{1-x^2/a^2} - \frac{c}{a}\sqrt{1-x^2/c^2})$, the second
-root being 0 beyond $c$ (K. L. Johnson, *Contact Mechanics*, 1985, section 7.2).
+$c = a\sqrt{1-Q/(\mu P)}$ (K. L. Johnson, *Contact Mechanics*, 1985, section 7.2).
+
+It sticks under the shear $q = \mu p_0(\sqrt{1-x^2/a^2} - \frac{c}{a}\sqrt{1-x^2/c^2})$, the second root being 0 beyond
+$c$.
 
 One static step is right here although the solution is that of a history, first pressed, then pushed. Pressing causes
 no slip; under the growing push every point slides, from some moment on, in the direction of the push and never back.

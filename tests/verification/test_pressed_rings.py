@@ -3,7 +3,11 @@ r"""Two elastic rings with a curved interface.
 
 A ring lies in another one of the same material without friction and without a gap, radii 0.2, 0.6 and 1, a quarter in
 plane strain; on the outer side acts the pressure $p_0 + T\cos 2\theta$. It is the problem SSNP167 of code_aster's
-manual of validation (V6.03.167: $E = 10^9$, $\nu = 0.2$, $p_0 = 10^7$, $T = 10^6$) but for a free hole in the middle.
+manual of validation (V6.03.167: $E = 10^9$, $\nu = 0.2$, $p_0 = 10^7$, $T = 10^6$) but for a free hole in the middle; a
+second load has the traction $T(x, -y)$ in the place of $T\cos 2\theta$. Straight sides of two polygons in one circle
+leave gaps and overlaps as large as the displacements: so the gaps are declared to be 0, `gap = 'touching'`; the mean
+pressure is right to $O(h^2)$ even without that.
+
 The part of the pressure that depends on $\theta$ is given by nodal forces, its integrals with the shape functions of
 the sides. The part of the solution that does not is Lamé's. The other one has in each ring the Airy function
 $(Ar^2 + Br^4 + Cr^{-2} + D)\cos 2\theta$ (S. Timoshenko, J. N. Goodier, *Theory of Elasticity*, 3rd edition,
@@ -20,13 +24,12 @@ Eu_r &= \left[-2(1+\nu)(Ar - Cr^{-3}) - 4\nu Br^3 + 4Dr^{-1}\right]\cos 2\theta,
 in plane stress, with $E/(1-\nu^2)$ and $\nu/(1-\nu)$ in plane strain. The eight constants follow from both stresses on
 the inner and the outer side, no shear on both sides of the interface, and the same $\sigma_r$ and $u_r$ there.
 
-A second load has the traction $T(x, -y)$ in the place of the pressure $T\cos 2\theta$; a deck can write it as it is.
+A deck can write the second load as it is.
 
 The inner ring has 5 sides along the interface where the outer one has 4, and is the slave. Straight sides of two
-polygons in one circle leave gaps and overlaps of up to $h^2/(8R)$, as large as the displacements or larger. So the
-gaps are declared to be 0, `gap = 'touching'`; another table shows what the gaps of the meshes give. The mean of the
-pressure is right to $O(h^2)$ even then, though from node to node the pressure is not. Errors are the $L_2$ norm over
-that of the pressure: order 1 with linear elements, 3/2 with quadratic ones, whose multipliers are linear.
+polygons in one circle leave gaps and overlaps of up to $h^2/(8R)$, as large as the displacements or larger; another
+table shows what the gaps of the meshes give, where from node to node the pressure is not right. Errors are the $L_2$
+norm over that of the pressure: order 1 with linear elements, 3/2 with quadratic ones, whose multipliers are linear.
 """
 import math
 

@@ -3,19 +3,20 @@ r"""Receding contact of a layer on a half plane.
 
 A layer of height $h = 1$ lies on a half plane without friction or weight and is pressed down by $q = 1$ on $|x| < b =
 h$. It lifts off beyond $|x| = c$. The contact recedes: it jumps to its size under the smallest load, and $c$ does not
-depend on the load. See L. M. Keer, J. Dundurs, K. C. Tsai: problems involving a receding contact between a layer and
-a half space, *J. Appl. Mech.* 39, 1972, pp. 1115-1120. By Fourier's transform the contact pressure $p$ satisfies, on
-$|x| < c$,
+depend on the load. See L. M. Keer, J. Dundurs, K. C. Tsai: problems involving a receding contact between a layer and a
+half space, *J. Appl. Mech.* 39, 1972, pp. 1115-1120. The references solve its integral equation,
+[receding_layer.py](../tests/verification/receding_layer.py).
+
+By Fourier's transform the contact pressure $p$ satisfies, on $|x| < c$,
 
 ```math
 \int_0^\infty \left[(B - A)\,\hat q - (A + B + 2\kappa)\,\hat p\right] \sin \xi x \, d\xi = 0, \quad
 A = \frac{\cosh \xi h - 1}{\sinh \xi h + \xi h}, \quad B = \frac{\cosh \xi h + 1}{\sinh \xi h - \xi h},
 ```
 
-where $A$ is what a layer gives way when it is squeezed, $B$ when it is bent, and $\kappa$ is $E/(1-\nu^2)$ of the
-layer over that of the half plane. With $\int p = 2qb$ and $p$ finite at both ends this has a solution for one $c$
-only. The references solve it by Gauss-Chebyshev collocation with 32 points
-([receding_layer.py](../tests/verification/receding_layer.py)); 48 points change no digit that is shown.
+where $A$ is what a layer gives way when it is squeezed, $B$ when it is bent, and $\kappa$ is $E/(1-\nu^2)$ of the layer
+over that of the half plane. With $\int p = 2qb$ and $p$ finite at both ends this has a solution for one $c$ only.
+`receding_layer.py` solves it by Gauss-Chebyshev collocation with 32 points; 48 points change no digit that is shown.
 
 The meshes are half of the layer, 12 long, and a block of 200 by 200, their cells near the contact $d$ by $d$ and $9d/8$
 by $9d/8$; each body is once the slave. Compared are the pressure in the middle and the square root of the mean of $x^2$

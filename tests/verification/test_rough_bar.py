@@ -4,16 +4,12 @@ r"""Bar on a rough support.
 A bar of stiffness $EA$ lies on a support that resists sliding by $q$ per length, whatever the pressure, and is pulled
 at one end. The force $F$ makes it slip over $F/q$; the end moves by $u = F^2/(2EAq)$, of the work done there
 $F^3/(6EAq)$ is dissipated and as much stored. Unloaded, half of $u$ stays and half of the first slip is undone. A cycle
-between $F$ and $-F$ dissipates
+between $F$ and $-F$ dissipates $2F^3/(3EAq)$.
 
-```math
-W = \frac{2F^3}{3EAq},
-```
-
-as every reversed branch is the first loading at twice its size (Masing). The bar is a strip in plane stress, flat
-enough to be one-dimensional: shear across it changes $u$ by some $10^{-5}$. The slip zone ends within a cell, so that
-errors fall with the square of the cells' length. Within a branch the bounds do not change and no point slips back: any
-number of steps gives the same. Tolerances: $10^{-3}$ on 100 cells, $10^{-4}$ on 400.
+This is as every reversed branch is the first loading at twice its size (Masing). The bar is a strip in plane stress,
+flat enough to be one-dimensional: shear across it changes $u$ by some $10^{-5}$. The slip zone ends within a cell, so
+that errors fall with the square of the cells' length. Within a branch the bounds do not change and no point slips back:
+any number of steps gives the same. Tolerances: $10^{-3}$ on 100 cells, $10^{-4}$ on 400.
 """
 from benchmark import main
 from convergence import ValueTable

@@ -2,8 +2,10 @@
 r"""Shrink fit of two elastic rings.
 
 A hub is pressed on a hollow shaft whose radius is larger by $\delta$ than that of its hole: radii $a, b, c = 1, 2, 3$,
-$\delta = 0.002$, another material in each, meshes that do not match, the hub the slave. The radial displacement of a
-ring under a pressure on one side is Lamé's, so that with free ends (plane stress)
+$\delta = 0.002$, another material in each, meshes that do not match, the hub the slave. The pressure is Lamé's for free
+ends (plane stress) and held ones (plane strain). It converges with twice the order of the stresses.
+
+The radial displacement of a ring under a pressure on one side is Lamé's, so that with free ends (plane stress)
 
 ```math
 p = \frac{\delta}{b}\left[\frac1{E_o}\left(\frac{c^2+b^2}{c^2-b^2}+\nu_o\right)

@@ -3,12 +3,13 @@
 
 A block that slides on a rough floor under the pressure $p = 2 + x^2 - x^4/8$ and the shear $\\mu p$, with an exact
 field of equilibrium in the body, of degree five. All but the floor is put where this field has it; on the floor the
-program finds what is open, sticks or slides. The contact stress of a node is its force over its tributary length, that
-is, a mean over the sides that it belongs to; its error is the root of the weighted mean of squares, over that of the
-stress. Theory: displacement of order 2 and 3 in $L_2$ for linear and quadratic elements; contact stress of order 1 at
-least for linear, 2 for quadratic ones. Here the triangles halve the cells by turns along one diagonal and the other,
-their worst case: a node of the floor belongs to one triangle or to three. With all diagonals alike T3 has order 2
-too.
+program finds what is open, sticks or slides. Theory: displacement of order 2 and 3 in $L_2$ for linear and quadratic
+elements; contact stress of order 1 at least for linear, 2 for quadratic ones.
+
+The contact stress of a node is its force over its tributary length, that is, a mean over the sides that it belongs to;
+its error is the root of the weighted mean of squares, over that of the stress. Here the triangles halve the cells by
+turns along one diagonal and the other, their worst case: a node of the floor belongs to one triangle or to three. With
+all diagonals alike T3 has order 2 too.
 """
 from math import sqrt
 

@@ -3,21 +3,19 @@ r"""Twist of bodies of revolution.
 
 With `twist = .true.` a body of revolution has a displacement around its axis, and friction acts against the resultant
 of both slips. A shaft twists by $TL/(GJ)$, exactly on any mesh. A cone between two spherical caps about its apex twists
-by $B/R^3$ under the torque $6\pi G B(\frac23-\cos\alpha_0+\frac13\cos^3\alpha_0)$ (A. Föppl, 1905). A punch that
-sticks needs $T = \frac{16}3 G a^3\theta$ (E. Reissner, H. F. Sagoci, *J. Appl. Phys.* 15, 1944), one that slips
-$\frac\pi4\mu P a$, a sphere that slips $\frac{3\pi}{16}\mu P a$.
+by $B/R^3$ under the torque $6\pi G B(\frac23-\cos\alpha_0+\frac13\cos^3\alpha_0)$ (A. Föppl, 1905). A punch that sticks
+needs $T = \frac{16}3 G a^3\theta$ (E. Reissner, H. F. Sagoci, *J. Appl. Phys.* 15, 1944), one that slips $\frac\pi4\mu
+P a$, a sphere that slips $\frac{3\pi}{16}\mu P a$; in between a ring of it slips (J. L. Lubkin, *J. Appl. Mech.* 18,
+1951). A stepped shaft is compared with finite volumes on Michell's equation. A ring on a shaft slides when $(T/r)^2+Q^2
+= (\mu N)^2$, a clutch of two rings slips at $\frac23\pi\mu p(b^3-a^3)$.
 
-Between both a ring of the sphere slips and the circle $r < c$ sticks (J. L. Lubkin, *J. Appl. Mech.* 18, 1951). With
-the function $g$ of the Abel transform of the shear, $\theta = \frac{\mu p_0}{2G} I(c/a)$ and $T = \frac{16}3
-G\theta c^3 + 8\mu p_0\int_c^a t^2 I(t/a)\,dt$, $I(k) = K(k')-E(k')$, the complete elliptic integrals of $k' =
-\sqrt{1-k^2}$. The sphere is pressed on without friction, so that no slip is left of that. $c$ is found from the turn,
-and compared with where the points stick; the torque follows.
+In between a ring slips and the circle $r < c$ sticks. With the function $g$ of the Abel transform of the shear, $\theta
+= \frac{\mu p_0}{2G} I(c/a)$ and $T = \frac{16}3 G\theta c^3 + 8\mu p_0\int_c^a t^2 I(t/a)\,dt$, $I(k) = K(k')-E(k')$,
+the complete elliptic integrals of $k' = \sqrt{1-k^2}$. The sphere is pressed on without friction, so that no slip is
+left of that. $c$ is found from the turn, and compared with where the points stick; the torque follows.
 
 The torque of a stepped shaft is compared with finite volumes on Michell's equation for the angle $u_\theta/r$, a
 program of its own in the test, extrapolated.
-
-A ring on a shaft slides along the resultant of pull and twist when $(T/r)^2+Q^2 = (\mu N)^2$; a clutch of two rings
-slips at $\frac23\pi\mu p(b^3-a^3)$.
 
 Tolerances: shaft and clutch 1e-9, stepped shaft and ring 0.1 %, sphere 0.5 %, punch 1.5 % on the finest mesh.
 """

@@ -4,7 +4,9 @@ r"""Two elastic bodies after Hertz.
 A half plane on a cylinder, both elastic, $E = 210$ and $70$, $\nu = 0.3$: with $1/E^* = (1-\nu_1^2)/E_1 +
 (1-\nu_2^2)/E_2$ Hertz's half width $a = \sqrt{4PR/(\pi E^*)}$ and peak $p_0 = 2P/(\pi a)$ as in *Hertz contact*, with
 blocks of $200a$ above and below. The crest of the lower one is $x^2/(2R)$, $R = 100a$, up to $3a$, and levels out
-beyond. The meshes do not match: cells of the lower body are 9/8 as wide as those of the upper one. Each is once the
+beyond.
+
+The meshes do not match: cells of the lower body are 9/8 as wide as those of the upper one. Each is once the
 slave; $a$ and $p_0$ are measured as there, $a$ by the second moment of the forces. (On finer meshes of `quad4` the
 error of the peak, $10^{-4}$, is that of the half planes.)
 

@@ -3,11 +3,7 @@ r"""Column that wears.
 
 A column of height $H$, pressed by $\delta$ between a plate and a floor, without friction and with Poisson's ratio 0.
 The floor slides below it by $s$ in all and wears it by Archard's law, $dh = k p\, ds$. The pressure is uniform,
-$p = E (\delta - h)/H$, so that
-
-```math
-p = \frac{E \delta}{H}\, e^{-k E s/H}.
-```
+$p = E (\delta - h)/H$, so that $p = (E \delta/H)\, e^{-k E s/H}$.
 
 Each step has the depth worn before it in its gap, and wears by the mean of the pressures at its ends: a recurrence,
 which the program follows to rounding. The error of the recurrence falls like the length of the steps. The worn volume
