@@ -13,17 +13,17 @@ module amontons_command_line
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
       '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', &
       '--verify', '--reference', '--help', '--version']
-   !> Their short forms.
+   !> Short forms of the options, in the order of `option_names`.
    character(2), parameter :: short_names(size(option_names)) = [character(2) :: '-o', '', '', '', '-q', '', '-t', '', &
       '', '', '', '', '', '-h', '']
-   !> Those that take a value.
+   !> Options that take a value.
    character(16), parameter :: valued_names(*) = [character(16) :: '--output', '--set', '--refine', '--threads']
-   !> What other programs call each of them, blanks between the words.
+   !> Names that other programs use for each option, separated by blanks.
    character(24), parameter :: other_names(*) = [character(24) :: '--outdir --dir -d', '--param --define -D', '', &
       '--dry-run --validate', '--silent -s', '--verbose', '--nthreads --jobs -j -n', '', '', '', '', '', '--keys', '', &
       '-v -V']
 
-   !> What the command line asks for.
+   !> The options and decks given on the command line.
    type :: command_line_t
       type(file_name_t), allocatable :: decks(:) !! names of the decks, in their order
       type(setting_t), allocatable :: settings(:) !! what takes the place of what the decks say
@@ -67,7 +67,7 @@ contains
       if (.not. allocated(command_line%output)) command_line%output = '.'
    end subroutine read_command_line
 
-   !> Checks that there is something to solve, and that it can be.
+   !> Checks that at least one deck, directory or reduced problem is given and that the options are compatible.
    subroutine check_decks(command_line, error)
       type(command_line_t), intent(in) :: command_line !! what the command line asks for
       type(error_t), allocatable, intent(out) :: error !! no deck, options that do not go together
@@ -149,7 +149,7 @@ contains
          value//"'")
    end subroutine read_option
 
-   !> Whether an option without a value is given.
+   !> Whether an option without a value was given.
    pure logical function command_line_asks(self, option) result(asks)
       class(command_line_t), intent(in) :: self !! what the command line asks for
       character(*), intent(in) :: option !! the option
@@ -157,8 +157,8 @@ contains
       asks = any(self%is_given .and. option_names == option)
    end function command_line_asks
 
-   !> What the message about an unknown option adds: the option that other programs call so, one that is near, or the
-   !> only one that begins like it.
+   !> The hint in the message about an unknown option: the option that other programs call by this name, a similar one,
+   !> or the only one that begins with it.
    pure function suggestion(name) result(text)
       character(*), intent(in) :: name !! the unknown option
       character(:), allocatable :: text

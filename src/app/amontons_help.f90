@@ -1,4 +1,4 @@
-!> What --help, --version and --reference print: the options, the build, the groups of a deck and their keys.
+!> Texts of --help, --version and --reference: the options, the build, the groups of a deck and their keys.
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
    use amontons_config, only: reference_text
@@ -18,7 +18,7 @@ module amontons_help
 
 contains
 
-   !> What --help prints: usage, files, options, a first deck and what to do with it.
+   !> The text of --help: usage, files, options, a first deck and how to run it.
    pure function help_text() result(text)
       character(:), allocatable :: text
       integer, parameter :: width = 82
@@ -103,7 +103,7 @@ contains
       text = text(:len(text) - 1)
    end function help_text
 
-   !> What --version prints: the version and what a report of a fault should say about the build.
+   !> The text of --version: the version, and the properties of the build that a bug report should include.
    function version_text() result(text)
       character(:), allocatable :: text
       integer, parameter :: build_width = 200
@@ -119,7 +119,7 @@ contains
       text = text(:len(text) - 1)
    end function version_text
 
-   !> Prints the reference of the groups named, or of all groups where none is.
+   !> Prints the reference of the named groups, or of all groups if no name is given.
    subroutine print_reference(groups, status, error)
       type(file_name_t), intent(in) :: groups(:) !! names of the groups
       integer, intent(out) :: status !! exit status

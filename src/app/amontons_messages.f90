@@ -1,5 +1,5 @@
-!> What a run prints: results on standard output, what went wrong on standard error, the progress of a sweep or history
-!> on the status line, where a signal may interrupt it.
+!> Messages of a run: results on standard output, errors on standard error, and the progress of a sweep or history on
+!> the status line. A signal may interrupt the run.
 module amontons_messages
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t
@@ -14,8 +14,8 @@ module amontons_messages
 
    public :: print_error, print_info, print_outcome, progress_t
 
-   !> Watches a study. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases or the step
-   !> under way.
+   !> The monitor of a study that shows its progress. From the first report until `finish`, SIGINT and SIGTERM stop the
+   !> study after the current case or step.
    type, extends(study_monitor_t) :: progress_t
       private
       character(6) :: things = '' !! what the last report was about; blank before the first one
@@ -38,7 +38,8 @@ contains
       if (.not. command_line%asks('--quiet')) call print_line(standard_output, text, error)
    end subroutine print_info
 
-   !> Prints the line of a deck and its warnings, a line each, unless the run is quiet; and what went wrong.
+   !> Prints the result line of a deck and its warnings, one line each, unless the run is quiet; and then the error, if
+   !> any.
    subroutine print_outcome(command_line, outcome, error)
       type(command_line_t), intent(in) :: command_line !! the options
       type(outcome_t), intent(in) :: outcome !! what became of the deck
@@ -57,7 +58,7 @@ contains
       if (len(outcome%message) > 0) call print_error(outcome%message)
    end subroutine print_outcome
 
-   !> Prints what went wrong, one line or several.
+   !> Prints an error message of one or several lines on standard error.
    subroutine print_error(text)
       character(*), intent(in) :: text !! the lines
       type(error_t), allocatable :: unheard
@@ -75,8 +76,7 @@ contains
       end associate
    end function progress_is_stopped
 
-   !> Shows how far the study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12
-   !> left'.
+   !> Shows the progress of the study, its speed and the time left: '128 of 861 cases, 10500 per second, 0:00:12 left'.
    subroutine progress_report(self, n_done, n_cases, things)
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
@@ -110,7 +110,7 @@ contains
       call note_work(text, is_timed=.false.)
    end subroutine progress_report
 
-   !> Ends the watch.
+   !> Stops watching for signals.
    subroutine progress_finish(self)
       class(progress_t), intent(inout) :: self !! the watch
 

@@ -1,4 +1,4 @@
-!> One run of the program: every deck of the command line, one after the other. No two may write the same files.
+!> One run of the program: the decks of the command line, one after the other. No two of them may write the same files.
 module amontons_run_decks
    use amontons_batch_table, only: tally_text, update_batch_table
    use amontons_command_line, only: command_line_t
@@ -21,7 +21,7 @@ module amontons_run_decks
 
    public :: run_decks
 
-   !> How long rows of batch.csv may wait until they are written [s].
+   !> Longest time for which rows of batch.csv are kept before they are written [s].
    real(dp), parameter :: seconds_between_rows = 1.0_dp
 
    !> The files that a deck of the run may write.
@@ -32,7 +32,7 @@ module amontons_run_decks
 
 contains
 
-   !> Tries every deck, unless a signal interrupts one; the largest exit status counts.
+   !> Runs the decks one after the other until a signal interrupts one; returns the largest exit status.
    subroutine run_decks(command_line, status)
       type(command_line_t), intent(in) :: command_line !! decks and options
       integer, intent(out) :: status !! exit status of the program
@@ -73,7 +73,7 @@ contains
       call note_error(error, status)
    end subroutine run_decks
 
-   !> Puts the rows of decks into batch.csv, where there is one.
+   !> Writes rows of finished decks to batch.csv, if the command line asks for it.
    subroutine note_rows(command_line, outcomes, status)
       type(command_line_t), intent(in) :: command_line !! decks and options
       type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks
@@ -91,7 +91,7 @@ contains
       call note_error(error, status)
    end subroutine note_rows
 
-   !> Prints an error, if there is one, and raises the exit status to its kind.
+   !> Prints an error, if there is one, and raises the exit status to that of its kind.
    subroutine note_error(error, status)
       type(error_t), allocatable, intent(in) :: error !! the error
       integer, intent(inout) :: status !! the exit status
@@ -101,7 +101,8 @@ contains
       status = max(status, error%kind)
    end subroutine note_error
 
-   !> Writes cases.pvd where there are several to step through: the grids of a run, the number of each deck its time.
+   !> Writes cases.pvd if several decks of the run have grids: each grid is listed with the number of its deck as the
+   !> time.
    subroutine collect_grids(directory, outcomes, error)
       character(*), intent(in) :: directory !! output directory
       type(outcome_t), intent(in) :: outcomes(:) !! what became of each deck
@@ -189,7 +190,7 @@ contains
       end do
    end subroutine read_study
 
-   !> Refuses a study that would write over the files of an earlier one of this run.
+   !> Reserves the file names of a study; refuses a study that would overwrite the files of an earlier one of this run.
    subroutine reserve_files(reservations, study, error)
       type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last becomes the study's
       class(study_t), intent(in) :: study !! the study

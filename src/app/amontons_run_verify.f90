@@ -1,4 +1,4 @@
-!> Verification of results that earlier runs left.
+!> Verification of the results of earlier runs.
 module amontons_run_verify
    use amontons_command_line, only: command_line_t
    use amontons_error, only: error_t, fault_list_t

@@ -1,5 +1,5 @@
-!> The program: reads the command line, runs the decks, ends with the exit status. Of several ranks the first does so,
-!> and the others serve it.
+!> The program: reads the command line, runs the decks, returns the exit status. In an MPI run rank 0 does so, and the
+!> other ranks serve it.
 program main
    use, intrinsic :: iso_c_binding, only: c_int
    use amontons_command_line, only: command_line_t, read_command_line
@@ -24,9 +24,9 @@ program main
       end subroutine exit_with
    end interface
 
-   !> Ends the process quietly: `stop` with a status would print it.
+   !> Ends the process without output: `stop` with a status would print it.
    procedure(exit_with), bind(c, name='exit') :: c_exit
-   !> Ends the process without a word to its libraries.
+   !> Ends the process without running the exit handlers of its libraries.
    procedure(exit_with), bind(c, name='quick_exit') :: c_quick_exit
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error

@@ -1,4 +1,4 @@
-!> What a case is called: all that the writers of its files need besides body and result.
+!> The label of a case: what the writers of its files need in addition to body and result.
 module amontons_case_label
    implicit none (type, external)
    private
@@ -17,7 +17,7 @@ module amontons_case_label
 
 contains
 
-   !> The label of a body made in code.
+   !> Makes the label of a body made in code.
    pure subroutine new_case_label(label, name, title)
       type(case_label_t), intent(out) :: label !! the label
       character(*), intent(in) :: name !! name of the case, and of its files
@@ -29,7 +29,7 @@ contains
       if (present(title)) label%title = title
    end subroutine new_case_label
 
-   !> The deck with all defaults in place, to be written beside the results; empty where there is none.
+   !> The effective deck, with all defaults, which is written beside the results; empty if the case has no deck.
    function case_label_deck_text(self) result(text)
       class(case_label_t), intent(in) :: self !! the label
       character(:), allocatable :: text

@@ -1,9 +1,9 @@
-!> A text file of a result as the parts that it is written in, fields of its tables, and values as JSON writes them.
-!> `--verify` makes the same parts from what the other files hold and compares: a part states what follows from those,
-!> unless it is a record of the run that wrote it.
+!> A text file of a result as a list of parts, the fields of its tables, and its values in JSON. `--verify` makes the
+!> same parts from the contents of the other files and compares them: a part follows from these, unless it is marked as
+!> a record of the run that wrote it.
 !>
-!> Threads make rows of tables side by side, without any function that returns a text: gfortran 12 keeps the length of
-!> such a text in a place that all threads share.
+!> Rows of tables are made on several threads without functions that return a text: gfortran 12 keeps the length of such
+!> a text in a variable that all threads share.
 module amontons_document
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t
@@ -39,7 +39,7 @@ module amontons_document
 
 contains
 
-   !> A finite real as a JSON number; null otherwise.
+   !> A finite real as a JSON number; `null` for NaN and infinity.
    pure function json_number(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
@@ -93,7 +93,8 @@ contains
       text = trim(merge('true ', 'false', value))
    end function json_logical
 
-   !> A text as a JSON string. Bytes that are no UTF-8 are taken for Latin-1; JSON would not be JSON with them.
+   !> A text as a JSON string. Bytes that are not valid UTF-8 are converted from Latin-1, so that the result is valid
+   !> JSON.
    pure function json_string(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
@@ -117,7 +118,7 @@ contains
    end function json_string
 
    !> The statuses along the contact lines as run lengths, `4o 12+ 17s`: o open, s stick, + and - slip, * slip of a
-   !> twisted body; a bar stands between two contact sets.
+   !> twisted body; a bar separates two contact sets.
    pure subroutine status_runs(runs, status, set)
       character(:), allocatable, intent(out) :: runs !! the run lengths
       integer, intent(in) :: status(:) !! status of each point (m)
@@ -166,7 +167,7 @@ contains
       ok = ok .and. n == size(status)
    end subroutine read_status_runs
 
-   !> A text as a field of the table, in quotes where it needs them.
+   !> A text as a field of a CSV table, quoted where necessary.
    pure function field(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
@@ -175,7 +176,7 @@ contains
       if (scan(value, ',"') > 0) text = '"'//replaced(value, '"', '""')//'"'
    end function field
 
-   !> Appends what follows from deck, mesh, displacements, contact forces and statuses.
+   !> Appends text that follows from deck, mesh, displacements, contact forces and statuses.
    pure subroutine document_add(self, text, scales, is_recorded)
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines
@@ -190,7 +191,7 @@ contains
       if (present(scales)) self%parts(self%n)%scales = scales
    end subroutine document_add
 
-   !> Appends what only the run that solved the case knows: iterations, times.
+   !> Appends a record of the run that solved the case, such as iterations and times, which cannot be recomputed.
    pure subroutine document_record(self, text)
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines

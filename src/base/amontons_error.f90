@@ -1,6 +1,5 @@
-!> The error value: what a procedure hands back when it cannot do its work; the faults of input files, or of results
-!> that are verified, collected so that one run reports them all; and warnings: what a user should know before trusting
-!> a valid result, a sentence each.
+!> The error value that a procedure returns when it fails; lists of the faults of input files, or of verified results,
+!> so that one run reports all of them; and warnings, one sentence each, about valid results.
 !>
 !> A procedure that can fail ends its argument list with `type(error_t), allocatable, intent(out) :: error`. Allocated
 !> means failed, and the caller returns at once.
@@ -12,30 +11,33 @@ module amontons_error
 
    public :: error_t, fault_list_t, input_refused, new_error, numerical_failure, system_failure, warning_list_t
 
-   !> The input is at fault: a deck, a mesh, an argument.
+   !> Kind of an error: invalid input, that is, a deck, a mesh or an argument. Exit status 1.
    integer, parameter :: input_refused = 1
-   !> The numbers are at fault: a matrix is not positive definite, no contact forces balance the loads.
+   !> Kind of an error: the computation failed, for example because a matrix is not positive definite or no contact
+   !> forces balance the loads. Exit status 2.
    integer, parameter :: numerical_failure = 2
-   !> The machine is at fault: a file cannot be written, memory ran out.
+   !> Kind of an error: the system failed, for example because a file cannot be written or memory ran out. Exit status
+   !> 3.
    integer, parameter :: system_failure = 3
 
-   !> A failure, told in the user's words.
+   !> A failure, described in the user's words.
    type :: error_t
       integer :: kind = system_failure
          !! Whose fault it is: `input_refused`, `numerical_failure` or `system_failure`; also the program's exit status.
       character(:), allocatable :: message !! What, where and what was expected; several faults stand on several lines.
    end type error_t
 
-   !> How many faults are kept; a file with more is not the file its reader expects, and the rest is only counted.
+   !> Largest number of faults that are kept; further ones are only counted, since such a file is of another kind than
+   !> the reader expects.
    integer, parameter :: most_kept = 1000
 
-   !> One thing that is wrong.
+   !> One fault of a file.
    type :: fault_t
       integer :: line = 0 !! where, counted from 1; 0 for the whole file, and where the sentence says it
       character(:), allocatable :: sentence !! what is wrong
    end type fault_t
 
-   !> Everything found wrong so far, ordered by line.
+   !> The faults found so far, ordered by line.
    type :: fault_list_t
       private
       type(fault_t), allocatable :: faults(:) !! the first `n` of these are in use
@@ -75,9 +77,10 @@ contains
       error%message = message
    end subroutine new_error
 
-   !> Puts a fault behind those of its line and of the lines before.
+   !> Inserts a fault behind those of its line and of the lines before.
    !>
-   !> The same fault again is not another one: a wrong value with a repeat count is wrong in every element.
+   !> A fault that is already in the list is not added again: a wrong value with a repeat count is wrong in every
+   !> element.
    pure subroutine fault_list_add_in_line(self, line, sentence)
       class(fault_list_t), intent(inout) :: self !! the faults so far
       integer, intent(in) :: line !! line of the file; 0 for the whole file
@@ -102,7 +105,7 @@ contains
       self%faults(place + 1)%sentence = sentence
    end subroutine fault_list_add_in_line
 
-   !> Adds a fault of one of several files; what the sentence quotes may be any bytes.
+   !> Adds a fault of one of several files; the sentence may quote any bytes.
    pure subroutine fault_list_add_in_file(self, file, sentence)
       class(fault_list_t), intent(inout) :: self !! the faults so far
       character(*), intent(in) :: file !! name of the file, or file and line
@@ -111,7 +114,7 @@ contains
       call self%add(0, file//': '//printable(sentence))
    end subroutine fault_list_add_in_file
 
-   !> A text that quotes what was changed, with question marks for all that is no letter, digit or sign.
+   !> A text with every byte that is not a printable ASCII character replaced by a question mark.
    pure function printable(text)
       character(*), intent(in) :: text !! the text
       character(len(text)) :: printable
@@ -136,8 +139,7 @@ contains
       self%n = self%n + max(0, other%n - most_kept)
    end subroutine fault_list_append
 
-   !> The first faults as lines of text, without the end of the last one; empty if there is none. They show what is
-   !> wrong, the others only how much.
+   !> The first faults as lines of text, without the end of the last line; empty if there are none.
    pure function fault_list_text(self) result(text)
       class(fault_list_t), intent(in) :: self !! the faults
       character(:), allocatable :: text
@@ -146,7 +148,7 @@ contains
       text = told(self, '', enough)
    end function fault_list_text
 
-   !> Turns the faults into one error, a line of text for each; no fault, no error.
+   !> Makes one error of all faults, one line of text each; no error if there are no faults.
    subroutine fault_list_finish(self, file, error)
       class(fault_list_t), intent(in) :: self !! all faults
       character(*), intent(in) :: file !! name of the file
@@ -155,7 +157,7 @@ contains
       if (self%n > 0) call new_error(error, input_refused, told(self, file//':', most_kept))
    end subroutine fault_list_finish
 
-   !> The first faults as lines of text.
+   !> The first faults as lines of text, followed by the number of the others.
    pure function told(list, head, most) result(text)
       type(fault_list_t), intent(in) :: list !! the faults
       character(*), intent(in) :: head !! what each begins with, before the number of its line; or nothing
@@ -186,7 +188,7 @@ contains
       self%text = self%text//sentence//newline
    end subroutine warning_list_add
 
-   !> A number for a warning, with its unit where the case names it.
+   !> A number with its unit, if the case names units, for the text of a warning.
    pure function warning_list_number(self, value, dimension) result(text)
       class(warning_list_t), intent(in) :: self !! the warnings
       real(dp), intent(in) :: value !! the number
@@ -197,7 +199,7 @@ contains
       if (allocated(self%units)) text = with_unit(text, self%units, dimension)
    end function warning_list_number
 
-   !> A place for a warning, with its unit where the case names it.
+   !> A position with its unit, if the case names units, for the text of a warning.
    pure function warning_list_place(self, position) result(text)
       class(warning_list_t), intent(in) :: self !! the warnings
       real(dp), intent(in) :: position(2) !! the place [L]

@@ -1,5 +1,5 @@
-!> Lists of integers that grow at their end; things sorted by the bins that they belong to; and maps from the numbers
-!> that a file gives its things, in any order and with gaps, to their places in a list.
+!> Growing lists of integers; sorting of items into bins; and maps from the numbers that a file gives its nodes and
+!> elements, in any order and with gaps, to their places in a list.
 module amontons_integer_list
    implicit none (type, external)
    private
@@ -16,7 +16,7 @@ module amontons_integer_list
       procedure :: items => integer_list_items
    end type integer_list_t
 
-   !> The tags of a list in ascending order, and which items of the list have them.
+   !> A map from tags to the items of a list: the tags in ascending order, with the item of each.
    type :: tag_map_t
       integer, allocatable :: tag(:) !! the tags, ascending
       integer, allocatable :: item(:) !! place of each in the list; equal tags in the order of the list
@@ -28,7 +28,7 @@ module amontons_integer_list
 
 contains
 
-   !> Sorts things by their bins; those of one bin keep their order.
+   !> Sorts items by their bins; items of one bin keep their order.
    pure subroutine fill_bins(start, thing, bin, n_bins)
       integer, allocatable, intent(out) :: start(:) !! where the things of each bin begin in `thing` (n_bins + 1)
       integer, allocatable, intent(out) :: thing(:) !! the things, bin by bin
@@ -54,7 +54,7 @@ contains
       end do
    end subroutine fill_bins
 
-   !> Puts an item at the end.
+   !> Appends an item.
    pure subroutine integer_list_append(self, item)
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: item !! the item
@@ -64,7 +64,7 @@ contains
       self%item(self%n) = item
    end subroutine integer_list_append
 
-   !> Puts several items at the end.
+   !> Appends several items.
    pure subroutine integer_list_append_all(self, items)
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: items(:) !! the items
@@ -74,7 +74,7 @@ contains
       self%n = self%n + size(items)
    end subroutine integer_list_append_all
 
-   !> The items, without the room behind them.
+   !> The items of the list, without the unused capacity.
    pure function integer_list_items(self) result(items)
       class(integer_list_t), intent(in) :: self !! the list
       integer, allocatable :: items(:)
@@ -86,7 +86,7 @@ contains
       end if
    end function integer_list_items
 
-   !> Makes room for more items; room that does not suffice grows by at least half.
+   !> Reserves capacity for more items; a capacity that does not suffice grows by at least half.
    pure subroutine make_room(list, n_more)
       type(integer_list_t), intent(inout) :: list !! the list
       integer, intent(in) :: n_more !! number of items to come
@@ -103,7 +103,7 @@ contains
       end if
    end subroutine make_room
 
-   !> Makes the map of a list of tags, in a time that grows with their number only.
+   !> Makes the map of a list of tags, in a time proportional to their number.
    pure subroutine new_tag_map(map, tags)
       type(tag_map_t), intent(out) :: map !! the map
       integer, intent(in) :: tags(:) !! the tags, not negative
@@ -124,7 +124,7 @@ contains
       end do
    end subroutine new_tag_map
 
-   !> Whether no tag is smaller than the one before.
+   !> Whether the tags are in ascending order; equal ones are allowed.
    pure logical function is_ascending(tags)
       integer, intent(in) :: tags(:) !! the tags
       integer :: i
@@ -135,7 +135,7 @@ contains
       end do
    end function is_ascending
 
-   !> The first of the list's items with a tag, 0 where none has it.
+   !> The first item of the list that has a tag, 0 if none has it.
    pure integer function tag_map_find(self, tag) result(item)
       class(tag_map_t), intent(in) :: self !! the map
       integer, intent(in) :: tag !! the tag
@@ -148,7 +148,8 @@ contains
       end if
    end function tag_map_find
 
-   !> Place in the map of the first tag that is not smaller than a given one, past the last place where all are.
+   !> Place in the map of the first tag that is not smaller than a given one; one past the last place if all are
+   !> smaller.
    pure integer function tag_map_first(self, tag) result(place)
       class(tag_map_t), intent(in) :: self !! the map
       integer, intent(in) :: tag !! the tag
@@ -175,7 +176,7 @@ contains
       place = high
    end function tag_map_first
 
-   !> The first item of the list whose tag an item before it has, 0 where all tags differ.
+   !> The first item of the list whose tag an earlier item has, 0 if all tags differ.
    pure integer function tag_map_repeated(self) result(repeated)
       class(tag_map_t), intent(in) :: self !! the map
       integer :: place

@@ -1,4 +1,4 @@
-!> A number of a result under the names that it has in files and in listings.
+!> A number of a result with its names in files and in listings.
 module amontons_quantity
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -6,11 +6,11 @@ module amontons_quantity
 
    public :: at_place, expanded, longest_key, quantity_t, scales, value_of
 
-   !> The longest name of a number: a force may have the name of a set in its own.
+   !> Largest length of a key: the key of a force contains the name of its set.
    integer, parameter :: longest_key = 96
 
-   !> A named number, and where it is found. Who writes or compares numbers walks over lists of these, so that a new one
-   !> is named in one place.
+   !> A named number and the position where it occurs. Writers and verification go through lists of these, so that a new
+   !> number is named in one place.
    type :: quantity_t
       character(longest_key) :: key = '' !! its name in files
       character(longest_key) :: label = '' !! its name in listings
@@ -24,7 +24,7 @@ module amontons_quantity
 
 contains
 
-   !> A number that is found at a place.
+   !> Makes a quantity that occurs at a position.
    pure function at_place(key, label, value, place, scale, dimension) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
@@ -37,7 +37,7 @@ contains
       quantity = quantity_t(key, label, value, scale, dimension=dimension, has_place=.true., place=place)
    end function at_place
 
-   !> Quantities as they stand in files: all of them, then the coordinates of their places.
+   !> Quantities in the order of the files: all of them, then the coordinates of their positions.
    pure function expanded(list) result(all)
       type(quantity_t), intent(in) :: list(:) !! the quantities
       type(quantity_t), allocatable :: all(:)
@@ -56,7 +56,7 @@ contains
       end do
    end function expanded
 
-   !> What the rounding errors of quantities, and of their places, are measured by, in the order of `expanded`.
+   !> Scales of the rounding errors of quantities and of their positions, in the order of `expanded`.
    pure function scales(list)
       type(quantity_t), intent(in) :: list(:) !! the quantities
       real(dp), allocatable :: scales(:)

@@ -1,5 +1,5 @@
-!> Text helpers: numbers to text, text to numbers, words; numbers in long texts, scanned where they are, much faster
-!> than an internal read and rounded as well; and lines of a listing: headings, labels, numbers for reading.
+!> Conversion between numbers and text; words; lines of a listing (headings, labels, rounded numbers). Numbers in long
+!> texts are scanned in place, which is much faster than an internal read, with the same rounding.
 !>
 !> Dimensions of numbers are written in length L and force F: 'L', 'F/L^2', 'F L', 'sqrt(F L)' or ''; a case may name
 !> units for them.
@@ -15,13 +15,13 @@ module amontons_text
       put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, scan_real, &
       scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
 
-   !> A longer exponent is refused: no number of any kind has it.
+   !> Largest number of digits of an exponent; longer ones are refused, since no real of any kind has them.
    integer, parameter :: longest_exponent = 4
-   !> Up to here powers of ten are numbers of kind `dp`, so that one division or product rounds as it must.
+   !> Largest power of ten that a real of kind `dp` holds exactly, so that one division or product is rounded correctly.
    integer, parameter :: largest_power = 22
-   !> Up to here integers are numbers of kind `dp`.
+   !> Largest integer up to which all integers are exact in kind `dp`.
    integer(int64), parameter :: largest_exact = 2_int64**53
-   !> More digits may not fit a long integer.
+   !> Largest number of digits that always fits a 64-bit integer.
    integer, parameter :: most_digits = 18
 
    !> The end of a line.
@@ -32,7 +32,7 @@ module amontons_text
       module procedure :: integer_to_text, long_to_text, real_to_text
    end interface to_text
 
-   !> Most characters of such a text: '-1.2345678901234567e-308'.
+   !> Largest length of such a text: '-1.2345678901234567e-308'.
    integer, parameter :: longest_decimal = 24
 
    ! allow(assumed-size, C072): C takes an address and knows no shape
@@ -56,7 +56,7 @@ module amontons_text
 
 contains
 
-   !> Whether a word ends before a position: the text is over, or a blank, a comma or the end of a line stands there.
+   !> Whether a word ends before a position: there is the end of the text, a blank, a comma or the end of a line.
    pure logical function ends_word(text, position)
       character(*), intent(in) :: text !! any text
       integer, intent(in) :: position !! the position, positive
@@ -73,7 +73,7 @@ contains
       end select
    end function ends_word
 
-   !> The digit at a position, negative or larger than 9 where there is none.
+   !> The digit at a position; negative or larger than 9 if there is no digit.
    pure integer function digit_at(text, position) result(digit)
       character(*), intent(in) :: text !! any text
       integer, intent(in) :: position !! the position, positive
@@ -82,7 +82,7 @@ contains
       if (position <= len(text)) digit = iachar(text(position:position)) - iachar('0')
    end function digit_at
 
-   !> Moves over a sign.
+   !> Skips a sign and reports it.
    pure subroutine scan_sign(text, position, is_negative)
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: position !! where a sign may stand; behind it on return
@@ -94,7 +94,7 @@ contains
       if (is_negative .or. text(position:position) == '+') position = position + 1
    end subroutine scan_sign
 
-   !> Scans a whole word as an integer.
+   !> Scans a word that must be an integer.
    pure subroutine scan_integer(text, position, value, ok)
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: position !! where the word begins; behind it on success
@@ -122,7 +122,8 @@ contains
       position = at
    end subroutine scan_integer
 
-   !> Scans a whole word as a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`; no number, however small, is taken for 0.
+   !> Scans a word that must be a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`; a number too small for kind `dp` is
+   !> refused, not read as 0.
    pure subroutine scan_real(text, position, value, ok)
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: position !! where the word begins; behind it on success
@@ -174,7 +175,7 @@ contains
       if (ok) position = at
    end subroutine scan_real
 
-   !> Scans digits with at most one point among them.
+   !> Scans digits with at most one decimal point among them.
    pure subroutine scan_mantissa(text, at, mantissa, power, is_exact, ok)
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: at !! where the digits begin; behind them
@@ -210,7 +211,7 @@ contains
       end do
    end subroutine scan_mantissa
 
-   !> The last character of a line, before the end of the line or of the text.
+   !> Position of the last character of a line, before the newline or the end of the text.
    pure integer function line_end(text, first)
       character(*), intent(in) :: text !! the text
       integer, intent(in) :: first !! where the line begins
@@ -219,7 +220,7 @@ contains
       if (line_end < first - 1) line_end = len(text)
    end function line_end
 
-   !> A number of things in words: `1 node`, `2 nodes`.
+   !> A count with its noun: `1 node`, `2 nodes`.
    pure function counted(n, noun) result(text)
       integer, intent(in) :: n !! how many
       character(*), intent(in) :: noun !! name of one
@@ -284,8 +285,8 @@ contains
       text = buffer(2:length)
    end function comma_separated
 
-   !> Reads reals with commas between them. The text is only looked at, since copies of a long line, which an array
-   !> constructor or a comma put behind it would need, overflow flang's stack.
+   !> Reads reals separated by commas. The text is not copied: copies of a long line, which an array constructor or a
+   !> comma appended to it would make, overflow flang's stack.
    pure subroutine read_reals(text, values, ok)
       character(*), intent(in) :: text !! the text
       real(dp), allocatable, intent(out) :: values(:) !! the numbers
@@ -307,7 +308,7 @@ contains
       end do
    end subroutine read_reals
 
-   !> Puts a piece behind what a text holds so far.
+   !> Appends a piece to the used part of a text.
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_text(text, length, piece)
       character(*), intent(inout) :: text !! the text, with room for the piece
@@ -318,7 +319,7 @@ contains
       length = length + len(piece)
    end subroutine put_text
 
-   !> Puts an integer behind what a text holds so far: the runtime's `i0` takes twenty times as long.
+   !> Appends an integer to the used part of a text; twenty times as fast as the format `i0` of the runtime library.
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_integer(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for 11 characters more
@@ -339,7 +340,7 @@ contains
       call put_text(text, length, digits(first:))
    end subroutine put_integer
 
-   !> Puts numbers behind what a text holds so far, a comma before each.
+   !> Appends numbers to the used part of a text, each after a comma.
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimals(text, length, values)
       character(*), intent(inout) :: text !! the text, with room for 25 characters more for each number
@@ -353,7 +354,7 @@ contains
       end do
    end subroutine put_decimals
 
-   !> Lines one behind the other, without the blanks that pad them, each with its end.
+   !> Lines joined to one text, without trailing blanks, each with a newline.
    pure function as_lines(lines) result(text)
       character(*), intent(in) :: lines(:) !! the lines, blank padded
       character(:), allocatable :: text
@@ -437,7 +438,7 @@ contains
       if (.not. ok) value = 0.0_dp
    end subroutine read_real
 
-   !> The word of a list that is nearest to a misspelt one, or an empty text where none is near.
+   !> The word of a list with the smallest edit distance to a misspelt word; empty if none is near.
    pure function nearest_word(word, words) result(nearest)
       character(*), intent(in) :: word !! the word as written
       character(*), intent(in) :: words(:) !! the words known, blank padded
@@ -513,7 +514,7 @@ contains
       if (.not. (may_follow .and. all([(continues(text(i:i)), i=2, width)]))) width = 0
    end function utf_8_width
 
-   !> Whether a byte is one that UTF-8 goes on with behind the first one.
+   !> Whether a byte is a continuation byte of UTF-8.
    pure logical function continues(byte)
       character, intent(in) :: byte !! the byte
 
@@ -536,7 +537,7 @@ contains
       value = replaced(replaced(replaced(text, '&', '&amp;'), '<', '&lt;'), '"', '&quot;')
    end function xml_escaped
 
-   !> Puts a number behind what a text holds so far: 0.1, 1250.0 or 1.25e-11, valid in JSON and in a namelist.
+   !> Appends a real to the used part of a text: 0.1, 1250.0 or 1.25e-11, valid in JSON and in a namelist.
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimal(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for `longest_decimal` characters more
@@ -557,7 +558,7 @@ contains
       text = newline//title//newline//repeat('-', n_characters(title))//newline
    end function heading
 
-   !> A line of the listing: a label and what belongs to it.
+   !> A line of the listing: a label and its value.
    pure function labeled(label, value) result(text)
       character(*), intent(in) :: label !! the label
       character(*), intent(in) :: value !! what belongs to it
@@ -576,7 +577,7 @@ contains
       text = '('//place_text(values)//')'
    end function pair_text
 
-   !> Coordinates, for reading, without brackets around them.
+   !> Coordinates with at most seven digits, without brackets.
    pure function place_text(position) result(text)
       real(dp), intent(in) :: position(2) !! the coordinates [L]
       character(:), allocatable :: text
@@ -592,7 +593,7 @@ contains
       text = to_short_text(value, 7)
    end function short_text
 
-   !> A number with at most three digits, for what matters by its size alone.
+   !> A number with at most three digits, for residuals and other numbers of which only the size matters.
    pure function scientific(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
@@ -600,7 +601,7 @@ contains
       text = to_short_text(value, 3)
    end function scientific
 
-   !> Numbers with at most six digits, each at the right end of a column or, if it needs it, of a wider one.
+   !> Numbers with at most six digits, right-aligned in columns; a column is widened if its number needs it.
    pure function columns(values, width) result(text)
       real(dp), intent(in) :: values(:) !! the numbers
       integer, intent(in) :: width !! width of a column
@@ -613,7 +614,7 @@ contains
       end do
    end function columns
 
-   !> A text moved to the right end of a column.
+   !> A text right-aligned in a column.
    pure function flush_right(value, width) result(text)
       character(*), intent(in) :: value !! the text
       integer, intent(in) :: width !! width of the column
@@ -622,7 +623,7 @@ contains
       text = repeat(' ', max(0, width - n_characters(value)))//value
    end function flush_right
 
-   !> The unit of a dimension; empty where the case names no units or the number has no dimension.
+   !> The unit of a dimension; empty if the case names no units or the number has no dimension.
    pure function unit_of(units, dimension) result(unit)
       character(*), intent(in) :: units !! names of the units of length, force and, perhaps, stress: 'mm, N, MPa'
       character(*), intent(in) :: dimension !! the dimension
@@ -650,7 +651,7 @@ contains
       end do
    end function unit_of
 
-   !> A text with the unit of its number behind it, a blank between them; without a unit the text alone.
+   !> A text followed by a blank and the unit of its number; the text alone if there is no unit.
    pure function with_unit(text, units, dimension) result(labeled)
       character(*), intent(in) :: text !! the text
       character(*), intent(in) :: units !! names of the units of a case

@@ -60,7 +60,7 @@ contains
       end do
    end function text_of_c
 
-   !> Puts a text into the room that a C program offers, cut if need be, with a zero behind it.
+   !> Copies a text to the buffer of a C program, truncated if necessary, and terminates it with a null character.
    pure subroutine put_c_text(text, size, c_text)
       character(*), intent(in) :: text !! the text
       integer(c_int), intent(in) :: size !! the room, zero included; nothing is written if there is none
@@ -313,7 +313,7 @@ contains
       call end_call()
    end function amontons_step
 
-   !> Tells where the contact points of a stepper are.
+   !> Returns positions, weights and areas of the contact points of a stepper.
    subroutine amontons_stepper_points(stepper, n_points, points) bind(c, name='amontons_stepper_points')
       type(c_ptr), value, intent(in) :: stepper !! the stepper
       integer(c_int), value, intent(in) :: n_points !! number of contact points
@@ -326,7 +326,7 @@ contains
       end associate
    end subroutine amontons_stepper_points
 
-   !> Gives a stepper up.
+   !> Frees a stepper.
    subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')
       type(c_ptr), value, intent(in) :: stepper !! the stepper; null for none
       type(load_stepper_t), pointer :: made
