@@ -1,10 +1,10 @@
-!> Condensation of a symmetric positive definite system, the seam between contact and the library that factorizes a
-!> body; and condensation by a Cholesky factor with the Schur variables eliminated last, whatever library makes the
+!> Condensation of a symmetric positive definite system, the interface between contact and the library that factorizes a
+!> body; and condensation by a Cholesky factor with the Schur variables eliminated last, whatever library computes the
 !> factor.
 !>
 !> The Schur variables c are the last unknowns of the matrix K, the interior i are the others. A condenser makes S =
 !> K_cc - K_ci K_ii^-1 K_ic, for any load b the condensed load q = b_c - K_ci K_ii^-1 b_i, and from the Schur variables
-!> v, given or found by S v = q, all unknowns. How and where it keeps its factors is its own affair.
+!> v, given or found by S v = q, all unknowns. How and where it stores its factors is private to it.
 !>
 !> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the Schur variables last. The last block of
 !> L is the Cholesky factor of the Schur complement S, and a forward substitution that stops before this block leaves
@@ -22,7 +22,7 @@ module amontons_condenser
 
    public :: cholesky_t, condenser_t
 
-   !> A condenser. What comes after `complete` only reads it, so several threads may use one at the same time.
+   !> A condenser. Procedures called after `complete` only read it, so several threads may use it at the same time.
    type, abstract :: condenser_t
       character(:), allocatable :: name !! The word for its kind; like all that follows, known after `analyze`.
       integer :: n = 0 !! Number of unknowns.
@@ -74,8 +74,8 @@ module amontons_condenser
          real(dp), intent(out) :: q(:) !! the condensed load, Schur variables in matrix order (n_schur)
       end subroutine condense
 
-      !> All unknowns from the Schur variables under several loads, K_ii x_i = b_i - K_ic v, with one pass over the
-      !> factor.
+      !> Computes all unknowns from the Schur variables under several loads, K_ii x_i = b_i - K_ic v, with one pass over
+      !> the factor.
       subroutine expand_all(self, partial, v, x)
          import :: condenser_t, dp
          implicit none (type, external)
@@ -116,8 +116,8 @@ module amontons_condenser
    end type cholesky_t
 
    abstract interface
-      !> Orders a matrix and finds the size of its factor. Takes what it needs of the matrix, which the caller may give
-      !> up before `complete`.
+      !> Orders a matrix and finds the size of its factor. Copies what it needs of the matrix, so that the caller may
+      !> deallocate it before `complete`.
       subroutine analyze(self, matrix, n_schur, error)
          import :: cholesky_t, error_t, sparse_matrix_t
          implicit none (type, external)
@@ -127,7 +127,7 @@ module amontons_condenser
          type(error_t), allocatable, intent(out) :: error !! memory ran out
       end subroutine analyze
 
-      !> Does the steps of a forward substitution that belong to the first columns of L.
+      !> Performs the steps of a forward substitution that belong to the first columns of L.
       subroutine substitute_forward(self, n_steps, y)
          import :: cholesky_t, dp
          implicit none (type, external)
@@ -136,8 +136,8 @@ module amontons_condenser
          real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       end subroutine substitute_forward
 
-      !> Does the steps of backward substitutions that belong to the first columns of L. What keeps its columns in
-      !> blocks reads them once for all vectors.
+      !> Performs the steps of backward substitutions that belong to the first columns of L, for several vectors. An
+      !> implementation with blocks of columns reads each block once for all vectors.
       subroutine substitute_backward(self, n_steps, y)
          import :: cholesky_t, dp
          implicit none (type, external)
@@ -158,7 +158,7 @@ module amontons_condenser
 
 contains
 
-   !> All unknowns from the Schur variables under one load.
+   !> Computes all unknowns from the Schur variables under one load.
    subroutine condenser_expand(self, partial, v, x)
       class(condenser_t), intent(in) :: self !! the condenser
       real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
@@ -178,8 +178,8 @@ contains
       condenser_memory_mb = 8.0e-6_dp*real(self%n_factor_entries + self%n_work_entries, dp)
    end function condenser_memory_mb
 
-   !> Refuses a factor that the memory cannot hold, before anything is allocated for it. What the analysis has freed
-   !> goes back to the system first.
+   !> Refuses a factor that does not fit in memory, before anything is allocated for it. Memory freed after the analysis
+   !> is first returned to the system.
    subroutine condenser_check_memory(self, error)
       class(condenser_t), intent(in) :: self !! the condenser, the matrix analyzed
       type(error_t), allocatable, intent(out) :: error !! not enough memory
@@ -191,8 +191,8 @@ contains
          to_text(nint(available_memory_mb(), int64))//' MB are available')
    end subroutine condenser_check_memory
 
-   !> Estimates the condition number in the 1-norm with four or five solutions, by Higham's estimator of the norm of the
-   !> inverse: a bound from below, rarely less than a third of the number.
+   !> Estimates the condition number in the 1-norm from four or five solutions, by Higham's estimator of the norm of
+   !> the inverse: a lower bound, rarely less than a third of the number.
    real(dp) function condenser_condition(self) result(condition)
       class(condenser_t), intent(in) :: self !! the condenser, complete
       real(dp), allocatable :: v(:), x(:), y(:)
@@ -291,7 +291,8 @@ contains
       q(self%schur_order) = partial(n_interior + 1:)
    end subroutine cholesky_condense
 
-   !> All unknowns from the Schur variables by the backward substitution of the interior, with one pass over the factor.
+   !> Computes all unknowns from the Schur variables by the backward substitution of the interior, with one pass over
+   !> the factor.
    subroutine cholesky_expand_all(self, partial, v, x)
       class(cholesky_t), intent(in) :: self !! the factorization
       real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
@@ -307,7 +308,7 @@ contains
       x(self%order, :) = work
    end subroutine cholesky_expand_all
 
-   !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
+   !> Refuses a factor with pivots as small as rounding errors: its matrix is singular.
    pure subroutine cholesky_check_pivots(self, pivots, error)
       class(cholesky_t), intent(inout) :: self !! the factorization
       real(dp), intent(in) :: pivots(:) !! the diagonal of L by position (n)

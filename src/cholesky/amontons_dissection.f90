@@ -30,14 +30,14 @@ module amontons_dissection
          !! first position of the domain of the separator that ends at each position (n supervariables)
    end type dissection_t
 
-   !> Where a supervariable of a domain lies.
+   !> The part of a domain in which a supervariable lies: before the cut, beyond it, or in the separator.
    integer, parameter :: before = 1, beyond = 2, separator = 3
    !> Domains of at most so many supervariables are not cut any further; measured: larger ones cost fill, smaller ones
    !> time.
    integer, parameter :: leaf_size = 8
    !> Domains of more supervariables are a task for a thread of its own.
    integer, parameter :: task_size = 4000
-   !> What distance between places is taken for rounding errors, relative to the box around them.
+   !> Distance between positions that is taken for a rounding error, relative to the bounding box.
    real(dp), parameter :: margin = 1.0e-9_dp
 
    !> Blocks of at most so many columns are faster without BLAS, whose calls have a lock for all threads; measured.
@@ -117,7 +117,8 @@ contains
       !$omp taskwait
    end subroutine dissect
 
-   !> Splits a domain at a cut; the separator, what is left, comes last and is never empty.
+   !> Splits a domain at a cut into the part before it, the part beyond it and the separator between them, which is
+   !> never empty.
    subroutine split(graph, place, side, domain, n_before, n_beyond)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
@@ -170,7 +171,7 @@ contains
       if (all(side(domain) /= separator)) side(last) = separator
    end subroutine mark_separator
 
-   !> Whether a supervariable couples to one on a given side.
+   !> Whether a supervariable is coupled to one on a given side.
    pure logical function couples(graph, side, item, with)
       type(graph_t), intent(in) :: graph !! the graph
       integer, intent(in) :: side(:) !! the side of each supervariable
@@ -185,7 +186,7 @@ contains
       couples = .false.
    end function couples
 
-   !> Cuts a set of places at the median of the coordinate that varies most.
+   !> Cuts a set of positions at the median of the coordinate with the largest range.
    pure subroutine cut_places(place, is_before)
       real(dp), intent(in) :: place(:, :) !! the places (2, n) [L]
       logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none at one place (n)
@@ -204,7 +205,7 @@ contains
       if (all(is_before)) is_before = place(across, :) < cut
    end subroutine cut_places
 
-   !> The number in the middle of a list.
+   !> The median of a list of numbers.
    pure real(dp) function median(numbers)
       real(dp), intent(in) :: numbers(:) !! the list, not empty
       real(dp), allocatable :: list(:)
@@ -240,7 +241,7 @@ contains
       median = list(middle)
    end function median
 
-   !> Does the forward steps of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
+   !> Performs the forward substitution of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
    pure subroutine forward_columns(n_rows, n_columns, l, x)
       integer, intent(in) :: n_rows !! how many rows, those of L_11 first
       integer, intent(in) :: n_columns !! how many columns
@@ -260,8 +261,8 @@ contains
       end do
    end subroutine forward_columns
 
-   !> Does the backward steps of some columns, x_1 := L_11^-T (x_1 - L_21^T x_2), for several vectors, with one pass
-   !> over the columns.
+   !> Performs the backward substitution of some columns, x_1 := L_11^-T (x_1 - L_21^T x_2), for several vectors, with
+   !> one pass over the columns.
    pure subroutine backward_columns(n_rows, n_columns, n_vectors, l, x)
       integer, intent(in) :: n_rows !! how many rows, those of L_11 first
       integer, intent(in) :: n_columns !! how many columns
@@ -452,8 +453,8 @@ contains
 
    end subroutine list_structures
 
-   !> Finds what waits on the stacks of substitutions. The second child is done while the vector of the first one waits;
-   !> large children are done apart.
+   !> Finds the sizes of the stacks on which vectors of substitutions wait. The vector of the first child waits while
+   !> the second child is processed; large children are processed on threads with stacks of their own.
    pure subroutine size_stacks(fronts)
       type(fronts_t), intent(inout) :: fronts !! gains the sizes
       integer :: k, n
@@ -471,7 +472,7 @@ contains
       end do
    end subroutine size_stacks
 
-   !> Turns the rows of a matrix in the order of elimination into rows of the fronts that its columns belong to.
+   !> Converts the rows of a matrix in the order of elimination to rows of the fronts that its columns belong to.
    pure subroutine fronts_find_rows(self, matrix)
       class(fronts_t), intent(in) :: self !! the fronts
       type(sparse_matrix_t), intent(inout) :: matrix !! the matrix; its rows are positions, and rows of fronts on return

@@ -33,7 +33,7 @@ module amontons_multifrontal
    !> So many columns are factorized at once.
    integer, parameter :: few = 24
 
-   !> What a front leaves to its parent.
+   !> The contribution block of a front, which is added to its parent.
    type :: contribution_t
       real(dp), allocatable :: s(:) !! the contribution block (contribution_size(n_structure))
       integer :: refused = 0 !! position of the first pivot that was not positive, here or below; 0 for none
@@ -55,14 +55,14 @@ module amontons_multifrontal
 
 contains
 
-   !> How many numbers a contribution block has.
+   !> Number of entries of a contribution block.
    pure integer(int64) function contribution_size(n_structure)
       integer, intent(in) :: n_structure !! number of unknowns in the row structure
 
       contribution_size = row_0(n_structure, n_structure) + n_structure
    end function contribution_size
 
-   !> Where row 0 of a column of a contribution block would be.
+   !> Position that row 0 of a column of a contribution block would have.
    pure integer(int64) function row_0(n, j)
       integer, intent(in) :: n !! order of the contribution block
       integer, intent(in) :: j !! number of the column
@@ -103,7 +103,7 @@ contains
       end do
    end subroutine add_to_contribution
 
-   !> Where the run of consecutive rows ends that each row is in.
+   !> For each row the end of the run of consecutive rows that it belongs to.
    pure function run_ends(row) result(run_end)
       integer, intent(in) :: row(:) !! the rows
       integer :: run_end(size(row))
@@ -137,7 +137,8 @@ contains
       end do
    end subroutine add_column
 
-   !> Factorizes the pivot columns, L_11 L_11^T = F_pp and L_21 = F_bp L_11^-T, and leaves -L_21 L_21^T.
+   !> Factorizes the pivot columns, L_11 L_11^T = F_pp and L_21 = F_bp L_11^-T, and computes the contribution block
+   !> -L_21 L_21^T.
    pure subroutine eliminate_pivots(n_rows, n_pivots, block, s, info)
       integer, intent(in) :: n_rows !! number of rows
       integer, intent(in) :: n_pivots !! number of pivot columns
@@ -164,8 +165,8 @@ contains
       end do
    end subroutine eliminate_pivots
 
-   !> Factorizes columns: the left half, what it does to the right half, the right half. Most of the work is products of
-   !> matrices that way, which a BLAS does faster than it solves with a triangle.
+   !> Factorizes columns recursively: the left half, its update of the right half, the right half. Most of the work is
+   !> then products of matrices, which are the fastest operations of a BLAS.
    pure recursive subroutine factorize_columns(ld, n_rows, n, l, info)
       integer, intent(in) :: ld !! distance between columns
       integer, intent(in) :: n_rows !! number of rows
@@ -188,7 +189,7 @@ contains
       if (info > 0) info = info + half
    end subroutine factorize_columns
 
-   !> Does the forward steps of a front, those of its descendants first.
+   !> Performs the forward substitution of a front after that of its descendants.
    recursive subroutine forward_subtree(fronts, value, k, n_steps, y, gain)
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
@@ -221,7 +222,7 @@ contains
       gain = stack(:top)
    end subroutine forward_subtree
 
-   !> Does the forward steps of one front.
+   !> Performs the forward substitution of one front.
    subroutine forward_front(fronts, value, k, n_steps, y, stack, top)
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
@@ -256,7 +257,7 @@ contains
       end associate
    end subroutine forward_front
 
-   !> Does the backward steps of a front, and then those of its descendants, for several vectors at once.
+   !> Performs the backward substitution of a front and then that of its descendants, for several vectors at once.
    recursive subroutine backward_subtree(fronts, value, k, n_steps, y, known)
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
@@ -288,7 +289,7 @@ contains
       end if
    end subroutine backward_subtree
 
-   !> Does the backward steps of one front.
+   !> Performs the backward substitution of one front.
    subroutine backward_front(fronts, value, k, n_steps, y, stack, top)
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
@@ -348,8 +349,8 @@ contains
       call count_work(self)
    end subroutine multifrontal_analyze
 
-   !> Adds up the operations, and the numbers that are held for a while: contribution blocks that wait for their parents
-   !> when the two children of the root are worked on at the same time. More threads need little more, since subtrees
+   !> Counts the operations, and the entries that are held temporarily: contribution blocks that wait for their parents
+   !> while the two children of the root are processed at the same time. More threads need little more, since subtrees
    !> shrink as their number grows.
    subroutine count_work(self)
       type(multifrontal_t), intent(inout) :: self !! the factorization, its fronts known
@@ -412,7 +413,7 @@ contains
       end associate
    end subroutine multifrontal_complete
 
-   !> Fills the blocks with the columns of the matrix.
+   !> Sets the blocks of the fronts to the entries of the matrix.
    subroutine fill(fronts, matrix, value)
       type(fronts_t), intent(in) :: fronts !! the fronts
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix on the rows of the fronts
@@ -434,7 +435,7 @@ contains
       !$omp end parallel do
    end subroutine fill
 
-   !> Eliminates the pivots of a front, those of its descendants first; the root is only put together.
+   !> Eliminates the pivots of a front after those of its descendants; the root is only assembled.
    recursive subroutine eliminate_subtree(fronts, k, value, contributions)
       type(fronts_t), intent(in) :: fronts !! the fronts
       integer, intent(in) :: k !! number of the front
@@ -460,7 +461,7 @@ contains
       call eliminate_front(fronts, k, value, contributions)
    end subroutine eliminate_subtree
 
-   !> Adds to the matrix of a front what its children have left, and eliminates its pivots, but not those of the root.
+   !> Adds the contribution blocks of its children to a front, and eliminates its pivots; those of the root are left.
    subroutine eliminate_front(fronts, k, value, contributions)
       type(fronts_t), intent(in) :: fronts !! the fronts
       integer, intent(in) :: k !! number of the front
@@ -515,7 +516,7 @@ contains
       end do
    end function pivots
 
-   !> Does the forward steps of the first columns.
+   !> Performs the forward substitution of the first columns.
    subroutine multifrontal_substitute_forward(self, n_steps, y)
       class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
@@ -524,7 +525,7 @@ contains
       call substitute(self, .true., n_steps, 1, y)
    end subroutine multifrontal_substitute_forward
 
-   !> Does the backward steps of the first columns, with one pass over the factor.
+   !> Performs the backward substitution of the first columns, with one pass over the factor.
    subroutine multifrontal_substitute_backward(self, n_steps, y)
       class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
@@ -533,7 +534,7 @@ contains
       call substitute(self, .false., n_steps, size(y, 2), y)
    end subroutine multifrontal_substitute_backward
 
-   !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
+   !> Performs the forward or backward substitution of the first columns, large subtrees as tasks for other threads.
    subroutine substitute(self, is_forward, n_steps, n_vectors, y)
       type(multifrontal_t), intent(in) :: self !! the factorization
       logical, intent(in) :: is_forward !! whether the steps are those with L, of one vector; else with its transpose

@@ -1,5 +1,5 @@
-!> The choice of a factorization, by name or by what the matrix would cost; and the plain and quick way for small
-!> problems: band Cholesky by LAPACK.
+!> The choice of a factorization, by name or by the expected cost; and band Cholesky by LAPACK, the simplest and fastest
+!> one for small problems.
 module amontons_new_cholesky
    use amontons_condenser, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
@@ -32,10 +32,10 @@ module amontons_new_cholesky
    character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'multifrontal', 'sparse', &
       'distributed', 'substructured']
 
-   !> Number of operations of a band factorization up to which it is the quicker one; measured on squares, where it
-   !> meets the multifrontal one at about 4 000 unknowns.
+   !> Largest number of operations for which the band factorization is faster; measured on squares, where both take the
+   !> same time at about 4 000 unknowns.
    real(dp), parameter :: most_band_operations = 3.0e7_dp
-   !> Number of unknowns beyond which the width of the band is not even looked at.
+   !> Largest number of unknowns for which the bandwidth is computed at all.
    integer, parameter :: most_band_unknowns = 10000
 
 contains
@@ -87,7 +87,7 @@ contains
       end if
    end subroutine band_complete
 
-   !> Does the forward steps of the first columns.
+   !> Performs the forward substitution of the first columns.
    subroutine band_substitute_forward(self, n_steps, y)
       class(band_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
@@ -101,7 +101,7 @@ contains
       end do
    end subroutine band_substitute_forward
 
-   !> Does the backward steps of the first columns.
+   !> Performs the backward substitution of the first columns.
    subroutine band_substitute_backward(self, n_steps, y)
       class(band_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
@@ -131,8 +131,8 @@ contains
       end do
    end subroutine band_schur_factor
 
-   !> Makes a factorization of a kind and has it analyze a matrix: everything that needs the matrix. What is left is
-   !> `check_memory` and `complete`.
+   !> Makes a factorization of a kind and has it analyze a matrix. `check_memory` and `complete` follow, which need the
+   !> matrix no more.
    subroutine new_cholesky(cholesky, kind, matrix, n_schur, error)
       class(cholesky_t), allocatable, intent(out) :: cholesky !! the factorization
       character(*), intent(in) :: kind !! one of `factorization_names`

@@ -22,7 +22,7 @@ contains
          "without it (AMONTONS_SUITESPARSE=OFF); choose 'auto', 'band' or 'multifrontal'")
    end subroutine new_sparse_cholesky
 
-   !> What takes the place of SuiteSparse's versions.
+   !> The text that replaces SuiteSparse's versions in --version.
    pure function suitesparse_text() result(text)
       character(:), allocatable :: text
 

@@ -1,5 +1,5 @@
-!> Sparse Cholesky by CHOLMOD's supernodal method, in the order of CAMD: the route of other authors, with another method
-!> and another order, to which the program's own ones are compared.
+!> Sparse Cholesky by CHOLMOD's supernodal method in the order of CAMD: an independent implementation with another
+!> method and another order, to which the program's own ones are compared.
 module amontons_suitesparse
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_int, c_int64_t, c_null_char, c_null_ptr, &
       c_ptr
@@ -41,7 +41,7 @@ module amontons_suitesparse
       final :: sparse_free
    end type sparse_cholesky_t
 
-   !> What CHOLMOD hands over of a factor.
+   !> The factor as CHOLMOD returns it.
    type, bind(c) :: supernodes_t
       integer(c_int64_t) :: n_supernodes !! Number of supernodes.
       integer(c_int64_t) :: n_entries !! Number of stored entries.
@@ -230,7 +230,7 @@ contains
       end do
    end function pivots
 
-   !> Does the forward steps of the first columns.
+   !> Performs the forward substitution of the first columns.
    subroutine sparse_substitute_forward(self, n_steps, y)
       class(sparse_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
@@ -253,7 +253,7 @@ contains
       end do
    end subroutine sparse_substitute_forward
 
-   !> Does the backward steps of the first columns.
+   !> Performs the backward substitution of the first columns.
    subroutine sparse_substitute_backward(self, n_steps, y)
       class(sparse_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
@@ -314,7 +314,7 @@ contains
       end do
    end subroutine sparse_schur_factor
 
-   !> Gives CHOLMOD's memory back.
+   !> Frees the memory of CHOLMOD.
    subroutine sparse_free(self)
       type(sparse_cholesky_t), intent(inout) :: self !! the factorization
 
