@@ -47,7 +47,7 @@ module amontons_contact_cells
 
 contains
 
-   !> Cuts a line into cells and integrates over them.
+   !> Cuts a contact line into cells and integrates over them.
    pure subroutine new_contact_cells(cells, body, set, line, partition, direction, error)
       type(contact_cells_t), intent(out) :: cells !! the cells
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
@@ -84,7 +84,7 @@ contains
       end do
    end subroutine new_contact_cells
 
-   !> Cuts each piece of the line into cells.
+   !> Cuts each connected piece of a contact line into cells, by arc length along the line.
    pure subroutine cut_line(cells, sides, coordinates, partition, error)
       type(contact_cells_t), intent(inout) :: cells
          !! gains the number of cells, how they follow each other and their parts of the sides
@@ -145,7 +145,7 @@ contains
       end do
    end subroutine cut_line
 
-   !> Length of a side from its first corner to a place on it [L].
+   !> Length of a side from its first corner to a local coordinate on it [L].
    pure real(dp) function length_up_to(side, coordinates, place) result(length)
       integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
@@ -156,7 +156,7 @@ contains
       length = sum(norm2(geometry%along, dim=1))
    end function length_up_to
 
-   !> The place on a side at a length from its first corner, by halving [-].
+   !> The local coordinate on a side at a length from its first corner, by bisection [-].
    pure real(dp) function place_at(side, coordinates, length) result(place)
       integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
@@ -173,7 +173,7 @@ contains
       end do
    end function place_at
 
-   !> Areas, centers, normals, rows and quadrature points of the cells.
+   !> Computes areas, centers, normals, rows and quadrature points of the cells.
    pure subroutine integrate(cells, sides, body, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
@@ -235,7 +235,7 @@ contains
       call cells%rows%set_tangents()
    end subroutine integrate
 
-   !> Makes cells the points of a pair, in the place of corners: not those that face nothing.
+   !> Replaces the corners of a pair by cells as its points; cells that face no master are left out.
    pure subroutine choose_cells(pair, partition, body, error)
       type(mortar_pair_t), intent(inout) :: pair !! the pair
       type(cell_partition_t), intent(in) :: partition !! how to cut it

@@ -1,13 +1,14 @@
-!> The rows of the contact matrix C = (N; T), section 2 of the paper: which nodal displacements make up the displacement
-!> of a contact point.
+!> The rows of the contact matrix C = (N; T), section 2 of the paper: the displacement of a contact point as a sum over
+!> nodal displacements.
 !>
-!> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times
-!> the share of the node; the tangential one the same sum with the parts turned by a right angle, unless it has shares
-!> of its own. A node that is a contact point itself has one part, its normal, and others where it stands for a corner
-!> beside it, too; a cell of constant multipliers has one for each node of its sides.
+!> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times the
+!> share of the node. The tangential one is the same sum with the parts turned by a right angle, unless `tangent` has
+!> shares of its own. A node that is a contact point itself has one part, its normal, and further ones if it also
+!> represents a corner beside it; a cell of constant multipliers has one part for each node of its sides.
 !>
-!> Beside them is where gap, friction and slip bound of the points are measured: a node at itself, a cell at its
-!> quadrature points. In both lists each point has a range: that of point p goes from `start(p)` to `start(p + 1) - 1`.
+!> The quadrature points are the positions where gap, friction and slip bound of the points are evaluated: the node
+!> itself, or the quadrature points of a cell. In both lists the entries of point p are those from `start(p)` to
+!> `start(p + 1) - 1`.
 module amontons_contact_rows
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -15,7 +16,8 @@ module amontons_contact_rows
 
    public :: contact_quadrature_t, contact_rows_t, picked_places, turned
 
-   !> The parts of all points, those of point p from `start(p)` to `start(p + 1) - 1`; a node may occur more than once.
+   !> The rows of all points; the parts of point p are those from `start(p)` to `start(p + 1) - 1`, and a node may occur
+   !> several times.
    type :: contact_rows_t
       integer, allocatable :: start(:) !! first part of each point, and one beyond the last (m + 1)
       integer, allocatable :: node(:) !! node of each part (parts)
@@ -33,7 +35,7 @@ module amontons_contact_rows
       procedure :: set_tangents => contact_rows_set_tangents
    end type contact_rows_t
 
-   !> The quadrature points of all points, those of point p from `start(p)` to `start(p + 1) - 1`.
+   !> The quadrature points of all points; those of point p are the ones from `start(p)` to `start(p + 1) - 1`.
    type :: contact_quadrature_t
       integer, allocatable :: start(:) !! first quadrature point of each point, and one beyond the last (m + 1)
       real(dp), allocatable :: position(:, :) !! coordinates (2, quadrature points) [L]
@@ -52,7 +54,7 @@ module amontons_contact_rows
 
 contains
 
-   !> A vector turned by a right angle: the tangent of a normal.
+   !> A vector turned counterclockwise by a right angle: the tangent of a normal.
    pure function turned(vector)
       real(dp), intent(in) :: vector(2) !! the vector
       real(dp) :: turned(2)
@@ -60,7 +62,7 @@ contains
       turned = [-vector(2), vector(1)]
    end function turned
 
-   !> Gives the nodes the same shares in the tangential displacements as in the normal ones.
+   !> Sets the tangential parts to the normal ones turned by a right angle.
    pure subroutine contact_rows_set_tangents(self)
       class(contact_rows_t), intent(inout) :: self !! the rows
       integer :: i
@@ -70,7 +72,7 @@ contains
       end do
    end subroutine contact_rows_set_tangents
 
-   !> Adds the points of other rows behind those that are there.
+   !> Appends the rows of other points.
    pure subroutine contact_rows_add(self, others)
       class(contact_rows_t), intent(inout) :: self !! the rows
       type(contact_rows_t), intent(in) :: others !! the rows to add
@@ -97,7 +99,7 @@ contains
       picked%around = self%around(places)
    end function contact_rows_picked
 
-   !> Makes one part of all parts that a node has in the displacement of a point, and leaves out those of 0.
+   !> Merges the parts of a point that have the same node, and removes parts that are 0.
    pure subroutine contact_rows_merge_nodes(self)
       class(contact_rows_t), intent(inout) :: self !! the rows, their tangents not set yet
       integer :: p, i, k, n, first
@@ -123,7 +125,8 @@ contains
       self%part = self%part(:, :n)
    end subroutine contact_rows_merge_nodes
 
-   !> C u: normal displacements of all points, then the tangential ones, those around the axis last (components m).
+   !> C u: normal displacements of all points, then the tangential ones, at last those around the axis (components m)
+   !> [L].
    pure function contact_rows_displacement(self, field) result(displacement)
       class(contact_rows_t), intent(in) :: self !! the rows
       real(dp), intent(in) :: field(:, :) !! displacement of all nodes (components, n_nodes) [L]
@@ -166,7 +169,7 @@ contains
       end do
    end function contact_rows_forces
 
-   !> Adds those of other points behind those that are there.
+   !> Appends the quadrature points of other points.
    pure subroutine contact_quadrature_add(self, others)
       class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
       type(contact_quadrature_t), intent(in) :: others !! the quadrature points to add
@@ -199,7 +202,7 @@ contains
       picked%share = self%share(places)
    end function contact_quadrature_picked
 
-   !> Where ranges of given sizes begin that follow each other, and one beyond the last.
+   !> First places of consecutive ranges of given sizes, and one beyond the last range.
    pure function starts(sizes) result(start)
       integer, intent(in) :: sizes(:) !! size of the range of each point (m)
       integer :: start(size(sizes) + 1)
@@ -211,7 +214,7 @@ contains
       end do
    end function starts
 
-   !> Makes room for the quadrature points, all numbers 0.
+   !> Allocates the quadrature points, all numbers 0.
    pure subroutine contact_quadrature_begin(self, sizes)
       class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
       integer, intent(in) :: sizes(:) !! how many each point has (m)
@@ -223,7 +226,7 @@ contains
       end associate
    end subroutine contact_quadrature_begin
 
-   !> Makes room for the parts of all points, all numbers 0.
+   !> Allocates the parts of all points, all numbers 0.
    pure subroutine contact_rows_begin(self, sizes)
       class(contact_rows_t), intent(inout) :: self !! the rows
       integer, intent(in) :: sizes(:) !! how many each point has (m)
@@ -233,7 +236,7 @@ contains
       allocate (self%part(2, sum(sizes)), self%tangent(2, sum(sizes)), self%around(sum(sizes)), source=0.0_dp)
    end subroutine contact_rows_begin
 
-   !> The places in the list of all that belongs to some of the points.
+   !> The places in the list of all entries that belong to some of the points.
    pure function picked_places(start, points) result(places)
       integer, intent(in) :: start(:) !! beginning of each range, and one beyond the last (m + 1)
       integer, intent(in) :: points(:) !! the points to pick

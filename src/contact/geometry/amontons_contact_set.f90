@@ -1,5 +1,6 @@
-!> What a deck says of a boundary set that may come into contact: obstacle or other body, friction along the line, and
-!> multipliers, nodal or constant on the cells of a partition (the paper's Lambda_H); and of one that is bonded.
+!> Contact sets and ties as a deck describes them. A contact set is a boundary set that may touch an obstacle or another
+!> body, with friction along the line and multipliers that are nodal or constant on the cells of a partition (the
+!> paper's Lambda_H). A tie is a boundary set that is bonded.
 module amontons_contact_set
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -11,11 +12,11 @@ module amontons_contact_set
    public :: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, new_contact, new_tie, pairing_t, &
       tie_t
 
-   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 where the bodies face each other.
+   !> Sources of the gaps of a pair, as a deck names them: the meshes, or 0 wherever the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
 
-   !> The other body of a contact set. The set is the slave, which carries the multipliers; the other body's boundary is
-   !> the master.
+   !> The other body of a contact set. The set is the slave, which carries the multipliers; the boundary of the other
+   !> body is the master.
    type :: pairing_t
       character(:), allocatable :: against
          !! name of the master's boundary set; empty or not allocated for a rigid obstacle
@@ -85,7 +86,7 @@ module amontons_contact_set
 
 contains
 
-   !> Makes a contact set on the floor y = 0.
+   !> Makes a contact set with the rigid plane y = 0 as its obstacle.
    pure subroutine new_contact(contact, set, friction)
       type(contact_t), intent(out) :: contact !! the contact set
       character(*), intent(in) :: set !! name of the boundary set
@@ -107,7 +108,7 @@ contains
       tie%origin = ''
    end subroutine new_tie
 
-   !> What a contact set is called together with what it is paired with: SLAVE/MASTER, and SET without another body.
+   !> The name of a contact set in files and messages: SLAVE/MASTER for a pair, else SET.
    pure function pairing_label(self, set) result(label)
       class(pairing_t), intent(in) :: self !! the pairing
       character(*), intent(in) :: set !! name of the contact set
@@ -117,7 +118,7 @@ contains
       if (self%is_pair()) label = label//'/'//self%against
    end function pairing_label
 
-   !> Whether there is another deformable body.
+   !> Whether the set meets another deformable body.
    elemental logical function pairing_is_pair(self) result(is_pair)
       class(pairing_t), intent(in) :: self !! the pairing
 
@@ -125,21 +126,21 @@ contains
       if (allocated(self%against)) is_pair = len(self%against) > 0
    end function pairing_is_pair
 
-   !> Whether gaps come from the meshes of two deformable bodies.
+   !> Whether the gaps are the distances between the meshes of two deformable bodies.
    elemental logical function pairing_has_mesh_gap(self) result(has_mesh_gap)
       class(pairing_t), intent(in) :: self !! the pairing
 
       has_mesh_gap = self%is_pair() .and. self%gap == gap_names(1)
    end function pairing_has_mesh_gap
 
-   !> Whether the quantity is 0 everywhere.
+   !> Whether the quantity is 0 along the whole line.
    pure logical function line_field_vanishes(self) result(vanishes)
       class(line_field_t), intent(in) :: self !! the quantity
 
       vanishes = .not. (abs(self%value) > 0.0_dp .or. any(abs(self%slope) > 0.0_dp) .or. allocated(self%table))
    end function line_field_vanishes
 
-   !> The quantity at a point of the line; a table is interpolated, and constant beyond its ends.
+   !> The quantity at a position on the line; a table is interpolated linearly, and constant beyond its ends.
    pure real(dp) function line_field_at(self, position, arc_length) result(value)
       class(line_field_t), intent(in) :: self !! the quantity
       real(dp), intent(in) :: position(2) !! coordinates of the point [L]
@@ -162,7 +163,7 @@ contains
       end associate
    end function line_field_at
 
-   !> The ends of all cells of a piece of the line, from its beginning on.
+   !> The ends of the cells of a piece of the line, from its beginning.
    pure subroutine cell_partition_cell_ends(self, side_lengths, ends, error)
       class(cell_partition_t), intent(in) :: self !! the partition
       real(dp), intent(in) :: side_lengths(:) !! lengths of the sides of the piece, in order [L]

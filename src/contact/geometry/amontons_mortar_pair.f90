@@ -40,14 +40,14 @@ module amontons_mortar_pair
       mortar_pair_t, mortar_piece_t, mortar_points_t, n_quadrature_points, new_mortar_pair, take_facing_sides, &
       take_line
 
-   !> A quadrature of -1 to 1.
+   !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
       real(dp), allocatable :: xi(:) !! abscissas [-]
       real(dp), allocatable :: weight(:) !! weights [-]
    end type gauss_rule_t
 
-   !> A part of a slave's side that faces one side of the master, and the functions of up to two points there, which are
-   !> combinations of the hats of the side's corners.
+   !> A part of a slave side that faces one master side, and the multiplier functions of up to two points there, which
+   !> are combinations of the linear shape functions of the side's corners.
    type :: mortar_piece_t
       type(mortar_segment_t) :: segment !! the part
       integer :: point(2) = 0 !! the points, 0 for none
@@ -114,7 +114,8 @@ module amontons_mortar_pair
 
 contains
 
-   !> Abscissas and weights of Gauss's rule on -1 to 1: zeros of the Legendre polynomial by Newton's method.
+   !> Abscissas and weights of Gauss's rule on the interval from -1 to 1: zeros of the Legendre polynomial by Newton's
+   !> method.
    pure type(gauss_rule_t) function gauss_rule(n) result(rule)
       integer, intent(in) :: n !! number of points
       real(dp), parameter :: pi = acos(-1.0_dp)
@@ -140,7 +141,7 @@ contains
       end do
    end function gauss_rule
 
-   !> The hats of the corners of a side [-].
+   !> The linear shape functions of the two corners of a side (hat functions) [-].
    pure function hats(xi)
       real(dp), intent(in) :: xi !! the place, from -1 to 1 [-]
       real(dp) :: hats(2)
@@ -148,8 +149,8 @@ contains
       hats = 0.5_dp*[1.0_dp - xi, 1.0_dp + xi]
    end function hats
 
-   !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the
-   !> other one's function is 1, so that constants stay among the multipliers.
+   !> Gives the segments the dual functions of the corners that are points. If one corner of a side is no point, the
+   !> function of the other is 1, so that constants remain among the multipliers.
    pure subroutine corner_pieces(pieces, segments, point_of, gives_shear, slave, n_points)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
@@ -252,7 +253,7 @@ contains
       dual = spread(mean, 2, 2)*dual
    end function dual_functions
 
-   !> The inverse of a matrix of two rows.
+   !> The inverse of a matrix of order 2.
    pure function inverse(matrix)
       real(dp), intent(in) :: matrix(2, 2) !! the matrix, not singular
       real(dp) :: inverse(2, 2)
@@ -261,7 +262,7 @@ contains
          /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
    end function inverse
 
-   !> Integrates over the points of a pair.
+   !> Integrates D, M, normals and gaps over the points of a pair.
    pure subroutine integrate_pair(points, pair, segments, n_points)
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_pair_t), intent(in) :: pair !! the pair
@@ -360,7 +361,7 @@ contains
       end do
    end subroutine integrate_pair
 
-   !> The nodes of a side; in the place of a middle node that it has not its first corner.
+   !> The nodes of a side; if it has no middle node, its first corner takes that place.
    pure function used_nodes(side) result(nodes)
       integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
       integer :: nodes(3)
@@ -368,14 +369,14 @@ contains
       nodes = merge(side, side(1), side > 0)
    end function used_nodes
 
-   !> Of two places on a side the one that is on it.
+   !> Selects from two local coordinates the one that lies on the side, from -1 to 1.
    pure real(dp) function place_on(xi)
       real(dp), intent(in) :: xi(2) !! the places [-]
 
       place_on = xi(minloc(abs(xi), dim=1))
    end function place_on
 
-   !> Whether there is a pair: a contact set with a rigid obstacle has none.
+   !> Whether the pair is used: that of a contact set with a rigid obstacle is not.
    elemental logical function mortar_pair_is_set(self) result(is_set)
       class(mortar_pair_t), intent(in) :: self !! the pair
 
@@ -444,9 +445,9 @@ contains
       call number_points(pair, body%constraints, follower, master_line, pairing%is_tied)
    end subroutine new_mortar_pair
 
-   !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
-   !> curvature: several places would then be opposite one and the same. Feet on the master go along with the slave
-   !> where no normals have crossed.
+   !> Refuses a slave whose normals cross before they meet the master, as those of a concave surface do beyond its
+   !> center of curvature: several slave positions would then face one master position. As long as normals do not cross,
+   !> their feet on the master follow the order of the slave.
    pure subroutine check_rays(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
       type(error_t), allocatable, intent(out) :: error !! they do
@@ -474,7 +475,7 @@ contains
       end do
    end subroutine check_rays
 
-   !> Says why two sets do not face each other.
+   !> Makes the error that two sets do not face each other, with the reason.
    pure subroutine explain_distance(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
       type(error_t), allocatable, intent(out) :: error !! the reason
@@ -506,8 +507,8 @@ contains
       end associate
    end subroutine explain_distance
 
-   !> Chooses the corners that are points: of those that face the master each that supports leave a motion which the
-   !> multipliers act on. Finds the sides that transmit nothing although no support holds them.
+   !> Chooses the corners that are points: those that face the master and that supports leave a motion on which
+   !> multipliers act. Finds the sides that transmit no force although no support holds them.
    pure subroutine number_points(pair, constraints, follower, master_line, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -586,7 +587,7 @@ contains
       end do
    end function covered_shares
 
-   !> Takes a line.
+   !> Marks the nodes and sides of a line as used by a contact set or tie.
    pure subroutine take_line(follower, line)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the line (nodes)
       type(boundary_line_t), intent(in) :: line !! the line of a set
@@ -597,8 +598,8 @@ contains
       end do
    end subroutine take_line
 
-   !> Takes the nodes of the sides of a slave that face its master, and the sides, but for those that the master covers
-   !> in part: what is left of them is another set's.
+   !> Marks the nodes and sides of a slave that face its master as used, except for sides that the master covers only
+   !> in part: the rest of these is left to another set.
    pure subroutine take_facing_sides(follower, pair)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
       type(mortar_pair_t), intent(in) :: pair !! the pair
@@ -621,7 +622,7 @@ contains
       end do
    end subroutine take_facing_sides
 
-   !> Takes two nodes that follow each other.
+   !> Marks two consecutive nodes of a side as used.
    pure subroutine take_side(follower, nodes, is_whole)
       integer, intent(inout) :: follower(:) !! the node that follows each node (nodes)
       integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
@@ -632,8 +633,8 @@ contains
    end subroutine take_side
 
    !> Refuses a side of the slave that has no multiplier at either end and faces a part of the master that may move
-   !> along the normal, or, where shear may act, the same along the tangent: nothing would be transmitted there. Where
-   !> earlier sets have both ends the side is taken to be theirs, unless that leaves no point.
+   !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which
+   !> earlier sets have both ends is left to them, unless that leaves no point.
    pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
       character(*), intent(in) :: remedy !! what to do where supports hold the slave
@@ -676,7 +677,7 @@ contains
          pair%against//"' is left: supports hold them, or they belong to earlier sets")
    end subroutine check_ends
 
-   !> Says that a part of a slave has no displacements left that contact forces could act on.
+   !> The message that supports hold a part of a slave, so that contact forces do no work there.
    pure function held_slave_text(pair, position, what, remedy) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: position(2) !! where the part is [L]
@@ -688,8 +689,8 @@ contains
          " could act between it and '"//pair%against//"' there; "//remedy
    end function held_slave_text
 
-   !> Refuses meshes that overlap by more than half of a side, or by more than one of the bodies is thick there: what
-   !> lies beyond a thin wall was not pressed into it.
+   !> Refuses meshes that overlap by more than half of a side, or by more than the thickness of one of the bodies there:
+   !> an overlap beyond a thin wall is no interference fit.
    pure subroutine check_overlap(pair, points, mesh, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_points_t), intent(in) :: points !! its integrals
@@ -720,8 +721,9 @@ contains
       end associate
    end subroutine check_overlap
 
-   !> How thick the body is that begins at a place: the way to the first boundary that it leaves by, huge for none
-   !> within a depth. Sides more than 25 degrees aslant belong to corners, which are thin at their tip.
+   !> The thickness of the body at a position: the distance to the first boundary where a ray leaves it, huge if there
+   !> is none within a given depth. Sides inclined by more than 25 degrees are ignored: near a corner the thickness goes
+   !> to 0.
    pure real(dp) function wall_thickness(mesh, position, direction, depth) result(thickness)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: position(2) !! the place, on the boundary of a body [L]

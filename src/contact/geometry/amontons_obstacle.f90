@@ -1,12 +1,11 @@
-!> Rigid obstacles: plane, circle, parabola, polyline, each placed by a point and a normal.
+!> Rigid obstacles: plane, circle, parabola, polyline, each given by a point and a normal.
 !>
-!> In the frame of an obstacle h counts along its normal, towards the body, and s along (n_y, -n_x). A positive radius
-!> bulges towards the body (a punch), a negative one is hollow (a seat).
+!> In the frame of an obstacle h is the coordinate along its normal, towards the body, and s that along (n_y, -n_x). An
+!> obstacle with a positive radius is convex (a punch), one with a negative radius concave (a seat).
 !>
-!> An obstacle is solid behind its surface and free in front of it. All that contact asks of one is where a line
-!> enters it and where it leaves it again; the rule that makes a gap of this is the same for every kind.
-!>
-!> Whether a polyline crosses itself, so that no side of it is the inside.
+!> An obstacle is solid behind its surface and free in front of it. Gaps follow, by the same rule for every kind, from
+!> the positions where a line along the normal of the body enters and leaves the obstacle. A polyline must not cross
+!> itself, since no side of it would then be the inside.
 module amontons_obstacle
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -17,7 +16,8 @@ module amontons_obstacle
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
 
-   !> A line through the end of a segment crosses it, one along a plane or a segment does not, but for rounding [-].
+   !> Rounding errors of directions and positions: a line through the end of a segment crosses it, a line parallel to a
+   !> plane or a segment does not [-].
    real(dp), parameter :: rounding = 1.0e-12_dp
 
    !> A rigid obstacle.
@@ -37,23 +37,24 @@ module amontons_obstacle
       procedure :: measure => obstacle_measure
    end type obstacle_t
 
-   !> Where a line meets a surface at a smaller cosine than this, no gap is measured: the way along the line is more
-   !> than ten times the distance, and a slip changes it about ten times as much as an approach of the same length.
+   !> Smallest cosine between a line and the normal of a surface at which a gap is measured. At a smaller one the length
+   !> along the line is more than ten times the distance, and a slip changes it about ten times as much as an approach
+   !> of the same length.
    real(dp), parameter :: steepest_cosine = 0.1_dp
 
-   !> A place where a line crosses the surface of a obstacle.
+   !> A position where a line crosses the surface of an obstacle.
    type :: crossing_t
       real(dp) :: way = 0.0_dp !! the way to it along the line, negative behind the start [L]
       real(dp) :: cosine = 0.0_dp
          !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
    end type crossing_t
 
-   !> Segments that share a box: a long line is compared box by box, most of which are apart.
+   !> Number of segments in a bounding box: long lines are compared box by box first.
    integer, parameter :: n_in_box = 32
 
 contains
 
-   !> All places where a line crosses the surface of the obstacle.
+   !> All positions where a line crosses the surface of the obstacle.
    pure function obstacle_crossings(self, position, direction) result(crossings)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! a point of the line [L]
@@ -79,8 +80,8 @@ contains
       end select
    end function obstacle_crossings
 
-   !> How deep a point lies in the obstacle, measured along the obstacle's normal: back to where the line entered or,
-   !> around a hollow, on to where it leaves; behind a steep flank the distance to it; 0 in free space [L].
+   !> Depth of a point in the obstacle, measured along the obstacle's normal: back to where the line entered or, at a
+   !> concave surface, forward to where it leaves; behind a steep flank the distance to it; 0 in free space [L].
    pure real(dp) function obstacle_depth(self, position) result(depth)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -102,7 +103,7 @@ contains
       if (crossings(first)%cosine < 0.0_dp) depth = max(0.0_dp, crossings(first)%way)
    end function obstacle_depth
 
-   !> Whether the surface of the obstacle has ends, beside which there is no telling whether a point is inside.
+   !> Whether the surface of the obstacle has ends, beyond which inside and outside are not defined.
    pure logical function obstacle_has_ends(self) result(has_ends)
       class(obstacle_t), intent(in) :: self !! the obstacle
       integer :: n
@@ -113,7 +114,7 @@ contains
       has_ends = norm2(self%line(:, n) - self%line(:, 1)) > rounding*maxval(abs(self%line))
    end function obstacle_has_ends
 
-   !> Whether a point lies beside the surface: the nearest place of it is an end, and the point is beyond it.
+   !> Whether a point lies beyond an end of the surface: the nearest position of the surface is an end.
    pure logical function obstacle_is_passed(self, position) result(is_passed)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -144,7 +145,7 @@ contains
       has_radius = self%kind == 'circle' .or. self%kind == 'parabola'
    end function obstacle_has_radius
 
-   !> The unit vector along a vector of any length but 0, whose square may be beyond the range of numbers [-].
+   !> The unit vector along a nonzero vector, whose square may overflow or underflow [-].
    pure function unit_vector(vector)
       real(dp), intent(in) :: vector(2) !! the vector
       real(dp) :: unit_vector(2)
@@ -162,8 +163,8 @@ contains
       local = [axis(2)*vector(1) - axis(1)*vector(2), dot_product(axis, vector)]
    end function in_frame
 
-   !> Where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is positive on the
-   !> free side.
+   !> The positions where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is
+   !> positive on the free side.
    pure function conic_crossings(radius, c, x, e) result(crossings)
       real(dp), intent(in) :: radius !! the radius of curvature R; negative if hollow [L]
       real(dp), intent(in) :: c !! 1 of a circle, 0 of a parabola [-]
@@ -206,7 +207,7 @@ contains
 
    end function conic_crossings
 
-   !> Where a line crosses a polyline; it enters from the polyline's left side.
+   !> The positions where a line crosses a polyline; it enters the obstacle from the polyline's left side.
    pure function polyline_crossings(line, x, e) result(crossings)
       real(dp), intent(in) :: line(:, :) !! points of the polyline (2, points) [L]
       real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
@@ -227,9 +228,9 @@ contains
       end do
    end function polyline_crossings
 
-   !> The gap from a point along a direction. In free space it is the way to the first place ahead where the line
-   !> enters; inside it is the way back, negative, to the place where the line entered last. A line that does not enter,
-   !> or enters too aslant, meets nothing. Beside the end of a polyline nothing is inside.
+   !> The gap from a point along a direction. In free space it is the distance to the first position ahead where the
+   !> line enters; inside it is minus the distance back to the position where the line entered last. A line that does
+   !> not enter, or enters at too small a cosine, has no gap. Beyond the end of a polyline no point is inside.
    pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -252,8 +253,8 @@ contains
       is_met = cosine >= steepest_cosine
    end subroutine obstacle_measure
 
-   !> The place where a line entered the obstacle that its start is in, or where it enters next; 0 if it does not. None
-   !> from a start on a surface that the line leaves there: what is behind the start lies inside.
+   !> The crossing where a line entered the obstacle that its start is in, or where it enters next; 0 if there is none.
+   !> There is none either for a start on a surface that the line leaves there: the points behind the start lie inside.
    pure integer function find_entry(crossings) result(found)
       type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
       ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
@@ -281,8 +282,7 @@ contains
       end associate
    end function find_entry
 
-   !> Finds a place where two segments of a polyline pass through each other. That they touch, or lie upon each other,
-   !> is no crossing.
+   !> Finds a position where two segments of a polyline cross. Segments that only touch or overlap do not cross.
    pure subroutine find_self_crossing(line, crosses, place)
       real(dp), intent(in) :: line(:, :) !! the points (2, points) [L]
       logical, intent(out) :: crosses !! whether there is such a place

@@ -1,11 +1,9 @@
-!> The displacements of slaves in terms of the masters': what makes the relative displacements w of pairs unknowns, and
-!> is 0 between bonded surfaces.
+!> The displacements of slaves in terms of those of the masters, by which the relative displacements w of pairs become
+!> unknowns, and are 0 between bonded surfaces; and the pairs of bonded surfaces.
 !>
-!> With dual functions the row of a slave's corner p has no other corner that is a point in it,
-!> `w_p = c_p u_p + sum c_q u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical
-!> unknowns, those of a middle node being its deviation from the mean of the corners.
-!>
-!> The pairs of surfaces that are bonded.
+!> With dual functions the row of a slave's corner p contains no other corner that is a point, `w_p = c_p u_p + sum c_q
+!> u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical unknowns, in which that of a
+!> middle node is its deviation from the mean of the corners.
 module amontons_pair_substitution
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: turned
@@ -21,7 +19,7 @@ module amontons_pair_substitution
 
    public :: new_pair_substitution, new_tied_pairs
 
-   !> The displacement of a node as a sum: of own unknowns of nodes, and of displacements of nodes.
+   !> The displacement of a node as a sum of unknowns of nodes and displacements of nodes, each times a block.
    type :: sum_t
       integer, allocatable :: node(:) !! the nodes
       real(dp), allocatable :: block(:, :, :) !! what theirs are multiplied by (components, components, nodes) [-]
@@ -117,8 +115,8 @@ contains
       end do
    end subroutine new_pair_substitution
 
-   !> Adds the displacements of the middle nodes beside points, their own unknowns and the mean of the corners, and then
-   !> those of the corners.
+   !> Adds the sums of the middle nodes beside points (own unknown plus the mean of the corners), and then those of the
+   !> corners.
    subroutine add_pair(sums, sum_of, pair, is_tied, constraints, fault)
       type(sum_t), intent(inout) :: sums(:) !! the sums so far
       integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
@@ -164,7 +162,7 @@ contains
       end do
    end subroutine add_pair
 
-   !> Solves the row of a corner for its displacement.
+   !> Solves the row of a corner for the displacement of the corner.
    pure subroutine solve_row(corner, points, p, pair, ends, is_tied, constraints)
       type(sum_t), intent(inout) :: corner !! its displacement
       type(mortar_points_t), intent(in) :: points !! the integrals of the pair
@@ -224,7 +222,7 @@ contains
          .true.)
    end subroutine solve_row
 
-   !> A block in x and y, with a factor around the axis where the body is twisted (components, components) [-].
+   !> A block in x and y, extended by a factor around the axis if the body is twisted (components, components) [-].
    pure function with_axis(block, constraints, around) result(whole)
       real(dp), intent(in) :: block(2, 2) !! the block [-]
       type(constraints_t), intent(in) :: constraints !! the supports, which say how many components there are
@@ -245,7 +243,8 @@ contains
       if (is_free) is_free = constraints%is_free(3, node)
    end function is_free_around
 
-   !> The product of a matrix with the one that has a normal and its tangent for axes and given factors along them [-].
+   !> The product of a matrix with the symmetric one that has a normal and its tangent as eigenvectors and given
+   !> eigenvalues [-].
    pure function times_axes(matrix, normal, factor) result(product)
       real(dp), intent(in) :: matrix(2, 2) !! the matrix
       real(dp), intent(in) :: normal(2) !! the normal [-]
@@ -259,7 +258,7 @@ contains
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
    end function times_axes
 
-   !> Adds a term to a sum, each node once.
+   !> Adds a term to a sum; terms of the same node are merged.
    pure subroutine sum_add(self, node, block, is_own)
       class(sum_t), intent(inout) :: self !! the sum
       integer, intent(in) :: node !! the node
@@ -280,7 +279,7 @@ contains
       self%block = reshape([self%block, block], [shape(block), size(self%node)])
    end subroutine sum_add
 
-   !> Replaces displacements by what they are sums of, until own unknowns are left.
+   !> Substitutes the sums of the displacements in a sum, until it contains unknowns only.
    recursive subroutine resolve(sums, sum_of, node, fault)
       type(sum_t), intent(inout) :: sums(:) !! the sums
       integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
@@ -341,7 +340,8 @@ contains
       end do
    end subroutine new_tied_pairs
 
-   !> Finds the direction of the jump of a preload, and the corner whose own unknown it is: one that can move along it.
+   !> Finds the direction of the jump of a preload, and the corner whose unknown the jump is: one that can move along
+   !> it.
    pure subroutine find_jump(pair, constraints, error)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points; gains direction and corner
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -366,8 +366,8 @@ contains
          "' along its normal, or guide them aslant")
    end subroutine find_jump
 
-   !> Counts displacements of bonded points that supports guide, and those of their neighbors, along the guide and
-   !> across it, in the place of normal and tangent.
+   !> Turns the axes of bonded points that supports guide, and those of their neighbors, to the guide and the direction
+   !> across it, in place of normal and tangent.
    pure subroutine follow_guides(pair, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       type(constraints_t), intent(in) :: constraints !! the supports

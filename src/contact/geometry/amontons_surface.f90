@@ -1,16 +1,15 @@
-!> A boundary set as a surface: its sides, straight or curved, and a continuous field of normals on them.
+!> A boundary set as a surface: its sides, straight or curved, with a continuous field of normals; and the segments of a
+!> pair of surfaces, which are the parts of slave sides that face one and the same side of the master.
 !>
 !> The normal of a node is the mean of the unit normals of the sides that meet there; between the nodes of a side the
-!> shape functions interpolate. At an end of the set it is the one side's own. On a plane of symmetry, where supports
-!> hold a line of nodes along one direction, and on the axis of revolution it loses its component along this direction:
-!> the plane mirrors the surface.
-!>
-!> The segments of a pair of surfaces: the parts of slave sides that face one and the same side of the master.
+!> shape functions interpolate. At an end of the set it is the normal of the only side. On a plane of symmetry, where
+!> supports hold a line of nodes along one direction, and on the axis of revolution it has no component along this
+!> direction, since the surface continues as its mirror image.
 !>
 !> A point of the slave meets the master where the ray along its normal does, ahead or behind. A side of the master
-!> counts if its outward normal faces the slave's, which keeps a thin body from meeting the master's far side, and if it
-!> is within reach; of several the nearest counts. Segments end where a ray meets a corner of the master, so that
-!> integrals over them are those of smooth functions.
+!> counts if its outward normal faces that of the slave, so that a ray does not meet the far side of a thin master, and
+!> if it is within reach; of several sides the nearest counts. Segments end where a ray meets a corner of the master, so
+!> that integrands are smooth on each segment.
 module amontons_surface
    use amontons_boundary, only: boundary_line_t
    use amontons_constraints, only: constraints_t
@@ -53,7 +52,7 @@ module amontons_surface
       procedure :: place => surface_place
    end type surface_t
 
-   !> A place on a side.
+   !> A position on a side with its derivative and normal.
    type :: surface_place_t
       real(dp) :: values(3) = 0.0_dp !! shape functions of first corner, second corner, middle [-]
       real(dp) :: position(2) = 0.0_dp !! coordinates [L]
@@ -71,7 +70,7 @@ module amontons_surface
       real(dp) :: range(2) = 0.0_dp !! where it begins and ends on the slave's side, from -1 to 1 [-]
    end type mortar_segment_t
 
-   !> Where a ray meets a side of the master.
+   !> The intersection of a ray with a side of the master.
    type :: meeting_t
       integer :: side = 0 !! number of the side; 0 where the ray meets none
       real(dp) :: xi = 0.0_dp !! the place on it, from -1 to 1 [-]
@@ -80,7 +79,7 @@ module amontons_surface
 
 contains
 
-   !> The sides in the order of the line.
+   !> The sides of a boundary set, reordered along the line of its nodes.
    pure function side_order(sides, line, n_nodes) result(order)
       integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
       type(boundary_line_t), intent(in) :: line !! the line
@@ -134,7 +133,7 @@ contains
       end do
    end subroutine new_surface
 
-   !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry, too.
+   !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry as well.
    pure subroutine join_sides(surface, body, sides)
       type(surface_t), intent(out) :: surface !! the surface
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
@@ -185,8 +184,8 @@ contains
       end do
    end subroutine join_sides
 
-   !> Whether a node that is held along a direction lies on a plane of symmetry: a node beside it lies there, too, and
-   !> is held likewise.
+   !> Whether a node that is held along a direction lies on a plane of symmetry: one of its neighbors lies there and is
+   !> held along the same direction.
    pure logical function is_on_mirror(body, node, held)
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: node !! the node
@@ -210,7 +209,7 @@ contains
       is_on_mirror = .false.
    end function is_on_mirror
 
-   !> Evaluates a side.
+   !> Evaluates position, derivative and normal at a local coordinate of a side.
    pure type(surface_place_t) function surface_place(self, side, xi) result(place)
       class(surface_t), intent(in) :: self !! the surface
       integer, intent(in) :: side !! number of the side
@@ -224,7 +223,7 @@ contains
       place%depth = self%material(side)%depth(place%position(1))
    end function surface_place
 
-   !> The unit outward normal of the side itself [-].
+   !> The unit outward normal of the side, not of the interpolated field [-].
    pure function surface_place_outward(self) result(outward)
       class(surface_place_t), intent(in) :: self !! the place
       real(dp) :: outward(2)
@@ -232,7 +231,8 @@ contains
       outward = [self%along(2), -self%along(1)]/norm2(self%along)
    end function surface_place_outward
 
-   !> Cuts the sides of the slave into segments, side by side, each from -1 to 1; parts that face nothing have none.
+   !> Cuts the sides of the slave into segments, each with local coordinates from -1 to 1 of its side; parts that face
+   !> no master have none.
    pure subroutine find_segments(segments, slave, master, search)
       type(mortar_segment_t), allocatable, intent(out) :: segments(:) !! the segments
       type(surface_t), intent(in) :: slave !! the slave
@@ -262,7 +262,7 @@ contains
       segments = segments(:n)
    end subroutine find_segments
 
-   !> The sides of the master whose boxes come within reach of that of a side of the slave.
+   !> The sides of the master whose bounding boxes are within reach of that of a side of the slave.
    pure function sides_near(slave, side, master, search) result(near)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -285,7 +285,8 @@ contains
       near = pack([(i, i=1, master%n_sides)], is_near)
    end function sides_near
 
-   !> Where segments may end on a side of the slave: at its own ends, and where rays meet corners of the master's sides.
+   !> The possible ends of segments on a side of the slave: its own ends, and the local coordinates whose rays meet
+   !> corners of the master [-].
    pure function breakpoints(slave, side, master, near) result(ends)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -315,7 +316,8 @@ contains
       ends = [ends, 1.0_dp]
    end function breakpoints
 
-   !> The places of a side of the slave whose rays meet a point: changes of sign of a polynomial of degree 4 at most.
+   !> The local coordinates of a slave side whose rays meet a point: zeros of a polynomial of degree 4 at most, located
+   !> by its changes of sign [-].
    pure function places_facing(slave, side, point) result(places)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -337,7 +339,8 @@ contains
       end do
    end function places_facing
 
-   !> How far a point lies aside of the ray of a place on the slave, times the length of the normal there [L].
+   !> The distance of a point from the ray of a local coordinate on the slave, times the length of the normal there;
+   !> positive on one side, negative on the other [L].
    pure real(dp) function aside(slave, side, point, xi)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -349,8 +352,8 @@ contains
       aside = cross_product(point - place%position, place%normal)
    end function aside
 
-   !> The place between two others whose ray meets a point: false position, one end's value halved where it stays
-   !> (Illinois); on a straight side with one normal its first step is the last.
+   !> The local coordinate between two others whose ray meets a point, by false position with the value at an unchanged
+   !> end halved (Illinois); on a straight side with a constant normal the first step is exact [-].
    pure real(dp) function zero_between(slave, side, point, low, high, value_low, value_high) result(xi)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -384,7 +387,7 @@ contains
       end do
    end function zero_between
 
-   !> Where the ray of a place on the slave meets the master.
+   !> Finds the intersection of the ray from a position on the slave with the master.
    pure type(meeting_t) function meet_master(master, near, place, search) result(nearest)
       type(surface_t), intent(in) :: master !! the master
       integer, intent(in) :: near(:) !! the sides to look at
@@ -411,7 +414,7 @@ contains
       end do
    end function meet_master
 
-   !> The places where a line meets a side: zeros of a quadratic polynomial; huge for none.
+   !> The local coordinates where a line meets a side: zeros of a quadratic polynomial; huge if there is none.
    pure function meet_side(corner, position, direction) result(xi)
       real(dp), intent(in) :: corner(2, 3) !! coordinates of first corner, second corner, middle [L]
       real(dp), intent(in) :: position(2) !! a point of the line [L]
