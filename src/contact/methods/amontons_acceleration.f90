@@ -1,8 +1,8 @@
 !> Acceleration of iterations x -> G(x) (Anderson, J. ACM 12, 1965): the next point is the combination of the last
-!> images G(x) whose steps G(x) - x cancel best.
+!> images G(x) for which the same combination of the steps G(x) - x is smallest.
 !>
 !> With one difference of steps this is Aitken's extrapolation along the last step (Irons and Tuck, Int. J. Numer. Meth.
-!> Eng. 1, 1969). A point may carry quantities that depend on it linearly: they follow without being computed anew.
+!> Eng. 1, 1969). Quantities that depend linearly on a point are combined in the same way, without being recomputed.
 !>
 !> Methods in the forces solve a body that only contact holds by proximal steps from a center, which moves with them.
 module amontons_acceleration
@@ -17,7 +17,7 @@ module amontons_acceleration
 
    !> The kinds, as a deck writes them.
    character(8), parameter :: acceleration_names(3) = [character(8) :: 'none', 'aitken', 'anderson']
-   !> How many differences of steps each kind looks back on; ten gained little over five.
+   !> Number of differences of steps that each kind uses; ten gained little over five.
    integer, parameter :: depths(3) = [0, 1, 5]
 
    !> The last images and steps of an iteration.
@@ -31,7 +31,7 @@ module amontons_acceleration
       procedure :: forget => acceleration_forget
    end type acceleration_t
 
-   !> Where the proximal steps of a body that only contact holds are counted from.
+   !> The center of the proximal steps of a body that only contact holds.
    type :: proximal_center_t
       real(dp), allocatable :: place(:) !! the displacements (2m) [L]
       real(dp), allocatable :: step(:) !! the last step from them (2m) [L]
@@ -42,7 +42,7 @@ module amontons_acceleration
 
 contains
 
-   !> An acceleration without memory.
+   !> Makes an acceleration without previous steps.
    pure subroutine new_acceleration(acceleration, name)
       type(acceleration_t), intent(out) :: acceleration !! the acceleration
       character(*), intent(in) :: name !! one of `acceleration_names`
@@ -50,14 +50,14 @@ contains
       acceleration%depth = depths(findloc(acceleration_names == name, .true., dim=1))
    end subroutine new_acceleration
 
-   !> Forgets what has been, as after a step that led astray.
+   !> Removes all previous steps, for example after one that led to a larger residual.
    pure subroutine acceleration_forget(self)
       class(acceleration_t), intent(inout) :: self !! the acceleration
 
       self%n_kept = 0
    end subroutine acceleration_forget
 
-   !> Takes up a step from a point to its image, and proposes where to go on.
+   !> Adds the step from a point to its image, and proposes the next point.
    pure subroutine acceleration_extrapolate(self, point, image, proposal, is_given)
       class(acceleration_t), intent(inout) :: self !! the acceleration
       real(dp), intent(in) :: point(:) !! the point, in one unit (k)
@@ -103,9 +103,10 @@ contains
       is_given = .true.
    end subroutine acceleration_extrapolate
 
-   !> Moves the center of the proximal steps to the displacements just found, and these along with it. Where steps
-   !> follow each other in one direction and hardly become shorter, the body travels to its obstacles: ahead by what is
-   !> left of such steps if each is the same part of the one before (Aitken), at most twice as far as the last time.
+   !> Moves the center of the proximal steps to the displacements just found, and subtracts the move from these. If
+   !> successive moves have one direction and hardly become shorter, the body travels towards its obstacles: the center
+   !> is then moved ahead by the limit of the geometric series of the moves (Aitken), at most twice as far as the last
+   !> time.
    pure subroutine proximal_center_move(self, problem, displacement, effort)
       class(proximal_center_t), intent(inout) :: self !! the center
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
@@ -132,7 +133,7 @@ contains
       call effort%multiply(1.0_dp)
    end subroutine proximal_center_move
 
-   !> Goes on from a combination of the last iterations, cut to the contact law, where that is better than the last one.
+   !> Replaces the iterate by the combination of the last ones, cut to the contact law, if its residual is smaller.
    subroutine accelerate(acceleration, problem, start, force, place, displacement, solution)
       type(acceleration_t), intent(inout) :: acceleration !! the last iterations
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared

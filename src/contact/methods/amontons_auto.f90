@@ -1,12 +1,12 @@
-!> The default method: Newton, and where it does not arrive soon, other methods to a better start for Newton. What to
-!> try next is decided here alone; each of the other methods does what its name says.
+!> The default method: Newton's method and, where it does not converge soon, other methods that find a better starting
+!> point for it. What to try next is decided in this module alone. And the proximal path, a sequence of proximal steps,
+!> each solved by Newton's method.
 !>
-!> A way to the solution of a contact problem in proximal steps, each of them solved by Newton's method.
-!>
-!> Springs hold the points to where the last step led, and share the loads with the contact. With stiff springs a
-!> step is a problem of nearly independent points; the body creeps. Springs become softer where steps are solved, and
-!> stiffer where one is not. Where steps vanish, springs have no effect. In a reduced problem springs in series with
-!> the points, strained by the difference to the last forces, do the same to the forces.
+!> Springs hold the points at the displacements of the last step and share the loads with the contact. With stiff
+!> springs a step is a problem of nearly independent points, and the body moves by small steps. Springs become softer
+!> after a step that is solved, and stiffer after one that is not. In the limit of vanishing steps the springs have no
+!> effect. In a reduced problem springs in series with the points, strained by the difference to the last forces, do the
+!> same to the forces.
 module amontons_auto
    use amontons_contact_operator, only: contact_operator_t, new_softened_operator
    use amontons_contact_problem, only: contact_problem_t
@@ -28,10 +28,11 @@ module amontons_auto
       procedure :: solve => proximal_path_solve
    end type proximal_path_t
 
-   !> Steps of the first stages, of the first of a reduced problem in space, and the residual that ends the splitting.
+   !> Numbers of steps of the first stages, and of the first stage of a reduced problem in space, and the residual at
+   !> which the splitting stops.
    integer, parameter :: n_first_steps = 20, n_first_in_space = 250, n_splitting_steps = 40
    real(dp), parameter :: coarse = 1.0e-6_dp
-   !> Newton's steps of a round. Semidefinite problems with strong friction take most of these, and sometimes more than
+   !> Newton's steps in a round. Semidefinite problems with strong friction need most of these, and sometimes more than
    !> one round.
    integer, parameter :: n_newton_steps = 100
 
@@ -41,7 +42,7 @@ module amontons_auto
       procedure :: solve => auto_solve
    end type auto_t
 
-   !> What methods that follow each other have come to.
+   !> The state of a sequence of methods: the best solution so far and the iterations left.
    type :: stages_t
       real(dp) :: tolerance = 0.0_dp !! residual that counts as solved [-]
       integer :: max_iterations = 0 !! most iterations of all together
@@ -56,10 +57,11 @@ module amontons_auto
 
 contains
 
-   !> A few steps of Newton from the start, and from rest if that is another one; on a band matrix, whatever lets fronts
-   !> pass; the splitting to a coarse tolerance, which gets close where friction is moderate. Then rounds of Newton at
-   !> length and of other methods. Steps from rest that a reduced problem in space breaks off would have to be taken
-   !> again: of 300 piles of rigid bodies all but one are solved within 250 of them, a fourth less than in rounds.
+   !> Runs a few Newton steps from the start, and from rest if that is another point; on a band matrix the methods that
+   !> move fronts; the splitting to a coarse tolerance, which comes close to the solution where friction is moderate.
+   !> Then rounds of many Newton steps and of other methods. A reduced problem in space gets more first steps, since
+   !> steps from rest that are broken off would have to be repeated: of 300 piles of rigid bodies all but one are solved
+   !> within 250 of them, with a fourth fewer steps than in rounds.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -94,8 +96,9 @@ contains
       if (.not. solution%is_converged .and. allocated(stages%refusal)) call move_alloc(stages%refusal, error)
    end subroutine auto_solve
 
-   !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on. Where fronts
-   !> advance along a contact line each step is a little better than the one before.
+   !> Runs Newton's method from the solution with springs between points and obstacle; if that does not converge, from
+   !> the best pair so far. For a band matrix: fronts of opening or sliding move along a contact line by a few points in
+   !> each Newton step.
    subroutine follow_fronts(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band matrix
@@ -110,10 +113,10 @@ contains
       call stages%run(newton_t(max_iterations=stages%max_iterations, patience=patience), problem, before)
    end subroutine follow_fronts
 
-   !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
-   !> many as before. Lemke's pivoting, where it is quick, has its turn once, else the splitting at length. Where a line
-   !> is too long for the sweeps, one round with each regularization, and Newton from rest as long as it takes: fronts
-   !> that pass the edges of a profile one by one are slower than any patience.
+   !> Alternates many Newton steps with sweeps from the best pair so far, four times as many in each round, until the
+   !> iterations are used up. Lemke's pivoting, where it is fast, is tried once, otherwise the splitting. Where a line
+   !> is too long for the sweeps, there is one round with each regularization, followed by Newton from rest without
+   !> a limit: fronts that pass the edges of a profile one by one need many steps.
    subroutine take_rounds(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -148,9 +151,9 @@ contains
          problem, rest)
    end subroutine take_rounds
 
-   !> Newton at length from the best pair. Where its steps lead nowhere, the proximal path from there; where that leads
-   !> nowhere either, Newton's steps go on: a front may take long to arrive. A reduced problem has the path in space
-   !> only, in the place of Lemke's pivoting.
+   !> Runs Newton's method with many steps from the best pair. If it stagnates, the proximal path follows from there; if
+   !> that stagnates too, Newton's steps continue, since a front may need many. A reduced problem uses the path only in
+   !> space, in place of Lemke's pivoting.
    subroutine go_at_length(stages, problem, max_regularization)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -184,7 +187,7 @@ contains
       is_done = self%best%residual <= self%tolerance .or. size(self%history) >= self%max_iterations
    end function stages_is_done
 
-   !> Runs one method, as far as there is need and iterations are left, and appends its record.
+   !> Runs one method, unless the problem is solved or no iterations are left, and appends its record.
    subroutine stages_run(self, method, problem, solution, tolerance)
       class(stages_t), intent(inout) :: self !! the stages so far
       class(contact_method_t), intent(in) :: method !! the method
@@ -214,8 +217,8 @@ contains
       if (present(solution)) solution = found
    end subroutine stages_run
 
-   !> Whether a line on a band matrix is too long for the methods that need S as a dense matrix: it would take minutes,
-   !> and gigabytes.
+   !> Whether a line on a band matrix is too long for methods that need S as a dense matrix: they would take minutes and
+   !> gigabytes.
    pure logical function is_long(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, parameter :: most_dense_points = 1500
@@ -223,8 +226,8 @@ contains
       is_long = allocated(problem%matrix%band) .and. problem%n_points > most_dense_points
    end function is_long
 
-   !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
-   !> are large and, as in a pile of grains, mostly singular, so that each takes seconds.
+   !> Whether the splitting is worth trying: not for a reduced problem with a sparse compliance, whose quadratic
+   !> programs are large and, as in a pile of grains, mostly singular, so that each takes seconds.
    pure logical function suits_splitting(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
@@ -233,7 +236,7 @@ contains
          .not. problem%matrix%compliance%is_sparse()
    end function suits_splitting
 
-   !> Takes proximal steps from where a solution is, and keeps the best pair.
+   !> Runs proximal steps from a starting point, and keeps the best pair.
    subroutine proximal_path_solve(self, problem, solution, error)
       class(proximal_path_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem

@@ -27,10 +27,11 @@ module amontons_box_program
 
    public :: box_names, box_violation, solve_box_program, solve_disc_program
 
-   !> The solvers, as a deck writes them.
+   !> Names of the solvers, as a deck writes them.
    character(6), parameter :: box_names(3) = [character(6) :: 'auto', 'newton', 'mprgp']
 
-   !> More steps than any program seen needs; a degenerate one, whose bounds flicker by rounding, stops here.
+   !> Largest number of steps; more than any program met in practice needs. It ends degenerate programs whose active
+   !> bounds alternate by rounding.
    integer, parameter :: max_steps = 200
 
 contains
@@ -344,7 +345,7 @@ contains
          direction = free_part()
       end subroutine take_step
 
-      !> The product of the matrix, scaled to a unit diagonal, with a vector.
+      !> Computes the product of the matrix, scaled to a unit diagonal, with a vector.
       subroutine multiply(vector, product)
          real(dp), intent(in) :: vector(:) !! the vector (n)
          real(dp), intent(out) :: product(:) !! the product (n)
@@ -354,13 +355,13 @@ contains
          n_products = n_products + 1
       end subroutine multiply
 
-      !> Computes the gradient at the point at hand anew.
+      !> Recomputes the gradient at the current point.
       subroutine refresh_gradient()
          call multiply(y, gradient)
          gradient = gradient - scale*b
       end subroutine refresh_gradient
 
-      !> The gradient of the components off their bounds (n).
+      !> The components of the gradient that are off their bounds (n).
       function free_part()
          real(dp) :: free_part(size(b))
 
@@ -369,7 +370,7 @@ contains
 
    end subroutine mprgp
 
-   !> The longest step against a direction that stays in the box; the largest number if no bound ends it.
+   !> The largest step against a direction that stays in the box; huge if no bound limits it.
    pure real(dp) function least_room(y, low, high, direction) result(room)
       real(dp), intent(in) :: y(:) !! the point (n)
       real(dp), intent(in) :: low(:) !! lower bounds (n)
@@ -386,7 +387,8 @@ contains
       end do
    end function least_room
 
-   !> How far a point is from the minimizer: the largest move of a component that a step down its own parabola makes.
+   !> The distance of a point from the minimizer: the largest projected step of a component to the minimum of its own
+   !> parabola.
    pure real(dp) function box_violation(y, gradient, low, high, scale) result(violation)
       real(dp), intent(in) :: y(:) !! the point, scaled to a unit diagonal (n)
       real(dp), intent(in) :: gradient(:) !! the gradient there (n)

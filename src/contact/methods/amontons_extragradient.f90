@@ -25,8 +25,8 @@ module amontons_extragradient
 
 contains
 
-   !> Iterates until the residual is small. The residual that the method knows without a product is computed
-   !> independently where it is small enough, and at the end.
+   !> Iterates until the residual is small. The residual of the method, which needs no further product, is checked by
+   !> the independent one where it is small enough, and at the end.
    subroutine extragradient_solve(self, problem, solution, error)
       class(extragradient_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine extragradient_solve
 
-   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; a) (2m) [L].
+   !> The vector that an extragradient step follows: w - (phi |w_T|; 0), w = v - (d; a) (2m) [L].
    pure function driving_vector(problem, displacement) result(vector)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -95,7 +95,7 @@ contains
       vector(:m) = vector(:m) - problem%friction*tangential_norm(vector(m + 1:), m)
    end function driving_vector
 
-   !> The admissible forces next to given ones, in the scaled components (2m) [F].
+   !> The admissible forces nearest to given ones, in the scaled components (2m) [F].
    pure function projection(problem, rho, force) result(nearest)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]

@@ -20,7 +20,7 @@ module amontons_lemke
 
    public :: lemke_t
 
-   !> Most points: the tableau of 3m x 3m numbers is gone through once for each pivot.
+   !> Largest number of points: each pivot goes through the tableau of 3m x 3m numbers.
    integer, parameter :: max_points = 1000
 
    !> Lemke's pivoting; an iteration is a run of all pivots from one covering vector.
@@ -31,7 +31,7 @@ module amontons_lemke
 
 contains
 
-   !> Solves a contact problem; where it starts has no effect.
+   !> Solves a contact problem; the starting point has no effect.
    subroutine lemke_solve(self, problem, solution, error)
       class(lemke_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -107,8 +107,8 @@ contains
       call solution%take_better(best)
    end subroutine lemke_solve
 
-   !> Takes the rounding errors of distances out of displacements and forces, as far as the states say nothing of them:
-   !> those of open points may be as large as gaps, while the displacements, and the forces with them, are small.
+   !> Removes rounding errors of displacements and forces that the states do not determine: distances of open points may
+   !> have errors as large as gaps, while displacements and forces are small.
    pure subroutine refine(relation, states, problem, displacement, force, effort)
       type(contact_relation_t), intent(in) :: relation !! the relation, in its primal form
       type(active_set_t), intent(in) :: states !! the states of the points
@@ -182,7 +182,8 @@ contains
    end subroutine primal_pairs
 
    !> A covering vector: it pulls the points off and along +t (dual), or presses them on and raises the slip bound
-   !> (primal). Its numbers follow no order, so that the path does not pass through corners of symmetric problems.
+   !> (primal). Its numbers are irregular, so that the path does not pass through degenerate vertices of symmetric
+   !> problems.
    pure function covering_vector(relation, trial) result(cover)
       type(contact_relation_t), intent(in) :: relation !! the relation
       integer, intent(in) :: trial !! which one, 1 or more

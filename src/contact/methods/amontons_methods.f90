@@ -1,9 +1,8 @@
-!> The table of contact methods and of the words of their options, and the choice of one by its name.
+!> The table of contact methods and of the words of their options, the choice of a method by its name, and the solution
+!> of a contact problem by its components, which are parts that do not act on each other.
 !>
-!> Contact problems that fall into parts which do not act on each other: each is solved by itself.
-!>
-!> Bodies in several pieces and reduced problems of many bodies are such problems. A part has its own scale of forces,
-!> its own steps and its own pivots: a difficult one does not slow the others, and weak ones keep their digits.
+!> Bodies in several pieces and reduced problems of many bodies have several components. Each has its own scale of
+!> forces, its own steps and its own pivots: a difficult one does not slow the others, and weak ones keep their digits.
 module amontons_methods
    use amontons_acceleration, only: acceleration_names
    use amontons_auto, only: auto_t
@@ -32,7 +31,7 @@ module amontons_methods
 
 contains
 
-   !> Makes the method of a name.
+   !> Makes the method with a given name.
    subroutine new_contact_method(method, options, error)
       class(contact_method_t), allocatable, intent(out) :: method !! the method
       type(method_options_t), intent(in) :: options !! which one, and its options
@@ -60,7 +59,7 @@ contains
       method%method_options_t = options
    end subroutine new_contact_method
 
-   !> Solves a problem, each of its parts by itself.
+   !> Solves each component of a problem by itself.
    subroutine solve_components(method, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem

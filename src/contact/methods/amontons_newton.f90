@@ -42,12 +42,12 @@ module amontons_newton
 
    public :: newton_system_t, newton_t, spring_start_t, visited_sets_t
 
-   !> What divides the regularization after a step that was better, and after one that left the active set as it was.
-   !> More spoils semidefinite problems, whose active sets then never settle.
+   !> Divisors of the regularization after a step with a smaller residual, and after one that also left the active set
+   !> unchanged. With larger divisors the active sets of semidefinite problems do not settle.
    real(dp), parameter :: reduction = 3.0_dp, fast_reduction = 90.0_dp
 
-   !> A residual that falls to a larger part of itself in a step that leaves the active set falls slowly; the
-   !> regularization may then go below the least one, as far as this.
+   !> Ratio of successive residuals, with the active set unchanged, above which convergence is slow, and the lowest
+   !> regularization that is then allowed.
    real(dp), parameter :: slow_convergence = 0.5_dp, lowest_regularization = 1.0e-12_dp
 
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
@@ -60,7 +60,7 @@ module amontons_newton
       procedure :: solve => newton_solve
    end type newton_t
 
-   !> The active sets since the residual last fell.
+   !> The active sets since the residual last decreased.
    type :: visited_sets_t
       private
       integer(int64), allocatable :: key(:) !! a number for each of them
@@ -70,7 +70,7 @@ module amontons_newton
       procedure :: note_residual => visited_sets_note_residual
    end type visited_sets_t
 
-   !> The linear equations of active sets on one operator, and what serves the next active set as well.
+   !> The linear equations of active sets on one operator, with the factorization that successive active sets share.
    type :: newton_system_t
       type(effort_t) :: effort !! what the steps took so far
       type(error_t), allocatable :: error !! memory ran out; no step was made then
@@ -106,9 +106,9 @@ module amontons_newton
       real(dp), allocatable :: coupling(:) !! stiffness of a point's slip against its normal displacement (m) [F/L]
    end type equations_t
 
-   !> A first pair of forces and displacements found in a way that lets fronts of opening or sliding pass, which
-   !> Newton's steps move by a few points each: by springs between the points and the obstacle, so soft at first that
-   !> the ends of the line feel each other, and so hard at last that neighbors hardly do.
+   !> A starting point by springs between the points and the obstacle. The first springs are so soft that the ends of
+   !> the line influence each other, the last ones so stiff that neighbors hardly do. Fronts of opening or sliding,
+   !> which Newton's steps move by a few points each, are thus found at once.
    type, extends(contact_method_t) :: spring_start_t
    contains
       procedure :: solve => spring_start_solve
@@ -116,7 +116,7 @@ module amontons_newton
 
 contains
 
-   !> Takes steps, and keeps the best pair where none is the solution.
+   !> Performs Newton steps until the residual is small; returns the best pair if none is a solution.
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -206,9 +206,9 @@ contains
       if (solution%residual < huge(solution%residual)) call solution%measure(problem)
    end subroutine newton_solve
 
-   !> Ends a step of a loose body that its active set lets slide or fly, held by the regularization alone, much longer
-   !> than forces of this size deform a body, where the contact law would end it: where the forces of springs between
-   !> the points and the obstacle, cut to the law, first do as much work against the step as the loads do along it.
+   !> Shortens a step of a loose body that, with the assumed active set, slides or flies much farther than forces of
+   !> this size deform a body, since only the regularization holds it. The step ends where the forces of springs between
+   !> points and obstacle, cut to the law, do as much work against it as the loads do along it.
    pure subroutine halt(problem, scale, before, displacement, force, imbalance, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
@@ -249,7 +249,7 @@ contains
       imbalance = scale
    end subroutine halt
 
-   !> Makes a regularization larger.
+   !> Increases a regularization.
    pure subroutine grow(regularization, most)
       real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]
@@ -258,7 +258,7 @@ contains
       regularization = min(most, max(from_nothing, factor*regularization))
    end subroutine grow
 
-   !> Forgets the active sets where the residual falls: what leads on is no circle.
+   !> Clears the list of active sets after a step with a smaller residual: the iteration is not in a cycle.
    pure subroutine visited_sets_note_residual(self, residual)
       class(visited_sets_t), intent(inout) :: self !! the active sets
       real(dp), intent(in) :: residual !! residual after a step [-]
@@ -270,8 +270,8 @@ contains
       allocate (self%key(0))
    end subroutine visited_sets_note_residual
 
-   !> Adds the active set that a step leads to; changes it if it is there already. If the change of no single point
-   !> leads to a new one, it stays: the regularization has to lead on then.
+   !> Adds the active set of a step to the list; if it is there already, changes single points until it is new. If no
+   !> such change leads to a new one, it stays, and the regularization has to break the cycle.
    pure subroutine visited_sets_avoid(self, active_set, last, is_repeated)
       class(visited_sets_t), intent(inout) :: self !! the active sets
       type(active_set_t), intent(inout) :: active_set !! the active set that a step leads to
@@ -302,7 +302,7 @@ contains
       self%key = [self%key, key_of(active_set)]
    end subroutine visited_sets_avoid
 
-   !> A number that tells active sets apart, all but surely.
+   !> A hash of an active set: equal for equal sets, different for different ones with near certainty.
    pure integer(int64) function key_of(active_set) result(key)
       type(active_set_t), intent(in) :: active_set !! the active set
       integer(int64), parameter :: factor = 8121341234567_int64
@@ -515,9 +515,9 @@ contains
       call self%effort%multiply(1.0_dp)
    end subroutine step_on_compliance
 
-   !> Takes up the rows in which the active set differs from the factorized one, each with the solution of the
-   !> factorized system for a unit in it, unless a new factorization is better, as it always is of a sparse
-   !> compliance, and in space, where all slips turn a little.
+   !> Adds the rows in which the active set differs from the factorized one, each with the solution of the factorized
+   !> system for a unit right-hand side in this row. A new factorization is asked for instead where it is cheaper:
+   !> always for a sparse compliance, and in space, where all slips turn a little.
    subroutine take_up_changes(self, problem, active_set, regularization, is_updated)
       class(newton_system_t), intent(inout) :: self !! the system; its error tells where memory ran out
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -586,7 +586,8 @@ contains
       end do
    end subroutine take_up_changes
 
-   !> Corrects the forces of the factorized active set so that the changed rows hold as well.
+   !> Corrects the forces of the factorized active set so that the equations of the changed rows hold as well: a linear
+   !> system of the size of their number.
    subroutine correct(self, problem, active_set, load, center, solution, info)
       class(newton_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -626,7 +627,7 @@ contains
       end associate
    end subroutine correct
 
-   !> Finds the pair of the hardest springs.
+   !> Finds the pair of the stiffest springs.
    subroutine spring_start_solve(self, problem, solution, error)
       class(spring_start_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, on a band
@@ -677,7 +678,7 @@ contains
       call solution%measure(problem)
    end subroutine spring_start_solve
 
-   !> The equations of a body that nothing touches, but for the given slip bounds.
+   !> Makes the equations of a body without contact forces except for the given slip bounds.
    pure subroutine new_equations(equations, problem, direction)
       type(equations_t), intent(out) :: equations !! the equations
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -739,7 +740,7 @@ contains
       if (.not. all(ieee_is_finite(x))) info = 1
    end subroutine solve_equations
 
-   !> What given displacements leave of the load; 0 where they are known (n) [F].
+   !> The load minus the forces that the given displacements cause; 0 in the rows of known displacements (n) [F].
    pure function load_residual(problem, equations, x)
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(equations_t), intent(in) :: equations !! the equations
@@ -802,7 +803,7 @@ contains
       end if
    end subroutine factorize_dense
 
-   !> Solves the factorized system for its unknown forces.
+   !> Solves the factorized system for the unknown forces.
    subroutine solve_unknown(self, right, info)
       class(newton_system_t), target, intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, one of a sparse compliance, then solutions

@@ -1,13 +1,13 @@
-!> Projected successive over-relaxation: point by point, each component (or the point as a whole) cut to its bound on
-!> the spot, with the slip bound phi lambda_N of the moment. omega = 1 is projected Gauss-Seidel.
+!> Projected successive over-relaxation (SOR): point by point, each component (or the point as a whole) is relaxed and
+!> cut to its bound, with the present slip bound phi lambda_N. omega = 1 is projected Gauss-Seidel.
 !>
-!> Sweeps can be accelerated: where a proposal of Anderson's or Aitken's has a smaller residual than the sweep, the way
-!> goes on from there.
+!> Sweeps can be accelerated: the combination that Anderson's or Aitken's method proposes replaces the result of a sweep
+!> if its residual is smaller.
 !>
-!> A sweep carries what its equations still lack, distance and slip in the dual space, forces in the primal one, and
-!> updates that by a column of the matrix for each component that changes: the matrix is read once, less what stays, and
-!> the residual after the sweep is known without another product. A point is relaxed component by component, or solved
-!> as a whole. In space a component is the normal one or both tangential ones together.
+!> A sweep keeps the residual of its equations (distance and slip in the dual space, forces in the primal one) and
+!> updates it by a column of the matrix for each component that changes. So each sweep reads the matrix at most once,
+!> and the residual after it is known without another product. A point is relaxed component by component, or solved as a
+!> whole. In space a component is the normal one or both tangential ones together.
 module amontons_psor
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_acceleration, only: acceleration_t, new_acceleration
@@ -21,13 +21,13 @@ module amontons_psor
 
    public :: local_names, psor_t, space_names
 
-   !> The spaces that sweeps can be done in, as a deck writes them.
+   !> The spaces of the sweeps, as a deck writes them: forces (dual) or displacements (primal).
    character(6), parameter :: space_names(2) = [character(6) :: 'dual', 'primal']
 
-   !> How a point is treated, as a deck writes it: component by component, or as a whole.
+   !> Treatments of a point, as a deck writes them: component by component, or as a whole.
    character(5), parameter :: local_names(2) = [character(5) :: 'point', 'block']
 
-   !> Where sweeps have come to, and how they go on.
+   !> The state of the sweeps: unknowns, residual of their equations, and the options.
    type :: relaxation_t
       logical :: is_dual = .true. !! whether they are done in the forces
       logical :: is_block = .false. !! whether a point is solved as a whole
@@ -58,7 +58,7 @@ module amontons_psor
 
 contains
 
-   !> Whether to sweep in the forces.
+   !> Whether the unknowns of the sweeps are the forces.
    pure logical function is_dual_for(self, problem) result(is_dual)
       class(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -66,7 +66,7 @@ contains
       is_dual = self%space == 'dual' .or. .not. problem%matrix%has_stiffness()
    end function is_dual_for
 
-   !> Makes the matrix that is swept over.
+   !> Makes the matrix that the sweeps read.
    subroutine psor_prepare(self, problem, error)
       class(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! a problem on the operator
@@ -129,7 +129,7 @@ contains
       call solution%effort%add(sweep%effort)
    end subroutine psor_solve
 
-   !> Goes on from what the acceleration proposes if its residual is smaller.
+   !> Replaces the result of a sweep by the proposal of the acceleration if its residual is smaller.
    pure subroutine accelerate(acceleration, problem, before, sweep)
       type(acceleration_t), intent(inout) :: acceleration !! the acceleration
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -160,7 +160,7 @@ contains
       end if
    end subroutine accelerate
 
-   !> Begins sweeps at a solution.
+   !> Makes the state of the sweeps from a solution.
    pure subroutine new_relaxation(sweep, problem, is_dual, is_block, omega, solution)
       type(relaxation_t), intent(out) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared for dual sweeps
@@ -199,7 +199,7 @@ contains
       call sweep%refresh(problem)
    end subroutine new_relaxation
 
-   !> Computes the residual anew, free of the rounding of many updates.
+   !> Recomputes the residual, which many updates have left with rounding errors.
    pure subroutine relaxation_refresh(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -216,7 +216,7 @@ contains
       end if
    end subroutine relaxation_refresh
 
-   !> Sweeps once over all points.
+   !> Performs one sweep over all points.
    pure subroutine relaxation_advance(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -258,8 +258,8 @@ contains
       end associate
    end subroutine relax_force_in_space
 
-   !> Relaxes the displacement of one point in space: the normal one is cut at the gap, the slip is shrunk by what
-   !> friction holds. As a whole it is solved for its force; a closed point is put on the gap exactly.
+   !> Relaxes the displacement of one point in space: the normal one is cut at the gap, the slip is reduced by what
+   !> friction holds. With `block` it is solved for its force; a closed point is put exactly on the gap.
    pure subroutine relax_displacement_in_space(sweep, problem, n)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -306,7 +306,7 @@ contains
 
    end subroutine relax_displacement_in_space
 
-   !> Gives the tangential components of a point in space their values.
+   !> Sets the tangential components of a point in space, and updates the residual.
    pure subroutine set_tangential(sweep, problem, n, values)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -317,7 +317,7 @@ contains
       call set_unknown(sweep, problem, n + 2*problem%n_points, values(2))
    end subroutine set_tangential
 
-   !> Gives one component a value, and the residual what this changes.
+   !> Sets one component, and updates the residual.
    pure subroutine set_unknown(sweep, problem, i, value)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -360,8 +360,8 @@ contains
       end associate
    end subroutine relax_force
 
-   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is shrunk by what friction
-   !> holds. A block is solved as a whole, and put on the gap exactly where it is closed.
+   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is reduced by what friction
+   !> holds. A block is solved as a whole, and put exactly on the gap where it is closed.
    pure subroutine relax_displacement(sweep, problem, n)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -397,8 +397,8 @@ contains
       end associate
    end subroutine relax_displacement
 
-   !> Displacements and forces that a sweep ended with; in the primal space the forces are what the displacements
-   !> leave, cut to the contact law.
+   !> Displacements and forces at the end of a sweep; in the primal space the forces are the residual of equilibrium,
+   !> cut to the contact law.
    pure subroutine relaxation_pair(self, problem, displacement, force)
       class(relaxation_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -418,8 +418,9 @@ contains
       end if
    end subroutine relaxation_pair
 
-   !> The residual of the pair at hand as the contact problem measures it, rounding aside: what lacks for equilibrium is
-   !> the move of the proximal center in the dual space, and what the contact law cut off in the primal one [-].
+   !> The residual of the present pair as the contact problem measures it, except for rounding: the missing equilibrium
+   !> is the move of the proximal center in the dual space, and the part of the forces that the contact law cut off in
+   !> the primal one [-].
    pure real(dp) function relaxation_scaled_residual(self, problem) result(residual)
       class(relaxation_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -436,8 +437,8 @@ contains
       residual = max(0.0_dp, maxval(abs(imbalance)), problem%violation(displacement, force))/self%scale
    end function relaxation_scaled_residual
 
-   !> Makes a point put together from others admissible: forces are cut to the contact law; a displacement stays off the
-   !> obstacle, and on it where it was on it before.
+   !> Makes a combination of points admissible: forces are cut to the contact law; a displacement stays out of the
+   !> obstacle, and on its surface where it was there before.
    pure subroutine relaxation_admit(self, problem, before)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem

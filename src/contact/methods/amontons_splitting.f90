@@ -35,7 +35,7 @@ module amontons_splitting
 
    public :: splitting_t, variant_names
 
-   !> The readings of the paper's half steps, as a deck writes them.
+   !> Variants of the paper's half steps, as a deck writes them.
    character(7), parameter :: variant_names(3) = [character(7) :: 'exact', 'clip', 'printed']
 
    !> A quarter of A, one of its four blocks.
@@ -55,8 +55,8 @@ module amontons_splitting
 
 contains
 
-   !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest;
-   !> keeps the best pair where none is the solution.
+   !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces stop changing;
+   !> returns the best pair if none is a solution.
    subroutine splitting_solve(self, problem, solution, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -258,7 +258,7 @@ contains
       end associate
    end subroutine new_printed_matrices
 
-   !> Takes the rounding errors of A out of displacements, by one step of refinement with S.
+   !> Removes rounding errors of A from displacements, by one step of iterative refinement with S.
    pure subroutine refine(problem, center, force, displacement, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]

@@ -1,8 +1,8 @@
-!> The condensed stiffness S of a slender body that is never made: a product with S is one with the stiffness of the
-!> whole body, after its interior has found its place.
+!> The condensed stiffness S of a slender body without forming it: a product with S is one with the stiffness of the
+!> whole body, after the interior displacements are solved for.
 !>
 !> The unknowns are in an order that makes the matrix a narrow band, those of a contact point in its normal and
-!> tangential direction. Everything takes time and memory in proportion to the length of the body.
+!> tangential direction. Time and memory are proportional to the length of the body.
 module amontons_band_stiffness
    use amontons_band_matrix, only: new_symmetric_band, symmetric_band_t
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -93,7 +93,7 @@ contains
       end do
    end subroutine new_band_stiffness
 
-   !> Makes the diagonal of this copy that of the original and of springs that hold the points.
+   !> Sets the diagonal of this copy to that of the original plus springs at the contact points.
    pure subroutine band_stiffness_set_diagonal(self, original, springs)
       class(band_stiffness_t), intent(inout) :: self !! a copy, with any springs before
       type(band_stiffness_t), intent(in) :: original !! the original
@@ -103,7 +103,7 @@ contains
       self%diagonal = original%diagonal + springs
    end subroutine band_stiffness_set_diagonal
 
-   !> The largest distance between two positions that an entry of a matrix acts on.
+   !> The largest difference of the positions that one entry of a matrix couples.
    pure integer function largest_distance(matrix, at) result(width)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: at(:, :) !! the positions that each unknown stands for, 0 for none (2, n)
@@ -122,7 +122,7 @@ contains
       end do
    end function largest_distance
 
-   !> Adds the entries of a matrix, each in the displacements that its unknowns stand for.
+   !> Adds the entries of a matrix, transformed to the normal and tangential directions of the contact points.
    pure subroutine add_matrix(band, matrix, at, weight)
       type(symmetric_band_t), intent(inout) :: band !! the matrix by position
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix by unknown
@@ -148,8 +148,8 @@ contains
       end do
    end subroutine add_matrix
 
-   !> Finds the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
-   !> other, so that a band of K_ii^-1 has all that is needed of it.
+   !> Computes the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
+   !> other, so that the entries of K_ii^-1 within a band suffice.
    pure subroutine find_diagonal(stiffness)
       type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the diagonal of S
       type(symmetric_band_t) :: inverse
@@ -178,7 +178,7 @@ contains
       end do
    end subroutine find_diagonal
 
-   !> The interior positions that a position is coupled to, ascending.
+   !> The interior positions coupled to a position, in ascending order.
    pure function neighbors(matrix, position, is_contact) result(near)
       type(symmetric_band_t), intent(in) :: matrix !! the stiffness of the whole body
       integer, intent(in) :: position !! the position
@@ -192,7 +192,7 @@ contains
       end associate
    end function neighbors
 
-   !> All displacements from those of the contact points: solves K_ii x_i = f_i - K_ic v.
+   !> Computes all displacements from those of the contact points: solves K_ii x_i = f_i - K_ic v.
    pure subroutine band_stiffness_find_interior(self, v, x, interior_load)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
       real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
@@ -248,7 +248,7 @@ contains
       interior = x(self%interior)
    end function band_stiffness_interior_displacement
 
-   !> Fills an array with S, column by column, for methods that need it whole.
+   !> Fills an array with S, column by column, for methods that need the dense matrix.
    pure subroutine band_stiffness_fill_dense(self, dense)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
       real(dp), contiguous, intent(out) :: dense(:, :) !! S (2m, 2m) [F/L]

@@ -15,7 +15,7 @@ module amontons_contact_operator
    public :: contact_operator_t, new_band_operator, new_compliance_operator, new_dense_stiffness, &
       new_softened_operator, new_stiffness_operator
 
-   !> The matrix. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
+   !> The matrix of a contact problem. A body has `stiffness`, `band` or both, a reduced problem has `compliance` alone.
    type :: contact_operator_t
       integer :: n = 0 !! number of its rows, 1 + n_tangents for each point
       integer :: n_tangents = 1 !! number of tangential directions of a point: 1 in the plane, 2 in space
@@ -49,12 +49,12 @@ module amontons_contact_operator
       procedure :: set_springs => contact_operator_set_springs
    end type contact_operator_t
 
-   !> A part with fewer rows has a dense compliance, which all methods take.
+   !> Parts of a sparse compliance with fewer rows are made dense, which all methods accept.
    integer, parameter :: least_sparse_rows = 200
 
 contains
 
-   !> Takes over a dense stiffness.
+   !> Makes the operator of a dense stiffness, whose array it takes over.
    pure subroutine new_stiffness_operator(matrix, stiffness, is_held, n_tangents, least_augmentation)
       type(contact_operator_t), intent(out) :: matrix !! the operator
       real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); not allocated on return [F/L]
@@ -71,7 +71,7 @@ contains
       call matrix%find_augmentation()
    end subroutine new_stiffness_operator
 
-   !> Takes over a stiffness that stays the band matrix of a whole body.
+   !> Makes the operator of a stiffness represented by the band matrix of a whole body.
    pure subroutine new_band_operator(matrix, band, is_held)
       type(contact_operator_t), intent(out) :: matrix !! the operator
       type(band_stiffness_t), allocatable, intent(inout) :: band !! S; not allocated on return
@@ -95,21 +95,23 @@ contains
       call matrix%find_augmentation()
    end subroutine new_compliance_operator
 
-   !> The number of points whose two tangents are pairs of rows.
+   !> The number of points in space, whose two tangential rows form a pair; 0 in the plane.
    pure integer function contact_operator_n_pairs(self) result(n_pairs)
       class(contact_operator_t), intent(in) :: self !! the operator
 
       n_pairs = merge(0, self%n/3, self%n_tangents == 1)
    end function contact_operator_n_pairs
 
-   !> Whether the stiffness is known, so that forces follow from displacements; else displacements follow from forces.
+   !> Whether there is a stiffness, so that forces follow from displacements; otherwise displacements follow from
+   !> forces.
    pure logical function contact_operator_has_stiffness(self) result(has_stiffness)
       class(contact_operator_t), intent(in) :: self !! the operator
 
       has_stiffness = allocated(self%stiffness) .or. allocated(self%band)
    end function contact_operator_has_stiffness
 
-   !> Finds the stiffness of the points: the diagonal of S or, in a reduced problem, the reciprocal one of A.
+   !> Computes the augmentation rho, the stiffness of each row: the diagonal of S or, in a reduced problem, the
+   !> reciprocal diagonal of A.
    pure subroutine contact_operator_find_augmentation(self)
       class(contact_operator_t), intent(inout) :: self !! the operator, with a new matrix
 
@@ -136,7 +138,7 @@ contains
       end if
    end subroutine contact_operator_multiply_stiffness
 
-   !> Makes the stiffness a dense matrix unless it is one.
+   !> Makes the stiffness a dense matrix unless it already is one.
    subroutine contact_operator_prepare_stiffness(self, error)
       class(contact_operator_t), intent(inout) :: self !! the operator, with a stiffness
       type(error_t), allocatable, intent(out) :: error !! memory ran out
@@ -171,7 +173,7 @@ contains
       !$omp end critical (amontons_contact_operator)
    end subroutine contact_operator_prepare_compliance
 
-   !> Makes the dual matrix from the stiffness.
+   !> Computes the dual matrix A from the stiffness.
    subroutine invert_stiffness(matrix, error)
       class(contact_operator_t), intent(inout) :: matrix !! the operator; gains A and alpha
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
@@ -214,7 +216,7 @@ contains
       end if
    end subroutine new_dense_stiffness
 
-   !> Makes an operator of its own that has the stiffness as a dense matrix.
+   !> Makes a copy of the operator with a dense stiffness.
    subroutine contact_operator_copy_dense(self, copy, error)
       class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
       type(contact_operator_t), intent(out) :: copy !! its copy
@@ -226,7 +228,7 @@ contains
          self%least_augmentation)
    end subroutine contact_operator_copy_dense
 
-   !> Makes an operator of its own that has the stiffness in the form in which it is known.
+   !> Makes a copy of the operator with the stiffness in its present form.
    subroutine contact_operator_copy_stiffness(self, copy, error)
       class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
       type(contact_operator_t), intent(out) :: copy !! its copy
@@ -241,7 +243,7 @@ contains
       end if
    end subroutine contact_operator_copy_stiffness
 
-   !> Makes this copy of a stiffness that of the body and of springs that hold the points to where they are.
+   !> Sets this copy of a stiffness to that of the body plus springs between each point and a fixed support.
    pure subroutine contact_operator_set_springs(self, body, springs)
       class(contact_operator_t), intent(inout) :: self !! a copy of the body's stiffness, with any springs before
       type(contact_operator_t), intent(in) :: body !! the body's
@@ -262,7 +264,7 @@ contains
       self%is_loose = body%is_loose .or. .not. body%is_held
    end subroutine contact_operator_set_springs
 
-   !> Makes the operator of a reduced problem and of springs in series with the points.
+   !> Makes the operator of a reduced problem with springs in series with the points.
    pure subroutine new_softened_operator(matrix, original, springs)
       type(contact_operator_t), intent(out) :: matrix !! the operator
       type(contact_operator_t), intent(in) :: original !! that of the reduced problem
@@ -298,8 +300,8 @@ contains
       call self%find_augmentation()
    end subroutine contact_operator_add_motion
 
-   !> Numbers the parts that do not act on each other: two points are in one part if an entry of the matrix couples
-   !> them. A band is one part.
+   !> Numbers the components of the problem: two points belong to the same one if an entry of the matrix couples them,
+   !> directly or through others. A band is one component.
    pure subroutine contact_operator_find_parts(self, n_points, part, n_parts)
       class(contact_operator_t), intent(in) :: self !! the operator
       integer, intent(in) :: n_points !! number m of points; row i is one of point 1 + mod(i - 1, m)
@@ -316,7 +318,7 @@ contains
       end if
    end subroutine contact_operator_find_parts
 
-   !> Numbers the parts of a matrix, each from its first point on to all that are reached from it.
+   !> Numbers the components of a matrix, each from its first point by a search over the coupled points.
    pure subroutine number_parts(matrix, part, n_parts)
       type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (2m, 2m)
       integer, intent(out) :: part(:) !! number of the part of each point (m)
@@ -357,7 +359,7 @@ contains
       end do
    end subroutine number_parts
 
-   !> Makes the operator of a part.
+   !> Makes the operator of a component.
    subroutine contact_operator_cut(self, rows, part, error)
       class(contact_operator_t), intent(in) :: self !! the operator, in several parts
       integer, intent(in) :: rows(:) !! rows of the part
@@ -392,7 +394,7 @@ contains
       call part%find_augmentation()
    end subroutine contact_operator_cut
 
-   !> The rows and columns of a part of a sparse matrix.
+   !> The rows and columns of a component of a sparse matrix.
    pure subroutine cut_sparse(part, matrix, rows)
       type(symmetric_matrix_t), intent(out) :: part !! the part
       type(symmetric_matrix_t), intent(in) :: matrix !! the whole

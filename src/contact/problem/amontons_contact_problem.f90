@@ -1,20 +1,19 @@
-!> The contact problem: the small problem on the contact points that everything turns on.
+!> The contact problem: the small problem on the contact points to which a body is condensed, and the active set, an
+!> assumption on the state of every point that turns the contact law into linear equations.
 !>
-!> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey
-!> `S v = q - lambda`, which is (2.1) of the paper condensed to the points, and the contact law, its (2.2), with the
-!> distance u_N - d to the obstacle and the slip u_T - a from the anchor; only load histories have anchors. S is
-!> symmetric and positive semidefinite; its kernel are the rigid motions that only contact holds. A reduced problem
-!> comes without S, in the dual form `v = v_free - A lambda` with a compliance A that may be semidefinite. All vectors
-!> list the m normal components first, the m tangential ones after them: n = 2m. In space the m components along a
-!> second tangent follow, n = 3m; any tangents at right angles will do, since the law knows no axes.
+!> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey `S v = q -
+!> lambda`, which is (2.1) of the paper condensed to the points, and the contact law, its (2.2), with the distance u_N -
+!> d to the obstacle and the slip u_T - a from the anchor; only load histories have anchors. S is symmetric and positive
+!> semidefinite; its kernel is that of the rigid motions that only contact holds. A reduced problem comes without S, in
+!> the dual form `v = v_free - A lambda` with a compliance A that may be semidefinite. All vectors list the m normal
+!> components first, the m tangential ones after them: n = 2m. In space the m components along a second tangent follow,
+!> n = 3m; any two perpendicular tangents will do, since the law is isotropic.
 !>
-!> The active set of a contact problem: an assumption of what every point does, which turns the contact law into
-!> linear equations.
-!>
-!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = a. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
-!> In space s is a unit vector, that of y = lambda_T + rho_T (u_T - a) where the set is read off. Across s acts a
-!> spring, lambda_T = s (g + phi lambda_N) + k (I - s s^T) (u_T - a), k = c/(1 - c) rho_T, c = (g + phi lambda_N)/|y|:
-!> the derivative of the law (Alart and Curnier). Two active sets are the same if all points do the same, whatever s.
+!> States of a point: closed, u_N = d; open, lambda_N = 0; stick, u_T = a; slip along s = +1 or -1, lambda_T = s (g +
+!> phi lambda_N). In space s is a unit vector, that of y = lambda_T + rho_T (u_T - a) where the set is derived. Across s
+!> acts a spring, lambda_T = s (g + phi lambda_N) + k (I - s s^T) (u_T - a), k = c/(1 - c) rho_T, c = (g + phi
+!> lambda_N)/|y|: the derivative of the law (Alart and Curnier). Two active sets are equal if the states of all points
+!> are, whatever s.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_operator, only: contact_operator_t
@@ -62,7 +61,7 @@ module amontons_contact_problem
    ! What rounding errors of forces are negligible in, of the forces whose difference they are.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
 
-   !> What is assumed of every point.
+   !> The assumed state of every point.
    type :: active_set_t
       logical, allocatable :: is_closed(:) !! whether it touches (m)
       integer, allocatable :: slip_direction(:) !! sign of its slip along `axes`, 0 if it sticks (m)
@@ -95,7 +94,7 @@ contains
       end associate
    end subroutine new_contact_problem
 
-   !> Makes a reduced problem: no gap beyond what the free displacements say, no anchor, no given slip bound.
+   !> Makes a reduced problem: the free displacements include the gaps; there are no anchors and no given slip bound.
    subroutine new_reduced_problem(problem, matrix, free_displacement, friction)
       type(contact_problem_t), intent(out) :: problem !! the problem
       type(contact_operator_t), target, intent(inout) :: matrix !! the operator, a compliance; must outlive the problem
@@ -120,8 +119,8 @@ contains
       allocate (rho, source=self%matrix%augmentation)
    end function contact_problem_augmentation
 
-   !> Counts displacements from others, v = c + w: S w = q - S c - lambda. Small steps w keep their digits after a long
-   !> way c.
+   !> Changes the origin of the displacements, v = c + w: S w = q - S c - lambda. Small displacements w keep their
+   !> digits beside a large c.
    pure subroutine contact_problem_count_from(self, center)
       class(contact_problem_t), intent(inout) :: self !! the problem, with a stiffness
       real(dp), contiguous, intent(in) :: center(:) !! c (n) [L]
@@ -133,7 +132,7 @@ contains
       self%anchor = self%anchor - center(self%n_points + 1:)
    end subroutine contact_problem_count_from
 
-   !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].
+   !> The slip bounds g + phi max(0, lambda_N) for given normal forces (m) [F].
    pure function contact_problem_bound(self, normal_force) result(bound)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: normal_force(:) !! lambda_N (m) [F]
@@ -142,8 +141,8 @@ contains
       bound = self%slip_bound + self%friction*max(0.0_dp, normal_force)
    end function contact_problem_bound
 
-   !> Forces cut to the contact law: no tension, and no more friction than the bound of the normal force that is left
-   !> (n) [F].
+   !> Forces cut to the contact law: tension becomes 0, and friction is limited to the bound of the resulting normal
+   !> force (n) [F].
    pure function contact_problem_cut(self, force) result(cut)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: force(:) !! the forces (n) [F]
@@ -153,7 +152,8 @@ contains
       cut(self%n_points + 1:) = cut_to_bound(force(self%n_points + 1:), self%bound(cut(:self%n_points)))
    end function contact_problem_cut
 
-   !> The largest normal or tangential part of a vector; 0 if there is none.
+   !> The largest magnitude of a normal or tangential component of a vector, in space of a tangential vector; 0 for an
+   !> empty one.
    pure real(dp) function contact_problem_largest(self, vector) result(largest)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: vector(:) !! the vector (n)
@@ -190,7 +190,7 @@ contains
       b = b - self%reference()
    end function contact_problem_dual_load
 
-   !> The displacements v = B - A lambda + (d; a) of given forces (n) [L].
+   !> The displacements v = B - A lambda + (d; a) for given forces (n) [L].
    pure function contact_problem_displacement(self, dual_load, force) result(displacement)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
       real(dp), intent(in) :: dual_load(:) !! B (n) [L]
@@ -202,7 +202,7 @@ contains
       displacement = dual_load - displacement + self%reference()
    end function contact_problem_displacement
 
-   !> Whether no force and no displacement are a solution: nothing loads the body, no point overlaps its obstacle, and
+   !> Whether zero forces and displacements are a solution: nothing loads the body, no point overlaps its obstacle, and
    !> none with a given slip bound has slipped.
    pure logical function contact_problem_is_unloaded(self) result(is_unloaded)
       class(contact_problem_t), intent(in) :: self !! the problem
@@ -220,9 +220,9 @@ contains
       is_unloaded = .not. any(abs(acting) > 0.0_dp)
    end function contact_problem_is_unloaded
 
-   !> The force that residuals are measured by: what acts on the points, see `acting_force`. Where nothing acts, what
-   !> would close the smallest gap, or 1 if there is none [F].
-   !> With v known, it is no less than a small share of rho |v|: what rounding of S v needs. A loose body may flee.
+   !> The force scale, by which residuals are divided: the largest acting force, see `acting_force`. Without any, the
+   !> force that would close the smallest gap, or 1 if there is no gap [F]. With v known, the scale is at least a small
+   !> share of rho |v|, which covers the rounding errors of S v.
    pure real(dp) function contact_problem_force_scale(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
@@ -240,13 +240,13 @@ contains
       if (.not. any(self%gap > 0.0_dp)) scale = 1.0_dp
    end function contact_problem_force_scale
 
-   !> The largest force on a point if none could move or slip (in a reduced problem, if it alone could not). Where all
-   !> are rounding of what interference and prescribed displacements do to single points, a share of that [F].
+   !> The largest force on a point if all points were held at their gaps and anchors (in a reduced problem, if it alone
+   !> were held). If all these forces are rounding errors of the forces by interference and prescribed displacements of
+   !> single points, a share of the latter [F].
    !>
-   !> A loose body does not feel an interference that it moves out of: with forces known, it is no more than these and
-   !> the loads, as far as rounding lets them be known. Of loads by heat or prescribed displacements a share counts.
-   !> A loose body that follows what supports prescribe may do so without any force; rounding of S is then in its
-   !> forces.
+   !> A loose body moves out of an interference without forces: if the forces are known, the scale is at most these and
+   !> the loads, as far as rounding allows. Of loads by heat or prescribed displacements a share counts. A loose body
+   !> that follows prescribed displacements may do so without forces; the rounding errors of S are then in its forces.
    pure real(dp) function acting_force(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
@@ -287,9 +287,9 @@ contains
       end if
    end function acting_force
 
-   !> What the violations of each point count by. In a reduced problem a violation is as large as its part of the force
-   !> scale or of the largest free displacement, whichever part is larger: else stiff points, whose forces are large,
-   !> would hide what is wrong at soft ones (m) [-].
+   !> Weights of the violations at each point. In a reduced problem the violation of a point is divided by its own
+   !> scale, which is the force scale or the force of the largest free displacement at this point, whichever is larger:
+   !> otherwise stiff points, whose forces are large, would hide violations at soft ones (m) [-].
    pure function contact_problem_weight(self) result(weight)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: weight(:)
@@ -305,9 +305,9 @@ contains
       end associate
    end function contact_problem_weight
 
-   !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
-   !> into forces, and of the contact law, over the force scale, with weights. It depends on no method and on no unit,
-   !> and is zero at a solution only; numbers that are not finite make it huge [-].
+   !> The residual of a pair (v, lambda): the largest violation of `S v = q - lambda`, or of `v = v_free - A lambda`
+   !> turned into forces, and of the contact law, weighted and divided by the force scale. It depends on no method and
+   !> no unit, and is zero at a solution only; it is huge if numbers are not finite [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), contiguous, intent(in) :: displacement(:) !! v (n) [L]
@@ -330,7 +330,7 @@ contains
          self%force_scale(force, displacement)
    end function contact_problem_residual
 
-   !> The largest violation of the contact law by a pair (v, lambda), with its weight [F].
+   !> The largest weighted violation of the contact law by a pair (v, lambda) [F].
    pure real(dp) function contact_problem_violation(self, displacement, force) result(violation)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (n) [L]
@@ -352,7 +352,7 @@ contains
          force(m + 1:), displacement(m + 1:) - self%anchor, self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 
-   !> Status of every point of a pair (v, lambda): which bound of the law is active (m).
+   !> Status of every point of a pair (v, lambda): the active bound of the law (m).
    pure function contact_problem_status(self, displacement, force) result(status)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (n) [L]
@@ -371,8 +371,8 @@ contains
       end if
    end function contact_problem_status
 
-   !> Assumes that every point touches and sticks, but for those so far off that to pull them to the nearest point's gap
-   !> alone takes more force than there is; a point without any slip bound has nothing to stick by.
+   !> Assumes that every point is closed and sticks, except for points so far from the obstacle that pulling them to the
+   !> nearest point's gap would take more force than there is; a point without any slip bound slips.
    pure subroutine active_set_assume_stick(self, problem, rho, force_scale)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -386,7 +386,7 @@ contains
       self%spring = spread(0.0_dp, 1, problem%n_points)
    end subroutine active_set_assume_stick
 
-   !> Makes it that of a pair (v, lambda), by the side of the law that its augmented forces lie on.
+   !> Sets the active set to that of a pair (v, lambda): the branch of the law on which the augmented forces lie.
    pure subroutine active_set_update(self, problem, rho, displacement, force)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -418,7 +418,7 @@ contains
       end associate
    end subroutine active_set_update
 
-   !> Puts what an active set says of the forces into those that are in equilibrium with displacements.
+   !> Sets the forces that the active set determines, in a vector of forces in equilibrium with displacements.
    pure subroutine active_set_impose(self, problem, force, imbalance)
       class(active_set_t), intent(in) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -438,8 +438,8 @@ contains
       imbalance = max(0.0_dp, problem%largest(force - balanced))
    end subroutine active_set_impose
 
-   !> Of which components the force is unknown and the displacement given: the normal ones of closed points, the
-   !> tangential ones of sticking points; of the others it is the displacement that is unknown (n).
+   !> Whether the force of each component is unknown and its displacement given: the normal one of closed points, the
+   !> tangential ones of sticking points; for the others the displacement is unknown (n).
    pure function active_set_gives_force(self) result(gives_force)
       class(active_set_t), intent(in) :: self !! the active set
       logical, allocatable :: gives_force(:)
@@ -448,7 +448,7 @@ contains
       if (allocated(self%axes)) gives_force = [gives_force, self%slip_direction == 0]
    end function active_set_gives_force
 
-   !> In space the axes of the tangents that have the first one along the slip, where a point slides (2, m) [-].
+   !> In space the axes of the tangents, with the first one along the slip where a point slides (2, m) [-].
    pure function active_set_slip_axes(self) result(axes)
       class(active_set_t), intent(in) :: self !! the active set
       real(dp) :: axes(2, size(self%slip_direction))
@@ -459,7 +459,7 @@ contains
       end do
    end function active_set_slip_axes
 
-   !> Turns a vector to these axes or back. In the plane there is nothing to turn.
+   !> Turns a vector to the axes of `slip_axes` or back. In the plane it is unchanged.
    pure subroutine active_set_turn(self, vector, sense)
       class(active_set_t), intent(in) :: self !! the active set
       real(dp), intent(inout) :: vector(:) !! the vector (n)

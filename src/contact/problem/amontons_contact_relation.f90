@@ -1,17 +1,16 @@
-!> A contact problem as one linear relation `y = h - H x` between forces and distances, in numbers about 1, for the
-!> methods that decide point by point which condition of the law is in force.
+!> A contact problem as one linear relation `y = h - H x` between forces and distances, in dimensionless numbers of
+!> order 1, for the methods that decide point by point which condition of the law is active.
 !>
 !> w = (u_N - d; u_T - a) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
-!> x = w, y is the force, H = S and h = q - S (d; a). Either way H is positive semidefinite; it is scaled to the
-!> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
+!> x = w, y is the force, H = S and h = q - S (d; a). In both H is positive semidefinite; it is scaled to a unit
+!> diagonal, and forces, distances and friction with it.
 !>
-!> Lemke's complementary pivoting for the linear complementarity problem
-!> `w = q + M z, w >= 0, z >= 0, w^T z = 0` (Cottle, Pang, Stone: The Linear Complementarity Problem, 1992,
-!> section 4.4).
+!> Lemke's complementary pivoting for the linear complementarity problem `w = q + M z, w >= 0, z >= 0, w^T z = 0`
+!> (Cottle, Pang, Stone: The Linear Complementarity Problem, 1992, section 4.4).
 !>
-!> A covering vector c > 0 turns the problem into one that a large number z_0 solves, `w = q + M z + c z_0`, z = 0. The
-!> pivots follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path leaves
-!> on a ray. Ties are broken by the lexicographic rule, so that no basis comes twice.
+!> A covering vector c > 0 makes it a problem that z = 0 and a large number z_0 solve, `w = q + M z + c z_0`. The pivots
+!> follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path ends on a ray.
+!> Ties are broken by the lexicographic rule, so that no basis is repeated.
 module amontons_contact_relation
    use amontons_contact_operator, only: new_dense_stiffness
    use amontons_contact_problem, only: active_set_t, contact_problem_t
@@ -24,7 +23,7 @@ module amontons_contact_relation
 
    public :: contact_relation_t, lemke_pivoting, new_contact_relation, pivoting_ray, pivoting_solved
 
-   !> The relation between forces and distances, with the friction of every point; all without units.
+   !> The relation between forces and distances, with the friction of every point; all dimensionless.
    type :: contact_relation_t
       integer :: n_points = 0 !! number m of contact points
       logical :: is_dual = .true. !! whether x is the force
@@ -40,11 +39,12 @@ module amontons_contact_relation
       procedure :: violation => contact_relation_violation
    end type contact_relation_t
 
-   !> The pivots ended with z_0 = 0.
+   !> Outcome of the pivoting: it ended with z_0 = 0.
    integer, parameter :: pivoting_solved = 0
-   !> The path left on a ray.
+   !> Outcome of the pivoting: the path ended on a ray.
    integer, parameter :: pivoting_ray = 1
-   !> More pivots than allowed; with exact numbers this cannot happen below the number of all bases.
+   !> Outcome of the pivoting: the largest number of pivots was reached; in exact arithmetic impossible below the number
+   !> of all bases.
    integer, parameter :: pivoting_stopped = 2
 
    !> Basic variables as affine functions of the nonbasic ones. Variables are numbered: w from 1 to n, z from n + 1 to
@@ -60,7 +60,7 @@ module amontons_contact_relation
 
 contains
 
-   !> The relation of a contact problem: primal where it has a stiffness, dual where it is a reduced problem.
+   !> Makes the relation of a contact problem: primal if it has a stiffness, dual if it is a reduced problem.
    subroutine new_contact_relation(relation, problem, error)
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -119,8 +119,8 @@ contains
       if (is_definite) call cholesky_inverse(inverse)
    end subroutine contact_relation_invert
 
-   !> The forces and distances that given states lead to, without units: 2m linear equations for the 2m of them that the
-   !> states leave open.
+   !> The forces and distances for given states, dimensionless: the solution of 2m linear equations for the 2m
+   !> components that the states do not prescribe.
    pure subroutine contact_relation_solve_states(self, states, force, distance, info)
       class(contact_relation_t), intent(in) :: self !! the relation
       type(active_set_t), intent(in) :: states !! state of every point
@@ -164,7 +164,7 @@ contains
 
    contains
 
-      !> The column that a force or a distance has in the relation `y + H x = h`.
+      !> The column of a force or distance in the relation `y + H x = h`.
       pure subroutine take_column(i, is_force, column)
          integer, intent(in) :: i !! which component
          logical, intent(in) :: is_force !! whether its force is meant, else its distance
@@ -180,8 +180,8 @@ contains
 
    end subroutine contact_relation_solve_states
 
-   !> How far forces and distances are from the inequalities of their states: the largest tension, penetration, excess
-   !> of friction or slip against the direction, over the largest force or distance, 1 at least [-].
+   !> The largest violation of the inequalities of given states by forces and distances: tension, penetration, excess of
+   !> friction or slip against the direction, over the largest force or distance, at least 1 [-].
    pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
       class(contact_relation_t), intent(in) :: self !! the relation
       type(active_set_t), intent(in) :: states !! state of every point (m)
@@ -312,7 +312,7 @@ contains
       tableau%place(leaving) = -column
    end subroutine exchange
 
-   !> Makes the tableau anew from the data, with the largest pivot of each column.
+   !> Recomputes the tableau from the data, with the largest pivot of each column.
    pure subroutine refresh(tableau, matrix, right, cover, error)
       type(tableau_t), intent(inout) :: tableau !! the tableau; its basis stays
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
@@ -335,8 +335,8 @@ contains
       tableau = fresh
    end subroutine refresh
 
-   !> The row whose variable reaches zero first as the variable of a column grows; 0 if none does. z_0 goes before all
-   !> others, these in the lexicographic order.
+   !> The row whose variable is the first to reach zero as the variable of a column grows; 0 if none does. Of ties z_0
+   !> is preferred, then the lexicographic order decides.
    pure integer function leaving_row(tableau, column) result(row)
       type(tableau_t), intent(in) :: tableau !! the tableau
       integer, intent(in) :: column !! the column

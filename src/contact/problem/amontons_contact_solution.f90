@@ -1,6 +1,5 @@
-!> The solution of a contact problem, and the record of how a method came to it.
-!>
-!> The abstract contact method, which solves a contact problem, and the options of all methods.
+!> The solution of a contact problem with the record of the method's iterations; and the abstract contact method with
+!> the options of all methods.
 module amontons_contact_solution
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
@@ -11,8 +10,8 @@ module amontons_contact_solution
 
    public :: contact_method_t, contact_solution_t, dual_method_t, effort_t, method_options_t, new_contact_solution
 
-   !> The effort that a method has spent: products with matrices, and factorizations. A product with a part of S or A
-   !> counts by the size of the part, so does an update by a few of its columns; triangular solves are not counted.
+   !> The work of a method: products with matrices, and factorizations. A product with a part of S or A counts by the
+   !> size of the part, and so does an update by a few of its columns; triangular solutions are not counted.
    type :: effort_t
       real(dp) :: n_products = 0.0_dp !! products of S or A with a vector [-]
       integer :: n_factorizations = 0 !! factorizations of a dense or sparse matrix, of any order
@@ -22,8 +21,8 @@ module amontons_contact_solution
       procedure :: multiply => effort_multiply
    end type effort_t
 
-   !> Forces, displacements and statuses of the contact points. A method starts from the forces and displacements it
-   !> finds here, and leaves its result.
+   !> Forces, displacements and statuses of the contact points. A method starts from the forces and displacements that
+   !> it finds here, and replaces them by its result.
    type :: contact_solution_t
       real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (n) [F]
       real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (n) [L]
@@ -44,8 +43,8 @@ module amontons_contact_solution
       procedure :: record => contact_solution_record
    end type contact_solution_t
 
-   !> The choice of a method and its options; those that a method does not use are without effect on it. All of them
-   !> are of fixed size, so that they can be passed on as they are.
+   !> The choice of a method and its options; options that a method does not use have no effect. All are of fixed size,
+   !> so that they can be copied between ranks.
    type :: method_options_t
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]
       integer :: max_iterations = 1000 !! most iterations, of the method's own kind
@@ -72,8 +71,8 @@ module amontons_contact_solution
    end type dual_method_t
 
    abstract interface
-      !> Solves a contact problem from the forces and displacements in `solution`. Not converged is a result, told by
-      !> `solution%is_converged`.
+      !> Solves a contact problem from the forces and displacements in `solution`. Not converged is a result, reported
+      !> in `solution%is_converged`.
       subroutine solve_interface(self, problem, solution, error)
          import :: contact_method_t, contact_problem_t, contact_solution_t, error_t
          implicit none (type, external)
@@ -86,7 +85,7 @@ module amontons_contact_solution
 
 contains
 
-   !> A solution at rest: no force, no displacement.
+   !> Makes a solution at rest: no forces, no displacements.
    pure subroutine new_contact_solution(solution, n_points, n_tangents)
       type(contact_solution_t), intent(out) :: solution !! the solution
       integer, intent(in) :: n_points !! number of contact points
@@ -100,7 +99,7 @@ contains
       allocate (solution%history(0))
    end subroutine new_contact_solution
 
-   !> Begins a new record; forces and displacements stay as the starting point.
+   !> Begins a new record; forces and displacements remain as the starting point.
    pure subroutine contact_solution_reset(self)
       class(contact_solution_t), intent(inout) :: self !! the solution
 
@@ -113,7 +112,7 @@ contains
       allocate (self%history(0))
    end subroutine contact_solution_reset
 
-   !> Records the pair (v, lambda) that an iteration ended with: residual, statuses, whether it is the solution.
+   !> Records the pair (v, lambda) at the end of an iteration: residual, statuses, whether it is a solution.
    pure subroutine contact_solution_record(self, problem, displacement, force, tolerance, may_continue)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -130,7 +129,7 @@ contains
       may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
    end subroutine contact_solution_record
 
-   !> Measures the pair at hand by the problem alone: residual and statuses.
+   !> Computes residual and statuses of the present pair.
    pure subroutine contact_solution_measure(self, problem)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -140,7 +139,7 @@ contains
       self%status = problem%status(self%displacement, self%force)
    end subroutine contact_solution_measure
 
-   !> Whether the best of the last residuals is a larger part of the best before them than it should be.
+   !> Whether the smallest of the last residuals is more than a given share of the smallest residual before them.
    pure logical function contact_solution_is_stagnant(self, limit, decrease) result(is_stagnant)
       class(contact_solution_t), intent(in) :: self !! the solution
       integer, intent(in) :: limit !! how many residuals are the last ones
@@ -152,7 +151,8 @@ contains
       if (is_stagnant) is_stagnant = minval(self%history(n + 1:n + limit)) > decrease*minval(self%history(:n))
    end function contact_solution_is_stagnant
 
-   !> Takes the pair of another solution, with its residual and statuses, if it is better; keeps its own record.
+   !> Replaces the pair, with its residual and statuses, by that of another solution if it is better; the record is
+   !> kept.
    pure subroutine contact_solution_take_better(self, other)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_solution_t), intent(in) :: other !! the other one
@@ -164,7 +164,7 @@ contains
       self%residual = other%residual
    end subroutine contact_solution_take_better
 
-   !> Puts the record of a solution that this one started from before its own.
+   !> Prepends the record of the solution that this one started from.
    pure subroutine contact_solution_follow(self, first)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_solution_t), intent(in) :: first !! the one that it started from
@@ -174,8 +174,7 @@ contains
       call self%effort%add(first%effort)
    end subroutine contact_solution_follow
 
-   !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a
-   !> residual never means solved.
+   !> Counts an iteration with the residual that the method itself computes. Such a residual never means converged.
    pure subroutine contact_solution_record_residual(self, residual)
       class(contact_solution_t), intent(inout) :: self !! the solution
       real(dp), intent(in) :: residual !! residual after the iteration [-]
@@ -187,7 +186,7 @@ contains
       self%history(self%n_iterations) = residual
    end subroutine contact_solution_record_residual
 
-   !> Adds the effort of a part of the way.
+   !> Adds the work of a part of the method.
    pure subroutine effort_add(self, part)
       class(effort_t), intent(inout) :: self !! the effort
       type(effort_t), intent(in) :: part !! that of the part
@@ -196,7 +195,7 @@ contains
       self%n_factorizations = self%n_factorizations + part%n_factorizations
    end subroutine effort_add
 
-   !> Counts a factorization, if there is one.
+   !> Counts a factorization, if it was made.
    pure subroutine effort_factorize(self, is_made)
       class(effort_t), intent(inout) :: self !! the effort
       logical, intent(in) :: is_made !! whether a matrix is factorized
@@ -212,7 +211,8 @@ contains
       self%n_products = self%n_products + n_products
    end subroutine effort_multiply
 
-   !> Makes the dense matrices that every solution by this method takes, for all problems on an operator: none here.
+   !> Makes the dense matrices that every solution by this method needs, for all problems on an operator. The default
+   !> needs none.
    subroutine contact_method_prepare(self, problem, error)
       class(contact_method_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! a problem on the operator

@@ -34,7 +34,7 @@ module amontons_friction_law
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(slip_point) = [character(5) :: 'open', 'stick', 'slip+', 'slip-', 'slip']
 
-   !> How far a point is from the conditions of the law, each by itself.
+   !> The violations of a point of each condition of the law.
    type :: point_violations_t
       real(dp) :: penetration = 0.0_dp !! overlap with the obstacle [-]
       real(dp) :: tension = 0.0_dp !! normal force that pulls [-]
@@ -85,8 +85,8 @@ contains
       end if
    end function cut_to_bound
 
-   !> Status of a point from its augmented forces force + stiffness * displacement, as in Alart and Curnier's
-   !> formulation: which bound of the law is active.
+   !> Status of a point from its augmented forces, force + stiffness * displacement, as in Alart and
+   !> Curnier's formulation: the active bound of the law.
    elemental integer function contact_status(augmented_normal, augmented_tangential, friction, slip_bound) &
       result(status)
       real(dp), intent(in) :: augmented_normal !! lambda_N + rho (u_N - d) [F]
@@ -105,9 +105,8 @@ contains
       end if
    end function contact_status
 
-   !> How far a point is from fulfilling the law: the larger of
-   !> |lambda_N - max(0, lambda_N + rho_N w)| and
-   !> |lambda_T - bounded(lambda_T + rho_T s, g + phi max(0, lambda_N))| [F].
+   !> The violation of the law by a point: the larger one of |lambda_N - max(0, lambda_N + rho_N w)| and |lambda_T -
+   !> bounded(lambda_T + rho_T s, g + phi max(0, lambda_N))| [F].
    elemental real(dp) function law_violation(normal_force, distance, tangential_force, slip, friction, slip_bound, &
       rho_normal, rho_tangential) result(violation)
       real(dp), intent(in) :: normal_force !! lambda_N [F]
@@ -126,8 +125,8 @@ contains
          abs(max(min(-rho_tangential*slip, tangential_force + bound), tangential_force - bound)))
    end function law_violation
 
-   !> The same of a point in space for its tangential force alone, of given bound:
-   !> the length of lambda_T less lambda_T + rho_T s cut to the bound [F].
+   !> The violation of the law by the tangential force of a point in space, for a given bound: the length of lambda_T
+   !> minus lambda_T + rho_T s cut to the bound [F].
    elemental real(dp) function disc_violation(force, other_force, slip, other_slip, bound, rho) result(violation)
       real(dp), intent(in) :: force !! first component of lambda_T [F]
       real(dp), intent(in) :: other_force !! its second component [F]
@@ -146,7 +145,8 @@ contains
       end if
    end function disc_violation
 
-   !> How far a point is from the conditions of the law, lengths over one length and forces over one force.
+   !> The violations by a point of each condition of the law, lengths over a unit of length and forces over a unit of
+   !> force.
    elemental function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
       real(dp), intent(in) :: gap !! distance to the obstacle, d - u_N [-]
       real(dp), intent(in) :: slip !! u_T - a [-]
@@ -164,8 +164,8 @@ contains
          abs(tangential_force))
    end function point_violations
 
-   !> The lengths of the slips that the tangential forces do not oppose: of their parts across the forces, and along
-   !> them in the wrong direction (m).
+   !> Lengths of the parts of the slips that the tangential forces do not oppose: those across the forces, and those
+   !> along them in the wrong direction (m).
    pure function wrong_slip(slip, force, n_points)
       real(dp), intent(in) :: slip(:) !! s = u_T - a (n_tangents m) [L]
       real(dp), intent(in) :: force(:) !! lambda_T (n_tangents m) [F]
@@ -181,7 +181,7 @@ contains
       end do
    end function wrong_slip
 
-   !> The force that fulfills the contact law best; of several that do, the one next to a given force.
+   !> The force that fulfills the contact law best; of several the one nearest to a given force.
    pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)
       real(dp), intent(in) :: w_nn !! normal compliance, at least 0 [L/F]
       real(dp), intent(in) :: w_nt !! compliance that couples normal and tangent [L/F]
@@ -227,7 +227,7 @@ contains
 
    contains
 
-      !> The force of a closed point that slides along a direction; without any if no force is determined.
+      !> The force and slip of a closed point that slides along a direction; empty if no force is determined.
       pure function sliding(direction) result(pair)
          real(dp), intent(in) :: direction !! 1 or -1
          real(dp) :: pair(2)
@@ -243,8 +243,8 @@ contains
 
    end function solve_point
 
-   !> The force on a point in space that fulfills the contact law best; of several that do, the one next to a given
-   !> force. Where the point slides, the angle of its slip is a zero of a function of one variable.
+   !> The force on a point in space that fulfills the contact law best; of several the one nearest to a given force. For
+   !> a sliding point the angle of the slip is a zero of a function of one variable.
    pure function solve_point_in_space(w, free, friction, slip_bound, force) result(best)
       real(dp), intent(in) :: w(3, 3) !! compliance in (n, t1, t2), positive semidefinite [L/F]
       real(dp), intent(in) :: free(3) !! distance u_N - d and slip u_T without force [L]
@@ -315,7 +315,7 @@ contains
 
    contains
 
-      !> Takes a force if it is better than the best so far.
+      !> Replaces the best force so far by a trial force if that is better.
       pure subroutine try(trial, best, least)
          real(dp), intent(in) :: trial(3) !! the force [F]
          real(dp), intent(inout) :: best(3) !! the best force so far [F]
@@ -330,7 +330,7 @@ contains
          best = trial
       end subroutine try
 
-      !> The tangential force that a slip alone needs; cut down where the block of the tangents is singular.
+      !> The tangential force for a given slip; a limited one if the tangential block is singular.
       pure function pair_force(slip) result(pair)
          real(dp), intent(in) :: slip(2) !! the slip [L]
          real(dp) :: pair(2)
@@ -344,7 +344,7 @@ contains
          end associate
       end function pair_force
 
-      !> The force on a point that slides along an angle: closed if that presses, else open.
+      !> The force on a point that slides along an angle: that of a closed point if it is compressive, otherwise 0.
       pure function sliding(angle) result(trial)
          real(dp), intent(in) :: angle !! the angle [rad]
          real(dp) :: trial(3)
@@ -359,7 +359,8 @@ contains
          end associate
       end function sliding
 
-      !> How far the slip under the force along an angle points to its left [L].
+      !> Component of the slip, under the force along an angle, perpendicular to this direction, positive to its left
+      !> [L].
       pure real(dp) function turning(angle)
          real(dp), intent(in) :: angle !! the angle [rad]
 
