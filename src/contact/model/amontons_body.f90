@@ -1,6 +1,5 @@
-!> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
-!>
-!> Rigid-body modes that supports leave free, as displacements of the contact points.
+!> A body: mesh, supports, contact zone, factorized and condensed stiffness, and the rigid-body modes that supports
+!> leave free, as displacements of the contact points.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_boundary, only: boundary_line_t, new_boundary_line
@@ -43,7 +42,7 @@ module amontons_body
       find_rigid_modes, largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, &
       poor_inf_sup
 
-   !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
+   !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
 
    !> A kind of force by name: of contact sets.
@@ -53,15 +52,15 @@ module amontons_body
    !> A kind of force by name: of ties.
    integer, parameter :: of_tie = 3
 
-   !> Contact sets, supports or ties of one name, whose forces are told together.
+   !> Contact sets, supports or ties with the same name, whose forces are reported together.
    type :: named_forces_t
       integer :: kind = 0 !! what they are
       character(64) :: name = '' !! their name
       integer, allocatable :: member(:) !! their numbers
    end type named_forces_t
 
-   !> A motion that no contact law acts on: a component of that of a rigid set, or the jump of a preload. It is an own
-   !> unknown of a node; nodal forces that do work on it alone are its force, and tell how large it is.
+   !> A motion that no contact law acts on: a component of the motion of a rigid set, or the jump of a preload. It is an
+   !> unknown of a node. The nodal forces of a unit of the driving force do work on this motion alone.
    type :: driven_motion_t
       character(longest_name) :: name = '' !! name of the rigid set or preload
       character(16) :: words(2) = '' !! what it and its force are called, as 'ux' and 'force_x'
@@ -79,7 +78,7 @@ module amontons_body
       real(dp), allocatable :: force(:, :) !! the nodal forces of a force of 1 (2, nodes) [-]
    end type driven_motion_t
 
-   !> What many load cases share; constant once it is condensed.
+   !> A body, which many load cases share; constant once it is condensed.
    type, extends(meshed_body_t) :: body_t
       character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
@@ -111,7 +110,7 @@ module amontons_body
       procedure :: internal_forces => body_internal_forces
    end type body_t
 
-   !> What condensing a body would take.
+   !> Estimate of time and memory that the condensation of a body takes.
    type :: estimate_t
       character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
@@ -124,7 +123,7 @@ module amontons_body
 
 contains
 
-   !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
+   !> Makes a body from its mesh, materials, supports and contact sets, without assembly and factorization.
    subroutine new_body(body, mesh, materials, supports, contacts, error, ties)
       type(body_t), intent(out) :: body !! the body
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -205,8 +204,8 @@ contains
       end do
    end subroutine new_body
 
-   !> Whether ties resist a rotation of what they join: across a gap, and between the polygons of a curve, slaves get
-   !> the mean displacement of another place of the master.
+   !> Whether ties resist a rotation of the joined bodies: across a gap, and between the polygons of a curve, the
+   !> displacement of a slave is the mean over another position of the master.
    pure logical function strains_ties(rows, coordinates)
       type(contact_rows_t), intent(in) :: rows !! the rows of the points of all ties
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
@@ -224,7 +223,7 @@ contains
       strains_ties = any(abs(rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
    end function strains_ties
 
-   !> Lists what exerts forces on a body, by name.
+   !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties)
       type(named_forces_t), allocatable, intent(out) :: list(:) !! what has a name
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -278,9 +277,9 @@ contains
       list(i)%member = [list(i)%member, number]
    end subroutine add_name
 
-   !> Refuses rigid sets that share a node with the slave of a tie: it could follow only one of them; or nodes with a
-   !> contact set along whose normal they may move: no forces of points act on them. A cell has other nodes, too, and
-   !> beside a corner the next node stands in.
+   !> Refuses rigid sets that share nodes with the slave of a tie, which could follow only one of them, or with a
+   !> contact set along whose normal they may move, since no contact forces act on them. A cell has further nodes, and a
+   !> corner may be represented by the next node; both are allowed.
    subroutine check_rigid_sets(body, contacts, error, ties)
       type(meshed_body_t), intent(in) :: body !! mesh and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -320,7 +319,7 @@ contains
 
    contains
 
-      !> Says that a set shares a node with a rigid one.
+      !> Makes the error that a set shares a node with a rigid one.
       subroutine refuse(set, origin, node, why)
          character(*), intent(in) :: set !! name of the set
          character(*), intent(in) :: origin !! where it was named, as messages begin
@@ -333,7 +332,8 @@ contains
 
    end subroutine check_rigid_sets
 
-   !> Makes the jumps of preloads free or prescribed, as their supports have them, and each an axis of its node.
+   !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
+   !> leading nodes along each jump.
    pure subroutine set_jumps(body, supports, ties)
       type(body_t), intent(inout) :: body !! the body, its ties found
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -349,7 +349,7 @@ contains
       end do
    end subroutine set_jumps
 
-   !> Number of the support that a preload is.
+   !> Number of the support that prescribes the jump of a preload.
    pure integer function support_of_jump(supports, name) result(number)
       type(support_t), intent(in) :: supports(:) !! the supports
       character(*), intent(in) :: name !! name of the preload
@@ -359,7 +359,7 @@ contains
       end do
    end function support_of_jump
 
-   !> Lists the motions of rigid sets. In a body of revolution they move along the axis only.
+   !> Adds the motions of rigid sets to the driven motions. In a body of revolution they move along the axis only.
    pure subroutine add_rigid_drives(body, supports)
       type(body_t), intent(inout) :: body !! the body; gains the motions
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -396,7 +396,7 @@ contains
       end do
    end subroutine add_rigid_drives
 
-   !> Lists the jump of a preload. Its force is a uniform pressure on both sides.
+   !> Adds the jump of a preload to the driven motions. Its force is a uniform pressure on both sides.
    pure subroutine add_jump_drive(body, supports, name, tie, points)
       type(body_t), intent(inout) :: body !! the body; gains the motion
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -430,7 +430,7 @@ contains
       body%driven = [body%driven, driven]
    end subroutine add_jump_drive
 
-   !> The forces that loads give the driven motions (motions) [F, F L].
+   !> The forces of loads on the driven motions (motions) [F, F L].
    pure function body_driven_forces(self, loads) result(force)
       class(body_t), intent(in) :: self !! the body
       type(load_t), intent(in) :: loads(:) !! the loads
@@ -448,7 +448,7 @@ contains
       end do
    end function body_driven_forces
 
-   !> The displacements of all nodes under one of the driven motions alone (2, n_nodes) [L].
+   !> The displacements of all nodes for a unit of one driven motion (2, n_nodes) [L].
    pure function body_driven_field(self, number) result(field)
       class(body_t), intent(in) :: self !! the body
       integer, intent(in) :: number !! which of the motions
@@ -459,7 +459,7 @@ contains
       field = self%dof_map%substitution%displacement(field)
    end function body_driven_field
 
-   !> Numbers the unknowns: those of the contact points behind the others, and at last those that a history may lock.
+   !> Numbers the unknowns: first the interior, then the contact points, last the motions that a history may lock.
    pure subroutine number_unknowns(body, substitution, error)
       type(body_t), intent(inout) :: body !! the body; gains the numbers
       type(substitution_t), intent(in) :: substitution !! how displacements follow from the unknowns
@@ -482,7 +482,7 @@ contains
       body%dof_map%n_lockable = size(body%lockable)
    end subroutine number_unknowns
 
-   !> Locks driven motions at what is prescribed of them, or lets them free. That takes no factorization.
+   !> Locks driven motions at their prescribed values, or frees them. The factorization remains valid.
    subroutine lock_motions(body, problem, is_locked, error)
       type(body_t), intent(inout) :: body !! the body, condensed
       type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
@@ -505,7 +505,8 @@ contains
       call pose_body(body, problem, error)
    end subroutine lock_motions
 
-   !> Finds the rigid motions that supports and locks leave free, and what contact points notice of them.
+   !> Finds the rigid motions that supports and locks leave free, and the displacements of the contact points under
+   !> them.
    subroutine set_motions(body)
       type(body_t), intent(inout) :: body !! the body, its contact points found
 
@@ -527,8 +528,9 @@ contains
          reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
    end subroutine find_motions
 
-   !> Nodes of surfaces that face each other, one of either body for each segment, and of rigid sets; and the number of
-   !> the pair where there is a free jump between the two, 0 elsewhere (3, any).
+   !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other one node of either body for
+   !> each segment, and of rigid sets; and the number of the pair if there is a free jump between the two, 0 elsewhere
+   !> (3, any).
    pure function bonds_of(pairs, constraints) result(bonds)
       type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
       type(constraints_t), intent(in), optional :: constraints !! the supports with the rigid sets; none without them
@@ -555,7 +557,8 @@ contains
       end do
    end function bonds_of
 
-   !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
+   !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock is left in the phase of
+   !> condensing.
    subroutine condense_body(body, problem, options, timings, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`
       type(contact_problem_t), intent(out) :: problem
@@ -592,7 +595,7 @@ contains
       call pose_body(body, problem, error)
    end subroutine condense_body
 
-   !> Makes the contact problem of a factorized body.
+   !> Makes the contact problem of a factorized body, without load.
    subroutine pose_body(body, problem, error)
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(out) :: problem !! its contact problem, on an operator of the body
@@ -616,7 +619,8 @@ contains
       end do
    end subroutine pose_body
 
-   !> The displacements of the contact unknowns under the motions that no contact point notices (n_schur, any) [-].
+   !> The displacements of the contact unknowns under the free motions that leave all contact points at rest (n_schur,
+   !> any) [-].
    pure function contact_motions(body) result(motions)
       type(body_t), intent(in) :: body !! the body; without pairs, whose slaves' unknowns are relative displacements
       real(dp), allocatable :: motions(:, :)
@@ -643,8 +647,8 @@ contains
       end do
    end function contact_motions
 
-   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix and a
-   !> twisted body stay there, and without unknowns besides those of the contact points there is nothing to spread.
+   !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices and twisted
+   !> bodies stay on rank 0; and a body without unknowns other than those of the contact points has nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -659,7 +663,7 @@ contains
       end associate
    end function is_distributed
 
-   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
+   !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
    subroutine body_internal_forces(self, forces, displacement, thermal_strain)
       class(body_t), intent(in) :: self !! the body
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
@@ -671,8 +675,8 @@ contains
          thermal_strain)
    end subroutine body_internal_forces
 
-   !> Refuses a body of which a piece is held by neither supports nor contact points, and pieces that contact holds to
-   !> each other alone.
+   !> Refuses a body with a piece that neither supports nor contact points hold, and pieces that contact holds only to
+   !> each other.
    subroutine check_held(body, error)
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
@@ -694,7 +698,8 @@ contains
          largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
    end subroutine check_held
 
-   !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.
+   !> Extends the error of a failed factorization by the free motion, or by the condition of the stiffness and its
+   !> likely reasons.
    subroutine explain_refusal(body, error)
       type(body_t), intent(in) :: body !! the body, its factorization refused
       type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
@@ -713,8 +718,8 @@ contains
       end associate
    end subroutine explain_refusal
 
-   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor. Of several ranks
-   !> rank 0 holds most besides the factor.
+   !> Estimates time and memory: assembles the stiffness and finds the order of elimination, but computes no factor. In
+   !> an MPI run rank 0 holds the most memory besides the factor.
    subroutine estimate_body(body, options, n_dense, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -767,9 +772,10 @@ contains
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
 
-   !> The displacements of the points under each free rigid motion of each piece. Without coordinates all nodes that a
-   !> point is made of lie where the point is: of a pair, as if the bodies met there. What rotations do along the
-   !> normals then no longer depends on the facets of the master, nor on the gap, which is along the normal.
+   !> Computes the displacements of the points under each free rigid motion of each piece. Without coordinates all nodes
+   !> that contribute to a point are taken to lie at the point: the two sides of a pair as if they were in contact. The
+   !> normal displacements under rotations then depend neither on the facets of the master nor on the gap, which is
+   !> along the normal.
    pure subroutine find_rigid_modes(modes, zone, motions, coordinates)
       real(dp), allocatable, intent(out) :: modes(:, :)
          !! (u_N; u_T) of the points under each motion (n_rows, motions) [-]
@@ -807,7 +813,7 @@ contains
       end do
    end subroutine find_rigid_modes
 
-   !> Combinations of the free motions of all pieces that no contact point notices (motions, any) [-].
+   !> Combinations of the free motions of all pieces that leave all contact points at rest (motions, any) [-].
    function common_motions(modes) result(amounts)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points under each motion, from `find_rigid_modes`
       real(dp), allocatable :: amounts(:, :)
@@ -823,8 +829,8 @@ contains
       amounts = amounts(:, :count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1))))
    end function common_motions
 
-   !> Names a combination of the free motions of some pieces by that of the piece that moves most, of several
-   !> whose amounts differ by rounding the first.
+   !> Text describing a combination of the free motions of some pieces by that of the piece that moves most; of amounts
+   !> that differ by rounding only, the first counts.
    pure function largest_motion(motions, amounts) result(text)
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)

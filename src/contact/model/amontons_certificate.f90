@@ -1,6 +1,5 @@
-!> The certificate: what a solution fulfills on the full model, computed from displacements and contact forces alone.
-!>
-!> Forces on the nodes of a body and their work, summed up: what the certificate needs of them, with one pass over all.
+!> The certificate: the conditions of the solution checked on the full model, from displacements and contact forces
+!> alone; and the sums of nodal forces and their work that it needs, computed in one pass.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: measure_terms, spring_forces, thermal_work
@@ -87,9 +86,9 @@ module amontons_certificate
       procedure :: violations => certificate_violations
    end type certificate_t
 
-   !> A larger violation is measured by what rounding leaves, too.
+   !> Violations above this limit are also compared with the rounding errors of the forces.
    real(dp), parameter :: suspicious = 1.0e-10_dp
-   !> The share of |K| |u| that the largest rounding errors are a negligible part of.
+   !> Share of |K| |u| that is well above the largest rounding errors.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
 
 contains
@@ -168,11 +167,11 @@ contains
       end associate
    end subroutine new_certificate
 
-   !> What is missing between the works, over their size; where that is too much, the larger one of its two parts over
-   !> theirs: what the forces do on the rigid motion of each piece that comes closest, on which all of them together do
-   !> none, and what they do on the rest. So rounding errors of forces on a long way are measured by it. Springs do not
-   !> hold a piece here: soft ones let it go a long way, too; nor do supports hold a twisted one around the axis, which
-   !> may turn it far.
+   !> The violation of the balance of work, over the size of the works. If that is too large, the larger violation of
+   !> two parts: the work on the nearest rigid motion of each piece, on which all forces together do none, and the work
+   !> on the rest, each over its own size. So rounding errors of forces on a long way are measured by that work. Soft
+   !> springs count as holding no piece, since the piece may move far against them; nor do supports count as holding a
+   !> twisted piece around the axis, which they may turn far.
    real(dp) function energy_violation(body, internal, external, reaction, displacement, missing, work) result(violation)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (components, n_nodes) [F]
@@ -197,9 +196,9 @@ contains
       violation = max(relative(abs(missing - of_travel), work), relative(abs(of_travel), size_of_travel))
    end function energy_violation
 
-   !> What the forces on a piece that nothing loads are measured by at the least: if they are all rounding errors of
-   !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
-   !> small beside the |K| |u| of a stiff one, but mean something. Heat strains elements although no force acts [F].
+   !> The smallest scale of the forces on a piece without loads: a share of |K| |u| if these forces are all rounding
+   !> errors and no element is strained, otherwise 0. Forces in a strained soft part may be as small relative to the |K|
+   !> |u| of a stiff part without being errors. Heat strains elements without forces [F].
    real(dp) function resting_scale(body, nodes, displacement, loads, reaction, contact, force_size, is_heated) &
       result(scale)
       type(body_t), intent(in) :: body !! the body
@@ -235,8 +234,8 @@ contains
       scale = rounding_share*uncanceled
    end function resting_scale
 
-   !> The magnitudes of the displacements of the nodes; of slaves those of what makes them up: that of a body at rest is
-   !> the difference of that of another one and the gap that it leaves, and has the rounding errors of both
+   !> Magnitudes of the nodal displacements; for slaves those of the terms of their sums. The displacement of a body at
+   !> rest may be the difference between that of another body and the gap, and has the rounding errors of both
    !> (components, n_nodes) [L].
    pure function magnitudes(body, displacement) result(magnitude)
       type(body_t), intent(in) :: body !! the body
@@ -259,7 +258,7 @@ contains
       end associate
    end function magnitudes
 
-   !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
+   !> Splits the residual of equilibrium into reactions (held directions) and imbalance (free directions).
    pure subroutine split_imbalance(constraints, reaction, imbalance)
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(inout) :: reaction(:, :)
@@ -342,7 +341,8 @@ contains
       end associate
    end subroutine check_points
 
-   !> Takes the forces that bonded surfaces exert on each other out of the reactions of the nodes' own unknowns.
+   !> Moves the forces that bonded surfaces exert on each other from the reactions of the nodes to the forces of the
+   !> ties.
    pure subroutine take_tie_forces(force, reaction, body)
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (components, n_nodes) [F]
@@ -386,8 +386,8 @@ contains
       end do
    end subroutine take_tie_forces
 
-   !> Checks that the forces on both bodies of every pair cancel, and their moments but for the couple that they make
-   !> across a gap. In a body of revolution the forces around it have no moment.
+   !> Checks that the forces on the two bodies of every pair cancel, and their moments except for the couple that they
+   !> form across a gap. In a body of revolution the forces around the axis have no moment in the plane.
    pure subroutine check_pairs(certificate, body, contact, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
@@ -413,8 +413,8 @@ contains
          body%checked_rows, body%zone%set, of_pairs, on_nodes)
    end subroutine check_pairs
 
-   !> Checks the moments of the forces that bonded surfaces exert on each other as those of pairs, and adds these
-   !> forces, whose couple is that across the gaps, to the contact forces.
+   !> Checks the moments of the forces that bonded surfaces exert on each other like those of pairs, and adds these
+   !> forces, whose couple acts across the gaps, to the contact forces.
    pure subroutine check_ties(certificate, body, tied, contact)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
@@ -434,7 +434,8 @@ contains
          body%checked_tie_rows, set, tied, on_nodes)
    end subroutine check_ties
 
-   !> Checks that the moments of the forces on both sides of some points are their couples across the gaps.
+   !> Checks that the sum of the moments of the forces on both sides of some points is the couple of these forces across
+   !> the gaps.
    pure subroutine check_moment(violation, couple, scale, body, rows, set, force, on_nodes)
       real(dp), intent(out) :: violation !! what is missing / (magnitudes of the forces times half the body's size) [-]
       real(dp), intent(inout) :: couple(:) !! gains the couple of the points of each set [F L]
@@ -506,7 +507,7 @@ contains
       certificate%moment = relative(abs(moment), norm*radius)
    end subroutine check_resultants
 
-   !> A ratio; 0 where there is nothing to compare.
+   !> The ratio of two numbers; 0 if the first is 0.
    elemental real(dp) function relative(value, scale)
       real(dp), intent(in) :: value !! the value
       real(dp), intent(in) :: scale !! what to divide by, at least 0
@@ -515,7 +516,7 @@ contains
       if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
    end function relative
 
-   !> The violations, each over its natural scale: what must stay below a limit [-].
+   !> The violations, each over its natural scale; all must be below the limit [-].
    pure function certificate_violations(self) result(list)
       class(certificate_t), intent(in) :: self !! the certificate
       type(quantity_t), allocatable :: list(:)
@@ -538,7 +539,7 @@ contains
       if (self%has_duality_gap) list = [list, quantity_t('duality_gap', 'Duality gap', self%duality_gap, 1.0_dp)]
    end function certificate_violations
 
-   !> The energies; they are no violations [F L].
+   !> The energies and works of the result, which are not violations [F L].
    pure function certificate_energies(self) result(list)
       class(certificate_t), intent(in) :: self !! the certificate
       type(quantity_t) :: list(2)
@@ -601,7 +602,7 @@ contains
       end do
    end subroutine sum_nodes
 
-   !> The norm of nodal forces. Squares over that of the largest neither overflow nor vanish [F].
+   !> The Euclidean norm of nodal forces, scaled by the largest one so that squares neither overflow nor underflow [F].
    pure real(dp) function norm_of(forces, largest) result(norm)
       real(dp), intent(in) :: forces(:, :) !! the forces (components, n_nodes) [F]
       real(dp), intent(in) :: largest !! their largest component [F]
@@ -618,7 +619,7 @@ contains
       norm = sqrt(norm)/unit
    end function norm_of
 
-   !> The power of two that brings a number near 1: a factor that rounds nothing, quicker than a divisor.
+   !> The power of two near the reciprocal of a number: scaling by it is exact and faster than a division.
    pure real(dp) function binary_scale(number) result(unit)
       real(dp), intent(in) :: number !! the number, positive
       ! Beyond it a power of two, or the number times it, would leave the range.

@@ -37,7 +37,7 @@ module amontons_condensation
    public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
       may_suit_band, new_condensation, new_distributed_condensation, new_row_condensation, row_condensation_t
 
-   !> What condenses loads and recovers displacements.
+   !> The condensation of displacements to rows w = C v: it condenses loads and recovers displacements.
    type :: row_condensation_t
       real(dp), allocatable :: stiffness(:, :) !! T (r, r) [F/L]
       real(dp) :: least_augmentation = 0.0_dp !! a small share of rho [F/L]
@@ -49,19 +49,19 @@ module amontons_condensation
       procedure :: expand => row_condensation_expand
    end type row_condensation_t
 
-   !> How many times slower an operation on a band is than one on a dense matrix; a round number.
+   !> Time of an operation on a band matrix over that of one on a dense matrix; a round number.
    real(dp), parameter :: slowness = 50.0_dp
 
-   !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
+   !> Forms of the condensed stiffness, as a deck writes them; the first one chooses the faster of the other two.
    character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
 
-   !> How a body is condensed.
+   !> Options of the condensation.
    type :: condensation_options_t
       character(13) :: factorization = 'auto' !! one of `factorization_names`
       character(5) :: form = 'auto' !! form of the condensed stiffness, one of `condensation_names`
    end type condensation_options_t
 
-   !> What is left of a load when it is condensed: q, and what `recover` needs of it.
+   !> A condensed load q, with the vectors that `recover` needs of the load.
    type :: condensed_load_t
       real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (components m) [F]
       real(dp), allocatable, private :: partial(:)
@@ -333,8 +333,8 @@ contains
       call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1, self%to_rows%least_augmentation)
    end subroutine condensation_condense_stiffness
 
-   !> Eliminates the unknowns that no contact point has and that are not locked. The Schur complement with them stays:
-   !> to lock some takes no factorization.
+   !> Eliminates the unknowns that belong to no contact point and are not locked. The Schur complement with all of them
+   !> is kept, so that locking some takes no factorization.
    pure subroutine condensation_eliminate(self, schur, error)
       class(condensation_t), intent(inout) :: self !! the factorized body
       real(dp), allocatable, intent(inout) :: schur(:, :)
@@ -355,7 +355,7 @@ contains
       schur = schur(:self%n_unknowns, :self%n_unknowns) - matmul(schur(:self%n_unknowns, self%eliminated), self%lifting)
    end subroutine condensation_eliminate
 
-   !> What is left of a load on the contact unknowns and those behind them when the latter are eliminated.
+   !> The load on the contact unknowns after the elimination of those behind them.
    pure function condensation_reduced(self, load) result(reduced)
       class(condensation_t), intent(in) :: self !! the factorized body
       real(dp), intent(in) :: load(:) !! q on all of them (n_schur) [F]
@@ -372,7 +372,7 @@ contains
       if (associated(self%matrix)) deallocate (self%matrix)
    end subroutine condensation_free
 
-   !> Condenses a load to the contact points.
+   !> Condenses a load to the contact points: q = f_c - K_ci K_ii^-1 f_i in the directions of the points.
    subroutine condensation_condense_load(self, load, condensed)
       class(condensation_t), intent(in) :: self !! the factorized body
       real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
@@ -403,7 +403,7 @@ contains
       condensed%load = self%matrix%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
    end subroutine condensation_condense_load
 
-   !> Adds a multiple of another load on the same body: everything about a condensed load is linear.
+   !> Adds a multiple of another condensed load of the same body; condensation is linear.
    pure subroutine condensed_load_add(self, factor, other)
       class(condensed_load_t), intent(inout) :: self !! the condensed load
       real(dp), intent(in) :: factor !! what the other load is multiplied by [-]
@@ -414,7 +414,8 @@ contains
       self%contact_load = self%contact_load + factor*other%contact_load
    end subroutine condensed_load_add
 
-   !> All unknowns from the displacements of the contact points under several loads, with one pass over the factor.
+   !> Computes all unknowns from the displacements of the contact points under several loads, with one pass over the
+   !> factor.
    subroutine condensation_recover(self, condensed, displacement, unknowns)
       class(condensation_t), intent(in) :: self !! the factorized body
       type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
@@ -452,11 +453,11 @@ contains
       if (.not. allocated(self%matrix%band)) call self%condenser%expand_all(partial, v, unknowns)
    end subroutine condensation_recover
 
-   !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
-   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 faster
-   !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
-   !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
-   !> multipliers has no place in a band.
+   !> Finds an order that makes K a narrow band, if S is to be represented by the band matrix of the whole body: on
+   !> request, or if Newton's method is much faster with it. A step takes about 4 n w^2 operations with n rows of half
+   !> width w, against 2/3 m^3 faster ones, or a few times as many, with a dense S; w is at least about the number of
+   !> unknowns per contact point. With few points the friction bound is computed, which needs a dense S anyway; cells of
+   !> constant multipliers cannot be represented in a band.
    pure subroutine find_band_order(matrix, form, zone, order)
       type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
@@ -472,7 +473,7 @@ contains
       end associate
    end subroutine find_band_order
 
-   !> Whether the number of unknowns leaves it possible that a band suits.
+   !> Whether the number of unknowns permits a band at all.
    pure logical function may_suit_band(n_unknowns, form, zone)
       integer, intent(in) :: n_unknowns !! number of unknowns
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
@@ -555,7 +556,7 @@ contains
       call move_alloc(gram, condensation%stiffness)
    end subroutine new_row_condensation
 
-   !> The condensed load p of a load q.
+   !> The condensed load p of a load q [F].
    pure function row_condensation_condense(self, load) result(condensed)
       class(row_condensation_t), intent(in) :: self !! the condensation
       real(dp), intent(in) :: load(:) !! q (n) [F]
@@ -564,7 +565,7 @@ contains
       condensed = matmul(self%lifting, load)
    end function row_condensation_condense
 
-   !> The displacements v of least energy with C v = w.
+   !> The displacements v of least energy with C v = w [L].
    pure function row_condensation_expand(self, load, values) result(displacement)
       class(row_condensation_t), intent(in) :: self !! the condensation
       real(dp), intent(in) :: load(:) !! q (n) [F]

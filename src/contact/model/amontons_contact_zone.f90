@@ -1,10 +1,7 @@
 !> The contact zone: the contact points with their normals and areas. A point is a node, or a cell of constant
-!> multipliers.
-!>
-!> Contact rows of a pair of surfaces, integrated a second time by another rule, for the certificate.
-!>
-!> Where segments end is found from what single rays meet, by halving; they are integrated by a rule of other points.
-!> Which of them count is the pair's own definition: those whose middle is within reach.
+!> multipliers. And the rows of pairs, integrated a second time by another rule for the certificate: there the ends of
+!> segments are found by bisection between rays that meet different sides, and the quadrature has other points. A
+!> segment counts if its middle is within reach, as in the first integration.
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t, substitution_t
@@ -23,7 +20,7 @@ module amontons_contact_zone
    public :: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, recompute_pairs, &
       segments_again
 
-   !> Points of the quadrature where segments are integrated a second time.
+   !> Number of quadrature points of a segment in the second integration.
    integer, parameter :: n_quadrature_again = n_quadrature_points + 3
 
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
@@ -69,7 +66,7 @@ module amontons_contact_zone
 contains
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
-   !> is one whose sides lie on the axis of revolution: no pressure acts there. A corner of two contact sets belongs to
+   !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two contact sets belongs to
    !> the first of them.
    subroutine new_contact_zone(zone, body, contacts, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
@@ -114,7 +111,7 @@ contains
       end if
    end subroutine new_contact_zone
 
-   !> Whether supports hold a point of a twisted body around the axis: its node, or all nodes of a cell.
+   !> Whether supports hold a point of a twisted body around the axis: the node, or all nodes of a cell.
    pure logical function holds_twist(zone, point, constraints) result(holds)
       type(contact_zone_t), intent(in) :: zone !! the points
       integer, intent(in) :: point !! the point
@@ -155,12 +152,12 @@ contains
       call take_line(follower, line)
    end subroutine add_set
 
-   !> Finds the corners of slaves that supports guide, or hold around the axis, and at which friction acts all the same,
-   !> since the master may slip; and lists the slips that supports fix.
+   !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
+   !> master may slip; and lists the slips that supports fix.
    !>
-   !> What a support prescribes of the slave's displacement is known; the tangential row of the point is then one of the
-   !> master's unknowns. It must be independent of the rows of the other points, which it is not where supports hold the
-   !> master, too. On a plane of symmetry that both bodies end on the shear is 0.
+   !> The part of the slave's displacement that a support prescribes is known, so that the tangential row of the point
+   !> acts on unknowns of the master. It must be independent of the rows of the other points, which it is not if
+   !> supports hold the master as well. On a plane of symmetry at which both bodies end the shear is 0.
    pure subroutine let_guided_slaves_slip(zone, constraints, substitution)
       type(contact_zone_t), intent(inout) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -213,7 +210,7 @@ contains
       zone%is_shear_fixed = zone%is_tangent_fixed .and. zone%is_twist_fixed
    end subroutine let_guided_slaves_slip
 
-   !> Whether each point is a corner of a slave that supports guide, unless its master ends on the same plane of
+   !> Whether each point is a corner of a slave that supports guide, except where its master ends on the same plane of
    !> symmetry; or one that they hold around the axis.
    pure function is_guided_alone(zone, constraints, tangent) result(is_alone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -248,7 +245,7 @@ contains
       end do
    end function is_guided_alone
 
-   !> The nodes whose own unknowns make up the displacements of the points.
+   !> The nodes whose unknowns contribute to the displacements of the points.
    pure function contact_zone_own_nodes(self, substitution) result(own)
       class(contact_zone_t), intent(in) :: self !! the contact points
       type(substitution_t), intent(in) :: substitution !! how displacements follow from the nodes' own unknowns
@@ -262,7 +259,7 @@ contains
          [(.not. self%pairs(self%set(p))%is_set(), p=1, self%n_points)])))])
    end function contact_zone_own_nodes
 
-   !> Adds points behind those that are there.
+   !> Appends points to the zone.
    pure subroutine add_points(zone, set, is_cell, points)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set that they belong to
@@ -289,14 +286,14 @@ contains
 
    !> Adds the nodes of one line as points.
    !>
-   !> Where the line goes on from that of an earlier set, the pressure at the node between them acts on the sides of
-   !> both. At a corner, where the law of the earlier set has another direction, the node beside it stands for both
-   !> nodes: its displacement and its force are means over them, as those of the slave of a pair are. So it does for a
-   !> node that moves with a rigid set, on which no force of a point acts.
+   !> If the line continues that of an earlier set, the pressure at the node between them acts on the sides of both. At
+   !> a corner, where the law of the earlier set has another direction, the next node represents both nodes: its
+   !> displacement and its force are means over them, as those of the slave of a pair are. The same holds for a node
+   !> that moves with a rigid set, on which no contact force acts.
    !>
    !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
-   !> function N_a. With a share of the middle node's, N_a + alpha N_b and (1 - alpha) N_b, both have one: the corner's
-   !> own displacement is bounded, and (u_b - alpha u_a) / (1 - alpha) in the place of u_b.
+   !> function N_a. With a share of that of the middle node, N_a + alpha N_b and (1 - alpha) N_b, both have one: the
+   !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b.
    pure subroutine add_line(zone, set, direction, line, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
@@ -402,8 +399,8 @@ contains
       call add_points(zone, set, .false., points)
    end subroutine add_line
 
-   !> The point on a rigid obstacle that an earlier set has at a node, where the line of another set goes on from that
-   !> one's; 0 at a corner and where there is none.
+   !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the
+   !> earlier one; 0 at a corner and where there is none.
    pure integer function point_before(zone, node, normal) result(point)
       type(contact_zone_t), intent(in) :: zone !! the zone
       integer, intent(in) :: node !! the node
@@ -505,7 +502,7 @@ contains
       call add_points(zone, set, contact%partition%is_constant, points)
    end subroutine add_pair
 
-   !> Recomputes rows and gaps of the points of pairs in contact; those of the others stay.
+   !> Recomputes rows and gaps of the points of pairs in contact; all other rows are copied.
    pure subroutine recompute_pairs(rows, gap_change, zone)
       type(contact_rows_t), intent(out) :: rows !! the rows
       real(dp), allocatable, intent(out) :: gap_change(:)
@@ -542,7 +539,7 @@ contains
       end associate
    end function mean_gap
 
-   !> Cuts the slave's sides again, by what rays meet.
+   !> Cuts the slave's sides a second time, by bisection between rays.
    pure function segments_again(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
@@ -581,7 +578,7 @@ contains
       segments = pack(segments, counts)
    end function segments_again
 
-   !> The master's side that the ray from a place on the slave meets, however far away; 0 for none.
+   !> The master's side that the ray from a position on the slave meets, at any distance; 0 if there is none.
    pure integer function met_side(pair, side, near, xi) result(met)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, intent(in) :: side !! the slave's side
@@ -593,7 +590,8 @@ contains
       met = meeting%side
    end function met_side
 
-   !> Ends the last segment where rays begin to meet other sides, up to a place where they meet a given one.
+   !> Cuts part of a slave's side where the rays begin to meet another side of the master, by recursive bisection; the
+   !> last segment ends at each cut.
    pure recursive subroutine cut_by_rays(segments, pair, near, low, high, last)
       type(mortar_segment_t), allocatable, intent(inout) :: segments(:) !! the segments so far, the last one without end
       type(mortar_pair_t), intent(in) :: pair !! the pair

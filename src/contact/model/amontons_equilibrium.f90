@@ -1,15 +1,15 @@
 !> Existence of equilibrium: whether admissible contact forces can balance the loads of a body that supports do not
 !> hold.
 !>
-!> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
-!> forces n + phi t and n - phi t of the contact points (a cone), of n between them, which large friction leaves to
-!> rounding otherwise, and, with factors up to a given slip bound, of t and -t. If it is none, the part that is left
-!> over is, by Farkas' lemma, a rigid motion that the loads drive and no contact force opposes enough: there is no
-!> equilibrium, and along it the body is free.
+!> The works of the loads on the free rigid motions must be a combination of the works of extreme contact forces: with
+!> factors at least 0 those of n + phi t and n - phi t of the contact points (a cone), and those of n, which rounding
+!> would lose between them for large friction; and, with factors up to a given slip bound, those of t and -t. Otherwise,
+!> by Farkas' lemma, the remainder is a rigid motion that the loads drive and that no contact force opposes enough:
+!> there is no equilibrium, and the body is free to move along it.
 !>
-!> The normals of a round line's facets miss its center a little, so that huge forces of both signs of arm would balance
-!> any moment. What normals of the circles through neighboring nodes leave much of has no equilibrium either. For a pair
-!> the round line is the slave.
+!> The normals of the facets of a round line miss its center a little, so that huge forces with arms of both signs would
+!> balance any moment. Loads therefore have no equilibrium either if a remainder is left with the normals of the circles
+!> through neighboring nodes. In a pair the round line is that of the slave.
 module amontons_equilibrium
    use amontons_body, only: body_t, largest_motion
    use amontons_contact_rows, only: turned
@@ -24,14 +24,14 @@ module amontons_equilibrium
 
    public :: check_balance, round_normals
 
-   !> Directions of the extreme forces of a disc.
+   !> Number of directions of the extreme forces of a disc.
    integer, parameter :: n_directions = 16
-   !> The ratio of circumference and diameter.
+   !> The ratio of a circle's circumference to its diameter.
    real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 
-   !> Refuses loads that drive a piece of the body away. Pieces that share points of contact are looked at together.
+   !> Refuses loads that no contact forces can balance. Pieces that share contact points are considered together.
    pure subroutine check_balance(body, load_case, error)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
@@ -46,7 +46,8 @@ contains
       end do
    end subroutine check_balance
 
-   !> The first of the pieces that supports do not hold and that share points of contact with each piece.
+   !> For each piece the first of the pieces that it shares contact points with, directly or through others, among those
+   !> that supports do not hold.
    pure function leading_pieces(body) result(leader)
       type(body_t), intent(in) :: body !! the body
       integer :: leader(size(body%motions))
@@ -69,7 +70,7 @@ contains
       end associate
    end function leading_pieces
 
-   !> Refuses loads that drive some of the pieces away.
+   !> Refuses loads that no contact forces on some pieces can balance.
    pure subroutine check_pieces(pieces, body, load_case, error)
       integer, intent(in) :: pieces(:) !! the pieces
       type(body_t), intent(in) :: body !! the body
@@ -103,7 +104,8 @@ contains
       end if
    end subroutine check_pieces
 
-   !> What is left of the works of the loads on the free motions of some pieces when contact forces balance them best.
+   !> The remainder of the works of the loads on the free motions of some pieces after the best combination of the works
+   !> of contact forces, by least squares.
    pure subroutine balance(pieces, body, load_case, part, remainder, scale)
       integer, intent(in) :: pieces(:) !! the pieces
       type(body_t), intent(in) :: body !! the body
@@ -176,7 +178,8 @@ contains
       end do
    end function round_normals
 
-   !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme forces of the points.
+   !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme contact forces of the
+   !> points, one column for each. Forces are of unit normal force, or of unit given slip bound.
    pure subroutine add_works(cone, work, scale, motions, body, load_case, part, n_edges)
       real(dp), intent(inout) :: cone(:, :)
          !! works of the extreme forces: some for each point, then t of each, then -t (n_free, any)

@@ -1,12 +1,10 @@
-!> The free boundary beyond the ends of contact sets: its nodes, on which no contact force acts, may move into the
-!> obstacle of the set or into the other body of a pair.
+!> The free boundary beyond the ends of contact sets. No contact force acts on its nodes, which may move into the
+!> obstacle of the set or into the other body of a pair. And corners of rigid obstacles between contact points: a tooth,
+!> a spike or a narrow circle may penetrate a side whose nodes do not touch it.
 !>
 !> From each end of a set the boundary is followed, past corners, up to the next contact set or tie. Distances are
 !> measured as at contact points: along the normals of the boundary, for small displacements. A corner is measured along
 !> the normals of both its sides.
-!>
-!> Corners of rigid obstacles between contact points: a tooth, a spike or a narrow circle may penetrate a side whose
-!> nodes do not touch it.
 module amontons_free_boundary
    use amontons_constraints, only: constraints_t
    use amontons_contact_set, only: contact_t
@@ -25,7 +23,7 @@ module amontons_free_boundary
 
    public :: find_corner_penetration, free_boundary_t, new_free_boundary
 
-   !> A node of the free boundary, with a direction along which it may meet an obstacle or another body.
+   !> A node of the free boundary, with a direction in which it may meet an obstacle or another body.
    type :: free_node_t
       integer :: node = 0 !! number of the node
       integer :: set = 0 !! the contact set whose obstacle or pair it may meet
@@ -37,7 +35,7 @@ module amontons_free_boundary
       real(dp) :: arc_length = 0.0_dp !! length along the line of the set up to where this is nearest [L]
    end type free_node_t
 
-   !> An end of a contact set beyond which the boundary of the body goes on without a corner.
+   !> An end of a contact set beyond which the boundary of the body continues without a corner.
    type :: set_end_t
       integer :: set = 0 !! number of the contact set
       logical :: is_of_master = .false. !! whether it is the set of the other body of the pair that ends
@@ -56,7 +54,7 @@ module amontons_free_boundary
       procedure :: reached_ends => free_boundary_reached_ends
    end type free_boundary_t
 
-   !> The sides of the boundary of a mesh.
+   !> The sides of the boundary of a mesh, and which of them a contact set or tie has.
    type :: outline_t
       integer, allocatable :: side(:, :)
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
@@ -66,7 +64,7 @@ module amontons_free_boundary
       logical, allocatable :: is_taken_node(:) !! whether a node belongs to one (nodes)
    end type outline_t
 
-   !> A boundary set with the boundary beyond its ends.
+   !> A boundary set with the free boundary beyond its ends.
    type :: extended_set_t
       integer :: number = 0 !! number of the contact set
       logical :: is_of_master = .false. !! whether it is the set of the other body of the pair
@@ -135,7 +133,7 @@ contains
       end do
    end subroutine new_free_boundary
 
-   !> The contact point of a set that is nearest to a place; 0 for a set without points.
+   !> The contact point of a set nearest to a position; 0 for a set without points.
    pure integer function nearest_point(zone, set, position)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: set !! number of the contact set
@@ -213,7 +211,7 @@ contains
       end do
    end subroutine take_set
 
-   !> The sides of a boundary set: first corner, second corner, middle or 0, element; none of a set that the mesh lacks
+   !> The sides of a boundary set: first corner, second corner, middle or 0, element; empty if the mesh has no such set
    !> (4, sides).
    pure function sides_of(mesh, set) result(sides)
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -225,7 +223,7 @@ contains
       if (allocated(error)) allocate (sides(4, 0))
    end function sides_of
 
-   !> Extends a boundary set beyond its ends, along the boundary that no set has.
+   !> Extends a boundary set beyond its ends, along sides that belong to no contact set or tie.
    pure subroutine extend_set(extended, set, number, is_of_master, outline, body)
       type(extended_set_t), intent(out) :: extended !! the set with the boundary beyond it
       character(*), intent(in) :: set !! name of the boundary set
@@ -281,8 +279,9 @@ contains
       next_side = merge(outline%to(side(1)), outline%from(side(2)), k == 1)
    end function next_side
 
-   !> Lists the places of an extended set that no contact force acts on: nodes beyond the set that supports leave free
-   !> along the normal, a corner for each of its normals. Makes room for them among the nodes of the free boundary.
+   !> Lists the positions of an extended set on which no contact force acts: nodes beyond the set that supports leave
+   !> free along the normal, a corner once for each of its normals. Allocates entries for them among the nodes of the
+   !> free boundary.
    pure subroutine find_free_places(boundary, extended, first, outline, constraints, side, corner)
       class(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
@@ -320,7 +319,7 @@ contains
       boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, n)]]
    end subroutine find_free_places
 
-   !> Adds the nodes of one body of a pair that face the other one, unless both sets have the place.
+   !> Adds the nodes of one body of a pair that face the other one, except for positions that belong to both sets.
    pure subroutine add_facing(boundary, extended, first, other, outline, constraints, search, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the boundary of the one body
@@ -363,7 +362,7 @@ contains
       boundary%nodes = boundary%nodes(:n)
    end subroutine add_facing
 
-   !> Adds the ends of a set beyond which the boundary goes on without a corner, and without a support that holds it.
+   !> Adds the ends of a set beyond which the boundary continues without a corner, and where no support holds it.
    pure subroutine add_ends(boundary, extended, zone)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary, with the nodes beyond the ends
       type(extended_set_t), intent(in) :: extended !! the set, with the boundary beyond it
@@ -395,7 +394,8 @@ contains
       end do
    end subroutine add_ends
 
-   !> The node of a slave that faces the boundary beyond an end of the master next to it; 0 if none does within a side.
+   !> The node of a slave that faces the boundary just beyond an end of the master; 0 if there is none within the length
+   !> of a side.
    pure integer function nearest_facing(nodes, master, position, within) result(nearest)
       type(free_node_t), intent(in) :: nodes(:) !! the free nodes
       type(extended_set_t), intent(in) :: master !! the master with the boundary beyond it
@@ -438,8 +438,8 @@ contains
       gap = gap + contact%extra_gap%at(position, node%arc_length)
    end subroutine measure_node
 
-   !> Which nodes do not lie deeper in their obstacles than the points of their set: what does is meant to, as where a
-   !> plane stands for a short flank.
+   !> Which nodes are not deeper in their obstacles than the points of their set initially: a deeper one is intended,
+   !> for example where a plane replaces a short flank.
    pure function free_boundary_lies_outside(self, contacts, coordinates, zone, gap) result(lies_outside)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles at rest
@@ -463,7 +463,7 @@ contains
       end do
    end function free_boundary_lies_outside
 
-   !> How deep the displacements take a node of the free boundary into an obstacle or another body at most.
+   !> Depth to which the displacements move the deepest node of the free boundary into an obstacle or another body [L].
    pure subroutine free_boundary_penetration(self, contacts, lies_outside, coordinates, displacement, depth, deepest)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
@@ -503,8 +503,8 @@ contains
       if (deepest == 0) depth = 0.0_dp
    end subroutine free_boundary_penetration
 
-   !> The ends of sets that the contact reaches: the point next to the end is closed, and what it touches goes on along
-   !> the boundary, too.
+   !> The ends of sets that contact reaches: the point next to the end is closed, and the surface that it touches
+   !> continues along the boundary as well.
    pure function free_boundary_reached_ends(self, contacts, coordinates, gap, status) result(reached)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
@@ -532,8 +532,8 @@ contains
 
    !> Finds the corner of a polyline, or the apex of a circle or parabola, that penetrates a contact set deepest.
    !>
-   !> As gaps do, the depth counts along the normal of the side, of displacements along it. What a smooth surface or a
-   !> single corner between two nodes may reach into the side is the error of the mesh and does not count, see
+   !> The depth is measured along the normal of the displaced side, like gaps. The depth to which a smooth surface or a
+   !> single corner may reach into a side between two nodes is a discretization error and does not count, see
    !> `resolved_depth`.
    pure subroutine find_corner_penetration(mesh, contacts, zone, extra_gap, displacement, depth, place, set)
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -607,8 +607,8 @@ contains
       if (set == 0) depth = 0.0_dp
    end subroutine find_corner_penetration
 
-   !> The corners of a rigid obstacle that bulge towards the body: ends of a polyline and points where its way turns to
-   !> the right, away from the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].
+   !> The convex corners of a rigid obstacle: ends of a polyline and points where its line turns to the right, away from
+   !> the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].
    pure function corners_of(contact) result(corners)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), allocatable :: corners(:, :)
@@ -636,10 +636,10 @@ contains
       end associate
    end function corners_of
 
-   !> How deep a surface may reach into a side between the two nodes beside a place: half their distance times the
-   !> tangent of half the angle between the surface's directions opposite to them, the height of the triangle of its
-   !> tangents, where neither is steeper than warnings allow; the overlap of the nodes; and how much farther one of them
-   !> moves than the other [L].
+   !> Largest depth to which a surface may reach into a side between two nodes because of the mesh: half the distance of
+   !> the nodes times the tangent of half the angle between the surface's directions opposite to them (the height of the
+   !> triangle of its tangents, unless one is steeper than warnings allow), plus the overlap of the nodes, plus the
+   !> difference of their displacements [L].
    pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), intent(in) :: side(2, 3) !! first corner, second corner, middle of the side [L]

@@ -1,8 +1,8 @@
-!> The discrete inf-sup constant of constant multipliers: whether the mesh can tell them apart.
+!> The discrete inf-sup constant of constant multipliers: whether the mesh can represent them.
 !>
 !> beta = min over multipliers mu of max over displacements v of (mu, C v) / (|mu| |v|), both norms those of L2 on the
-!> contact line: the least length that is left of a multiplier of length 1 when it is projected onto the traces of the
-!> body's displacements. It depends on mesh, cells and supports alone and lies between 0 and 1.
+!> contact line: the least norm of the projection of a multiplier of norm 1 onto the traces of the body's displacements.
+!> It depends on mesh, cells and supports alone and lies between 0 and 1.
 module amontons_inf_sup
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
@@ -18,7 +18,7 @@ module amontons_inf_sup
 
 contains
 
-   !> The constant of one contact set; 0 where some multiplier does not act on the body at all [-].
+   !> The constant of one contact set; 0 if some multiplier does no work on any displacement [-].
    pure real(dp) function inf_sup_constant(zone, number, set, body) result(beta)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: number !! number of the contact set

@@ -19,7 +19,7 @@ module amontons_load_case
    public :: apply_loads, check_shear, condensed_force, load_case_t, new_load_case, prescribe, prescribed_slip, &
       recover_displacement, recover_displacements, set_obstacles
 
-   !> Loads, prescribed displacements, obstacles and friction.
+   !> Loads, prescribed displacements, obstacles and friction of one case.
    type :: load_case_t
       type(support_t), allocatable :: supports(:) !! the supports, with what they prescribe
       type(load_t), allocatable :: loads(:) !! the loads
@@ -54,7 +54,7 @@ module amontons_load_case
 
 contains
 
-   !> Makes a load case, everything that its input can get wrong; `check_balance` tells whether it has an equilibrium.
+   !> Makes a load case and checks its input; whether it has an equilibrium is checked by `check_balance`.
    subroutine new_load_case(load_case, body, supports, contacts, loads, error)
       type(load_case_t), intent(out) :: load_case !! the load case, not condensed yet
       type(body_t), intent(in) :: body !! the body
@@ -99,7 +99,7 @@ contains
       call apply_loads(load_case, body, load_case%loads, error)
    end subroutine new_load_case
 
-   !> Sets the displacements that supports prescribe, with what follows of them by substitution.
+   !> Sets the displacements that supports prescribe, with those that follow from them by substitution.
    subroutine prescribe(load_case, constraints, body, supports, error)
       type(load_case_t), intent(inout) :: load_case !! gains the displacements
       type(constraints_t), intent(out) :: constraints !! what the supports hold
@@ -119,7 +119,7 @@ contains
       load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
    end subroutine prescribe
 
-   !> Sets the nodal forces and the thermal strain of loads, and the forces that they give driven motions.
+   !> Sets the nodal forces and the thermal strain of loads, and their forces on driven motions.
    subroutine apply_loads(load_case, body, loads, error)
       type(load_case_t), intent(inout) :: load_case !! gains all these
       type(body_t), intent(in) :: body !! the body
@@ -139,7 +139,7 @@ contains
       end do
    end subroutine apply_loads
 
-   !> Refuses friction on a slave that supports guide so that no shear could act on some side of it.
+   !> Refuses friction on a slave that supports guide if then no shear can act on some side of it.
    pure subroutine check_shear(zone, contacts, error)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
@@ -156,9 +156,9 @@ contains
 
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
-   !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
-   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that nothing closes. A
-   !> cell has the means over its area.
+   !> The gap is the distance to the obstacle along the normal of the point, negative where the body overlaps the
+   !> obstacle (interference). A point whose normal does not meet the obstacle gets an infinite gap. A cell has the
+   !> means over its area.
    pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
       type(load_case_t), intent(inout) :: load_case !! the load case
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -291,8 +291,8 @@ contains
       end do
    end subroutine recover_displacements
 
-   !> The work that nodal forces do while the contact displacements v change and the rest follows by equilibrium, as a
-   !> vector on v (n_rows) [F].
+   !> The condensed vector of nodal forces: its product with contact displacements v is the work of the forces when the
+   !> other displacements follow v by equilibrium (n_rows) [F].
    function condensed_force(body, forces) result(row)
       type(body_t), intent(in) :: body !! the body, condensed
       real(dp), intent(in) :: forces(:, :) !! nodal forces (components, n_nodes) [F]

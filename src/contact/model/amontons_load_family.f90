@@ -1,11 +1,11 @@
-!> What acts on a body, as a family of load cases: loads, prescribed displacements and friction in parts, each times a
-!> factor, obstacles that may move, and anchors of the slips.
+!> A family of load cases: loads, prescribed displacements and friction in parts, each times a factor, obstacles that
+!> may move, and anchors of the slips.
 !>
-!> A single case is the one member of a family of one part; a row of a sweep has one set of factors, a step of a history
-!> those of its time. Condensed loads are linear in the factors, so that one substitution for each part serves all
-!> members. The first part is what no quantity changes; its factor is 1.
+!> A single case is the only member of a family of one part; a row of a sweep has one set of factors, a step of a
+!> history those of its time. Condensed loads are linear in the factors, so that one substitution for each part serves
+!> all members. The first part contains everything that no factor changes; its factor is 1.
 !>
-!> The motion of rigid obstacles in a load history: a shift and a turn about a pivot.
+!> The motion of rigid obstacles in a load history is a shift and a turn about a pivot.
 module amontons_load_family
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
@@ -25,7 +25,7 @@ module amontons_load_family
 
    public :: acting_t, load_family_t, new_load_family, obstacle_motion_t, one_part, parting_t
 
-   !> Where an obstacle has moved: it turned about the pivot, and then shifted.
+   !> The motion of an obstacle: it is turned about the pivot and then shifted.
    type :: obstacle_motion_t
       real(dp) :: shift(2) = 0.0_dp !! shift along x and y [L]
       real(dp) :: turn = 0.0_dp !! angle, counterclockwise [rad]
@@ -35,7 +35,7 @@ module amontons_load_family
       procedure :: is_at_rest => obstacle_motion_is_at_rest
    end type obstacle_motion_t
 
-   !> Which part each load, each prescribed displacement and the friction of each contact set belong to.
+   !> The part to which each load, each prescribed displacement and the friction of each contact set belong.
    type :: parting_t
       integer :: n_parts = 1 !! number of parts
       integer, allocatable :: load(:) !! part of each load
@@ -47,7 +47,7 @@ module amontons_load_family
       logical :: moves_obstacles = .false. !! whether obstacles of members move
    end type parting_t
 
-   !> The parts of a family, and what its members share.
+   !> The parts of a family, and the data that its members share.
    type :: load_family_t
       type(load_case_t) :: base !! supports, loads, contact sets, gaps and slip bounds; no nodal forces or displacements
       type(parting_t) :: parting !! what belongs to which part
@@ -73,7 +73,7 @@ module amontons_load_family
       procedure :: pose => load_family_pose
    end type load_family_t
 
-   !> What makes a member of the family: the factors and, in a history, places of the obstacles and anchors.
+   !> The data of a member of the family: the factors and, in a history, positions of the obstacles and anchors.
    type :: acting_t
       real(dp), allocatable :: factor(:) !! factor of each part (parts) [-]
       type(obstacle_motion_t), allocatable :: motions(:)
@@ -86,7 +86,7 @@ module amontons_load_family
 
 contains
 
-   !> A parting into the first part alone.
+   !> Assigns everything to the first part.
    pure function one_part(load_case) result(parting)
       type(load_case_t), intent(in) :: load_case !! the load case
       type(parting_t) :: parting
@@ -97,7 +97,7 @@ contains
       allocate (parting%is_coefficient(1), source=.false.)
    end function one_part
 
-   !> Divides a load case into parts, which takes no condensed body.
+   !> Divides a load case into parts; the body need not be condensed.
    subroutine new_load_family(family, body, load_case, parting, error)
       type(load_family_t), intent(out) :: family !! the family
       type(body_t), intent(in) :: body !! the body
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine new_load_family
 
-   !> Sums the loads and the prescribed displacements of a part. Where one part has a thermal strain, all have one.
+   !> Sums the loads and the prescribed displacements of a part. If one part has a thermal strain, all have one.
    subroutine fill_part(part, number, body, load_case, parting, error)
       type(load_case_t), intent(inout) :: part !! gains nodal forces, prescribed displacements, thermal strain
       integer, intent(in) :: number !! number of the part
@@ -177,8 +177,8 @@ contains
       if (i > 0) part%prescribed = body%driven_field(parting%driven(i))
    end subroutine fill_part
 
-   !> Condenses the parts, prescribed displacements and thermal strains included. Where a body is spread over ranks, all
-   !> that share the family do so at the same time.
+   !> Condenses the loads of the parts, with prescribed displacements and thermal strains. For a body that is spread
+   !> over ranks, all ranks that share the family call it at the same time.
    subroutine load_family_condense(self, body, problem)
       class(load_family_t), intent(inout) :: self !! the family
       type(body_t), intent(in) :: body !! the body, condensed
@@ -211,7 +211,7 @@ contains
       end do
    end subroutine load_family_condense
 
-   !> The member whose factors are all 1, its obstacles at their places.
+   !> Sets the member whose factors are all 1, with its obstacles at their initial positions.
    pure subroutine load_family_at_rest(self, acting)
       class(load_family_t), intent(in) :: self !! the family
       class(acting_t), intent(inout) :: acting !! the member
@@ -242,7 +242,7 @@ contains
       acting%motion(:body%zone%n_points) = tangential_motion(body%zone, self%feet, motions)
    end subroutine load_family_move
 
-   !> The contact sets of a member, with their obstacles where they are.
+   !> The contact sets of a member, with the present positions of their obstacles.
    pure function load_family_contacts_of(self, acting) result(contacts)
       class(load_family_t), intent(in) :: self !! the family
       class(acting_t), intent(in) :: acting !! the member
@@ -285,7 +285,7 @@ contains
       friction = matmul(self%friction, acting%factor)
    end function load_family_friction_of
 
-   !> What is left of the gaps in a member for displacements that supports do not prescribe: d - n . u_p (m) [L].
+   !> The gaps in a member, less the displacements that supports prescribe: d - n . u_p (m) [L].
    pure function load_family_gap_of(self, acting) result(gap)
       class(load_family_t), intent(in) :: self !! the family
       class(acting_t), intent(in) :: acting !! the member
@@ -332,7 +332,7 @@ contains
       load_case%obstacle_motion = acting%motion
    end subroutine load_family_load_case
 
-   !> The largest component of the nodal forces of a member, of some nodes at a time, which stay in the cache [F].
+   !> The largest component of the nodal forces of a member; computed for blocks of nodes that fit in the cache [F].
    pure real(dp) function load_family_largest_force(self, factor) result(largest)
       class(load_family_t), intent(in) :: self !! the family
       real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
@@ -358,7 +358,7 @@ contains
       end do
    end function load_family_largest_force
 
-   !> Text that two families of the same body share only if they are the same to the last bit: files that a deck names
+   !> A text that is equal for two families of the same body only if they agree to the last bit: files that a deck names
    !> may have changed although the deck has not.
    pure function load_family_fingerprint(self, body, problem) result(text)
       class(load_family_t), intent(in) :: self !! the family, condensed
@@ -383,14 +383,15 @@ contains
       text = to_text(checksum%value())
    end function load_family_fingerprint
 
-   !> Whether the obstacle is where it was.
+   !> Whether the obstacle is at its initial position.
    elemental logical function obstacle_motion_is_at_rest(self) result(is_at_rest)
       class(obstacle_motion_t), intent(in) :: self !! the motion
 
       is_at_rest = .not. (any(abs(self%shift) > 0.0_dp) .or. abs(self%turn) > 0.0_dp)
    end function obstacle_motion_is_at_rest
 
-   !> How far a point of the obstacle has moved. 1 - cos is written so that small angles keep their digits (2) [L].
+   !> Displacement of a point of the obstacle. 1 - cos is written as a square of a sine, so that small angles keep their
+   !> digits (2) [L].
    pure function obstacle_motion_displacement(self, position) result(displacement)
       class(obstacle_motion_t), intent(in) :: self !! the motion
       real(dp), intent(in) :: position(2) !! where the point was [L]
@@ -423,7 +424,7 @@ contains
       end associate
    end function find_feet
 
-   !> How far the obstacle has moved along the tangent of every point, at its foot; of a cell the mean (m) [L].
+   !> Displacement of the obstacle along the tangent of every point, at its foot; for a cell the mean (m) [L].
    pure function tangential_motion(zone, feet, motions) result(motion)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: feet(:, :) !! their feet (2, quadrature points) [L]

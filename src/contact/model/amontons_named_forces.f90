@@ -1,9 +1,10 @@
-!> Forces by name: what each contact set, support, elastic foundation and tie exerts on the body, by components.
+!> Forces by name: the force that each contact set, support, elastic foundation and tie exerts on the body, by
+!> components.
 !>
-!> One description serves all who tell them. A component is the work on a rigid motion of what is held there: the
-!> reactions of the nodes on a field of displacements, the contact forces and the springs on vectors of their own. So it
-!> follows from displacements and contact forces of all nodes, and just as well, without those of the nodes, from the
-!> factors of the parts of a family and the contact displacements (section 10 of doc/theory.md).
+!> Listing, summary, tables of sweeps and histories use the same definition: a component is the work on a rigid motion
+!> of the nodes in question, of the reactions on a field of displacements, and of contact forces and springs on vectors
+!> of their own. So it follows from displacements and contact forces of all nodes or, without the displacements of the
+!> nodes, from the factors of the parts of a family and the contact displacements (section 10 of doc/theory.md).
 module amontons_named_forces
    use amontons_assembly, only: spring_forces
    use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
@@ -26,7 +27,7 @@ module amontons_named_forces
    !> Names of the kinds in files, in the order of `of_contact`, `of_support`, `of_tie`.
    character(8), parameter :: kind_names(*) = [character(8) :: 'force', 'reaction', 'tie']
 
-   !> How a number follows from reactions, displacements and contact forces; what is not allocated has no part in it.
+   !> The coefficients of a force in reactions, displacements and contact forces; those that are not allocated are 0.
    type :: force_test_t
       real(dp), allocatable :: held(:, :)
          !! displacements that the reactions of the nodes do work on (components, n_nodes) [L]
@@ -36,7 +37,7 @@ module amontons_named_forces
       integer :: driven = 0 !! the driven motion whose given force counts, too; 0 for none
    end type force_test_t
 
-   !> Numbers as sums over the factors of the parts of a family, contact displacements and contact forces.
+   !> Named forces as functions of the factors of the parts of a family, contact displacements and contact forces.
    type :: force_form_t
       real(dp), allocatable, private :: of_part(:, :) !! what each part adds without contact displacements (any, parts)
       real(dp), allocatable, private :: of_displacement(:, :) !! factors of the contact displacements (n_rows, any)
@@ -48,7 +49,7 @@ module amontons_named_forces
 contains
 
    !> The components of all forces by name: number in `body%named`, and component (2, any). In a body of revolution
-   !> forces across the axis and moments are none. The normal force of a preload is that of its jump.
+   !> there are no forces across the axis and no moments. The normal force of a preload is the force of its jump.
    pure function components_of(body) result(list)
       type(body_t), intent(in) :: body !! the body
       integer, allocatable :: list(:, :)
@@ -110,7 +111,7 @@ contains
       if (present(values)) list%value = values
    end function named_quantities
 
-   !> How all forces by name follow from reactions, displacements and contact forces.
+   !> The coefficients of all forces by name.
    pure function named_tests(body) result(tests)
       type(body_t), intent(in) :: body !! the body
       type(force_test_t), allocatable :: tests(:)
@@ -124,7 +125,7 @@ contains
       end do
    end function named_tests
 
-   !> Finds how one of the numbers follows that have a name.
+   !> Finds the coefficients of one of the named numbers.
    pure subroutine new_test(test, body, components, number)
       type(force_test_t), intent(out) :: test !! how it follows
       type(body_t), intent(in) :: body !! the body
@@ -148,7 +149,7 @@ contains
       end associate
    end subroutine new_test
 
-   !> Finds how a component of a force by name follows.
+   !> Finds the coefficients of a component of a force by name.
    pure subroutine new_named_test(test, body, named, component)
       type(force_test_t), intent(out) :: test !! how it follows
       type(body_t), intent(in) :: body !! the body
@@ -201,7 +202,7 @@ contains
       end if
    end subroutine new_named_test
 
-   !> The motion that a component of forces does work on.
+   !> The rigid motion on which the work is a component of the force (components, nodes).
    pure function rigid_motion(component, positions, n_components) result(motion)
       integer, intent(in) :: component !! the component
       real(dp), intent(in) :: positions(:, :) !! where (2, any) [L]
@@ -217,7 +218,8 @@ contains
       motion(2, :) = positions(1, :)
    end function rigid_motion
 
-   !> Factors of the contact forces in a component of the force of some contact sets on the body, of pairs on the slave.
+   !> Coefficients of the contact forces in a component of the force that some contact sets exert on the body, for pairs
+   !> on the slave.
    pure function contact_factors(body, sets, component, motion) result(factors)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: sets(:) !! numbers of the sets
@@ -291,8 +293,9 @@ contains
       end do
    end subroutine find_responses
 
-   !> Computes the form of some numbers. The work of reactions r = K u - f - contact on displacements is a product of
-   !> K u_j - f_j with them, and those of E v with K times them, condensed.
+   !> Computes the coefficients of named forces over the parts, contact displacements and contact forces. The work of
+   !> reactions r = K u - f - contact on displacements g is a product of g with K u_j - f_j for each part, and with K
+   !> times the extension E v, condensed.
    subroutine new_force_form(form, body, tests, parts, fields, loads)
       type(force_form_t), intent(out) :: form !! the form
       type(body_t), intent(in) :: body !! the body, condensed
@@ -327,7 +330,7 @@ contains
       end do
    end subroutine new_force_form
 
-   !> The numbers.
+   !> The values of the forces of a member.
    pure function force_form_values(self, factor, v, force) result(values)
       class(force_form_t), intent(in) :: self !! the form
       real(dp), intent(in) :: factor(:) !! factors of the parts [-]

@@ -1,9 +1,10 @@
-!> The rigid motion that brings a body which only contact holds to its obstacles.
+!> The rigid motion that moves a body which only contact holds onto its obstacles.
 !>
-!> Rigid motions take no force, so that the displacements of such a body may be counted from any of them. Those that its
-!> forces come from may be millions of times smaller than the way to the obstacle: counted from there, they keep their
-!> digits. Where the gaps do not tell it, as those of a hollow body that stands on its ends, the loads do, which lay it
-!> down as a rigid body, and its displacements.
+!> Rigid motions cause no elastic forces, so that the displacements of such a body may be counted from any of them.
+!> Displacements that do cause forces may be millions of times smaller than the distance to the obstacle: counted from
+!> the body's position on the obstacle, they keep their digits. If the gaps do not determine this position, as for a
+!> hollow body that rests on its ends, it is found from the loads, which press a rigid body onto its obstacles, or from
+!> the displacements found.
 module amontons_rigid_fit
    use amontons_body, only: body_t
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
@@ -20,10 +21,10 @@ module amontons_rigid_fit
 
 contains
 
-   !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if it
-   !> leaves much of them. Of pieces without loads it is the gaps themselves where rounding errors alone are left: these
-   !> would be all that acts on them. Where loads act, small ones on a stiff body at the least, a motion that is not
-   !> quite rigid would spoil their equilibrium.
+   !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if much of
+   !> the gaps remains. For pieces without loads the result is the gaps themselves if only rounding errors remain: these
+   !> would otherwise be the only loads. A small load on a stiff body, however, needs an exact rigid motion, since any
+   !> other would disturb its equilibrium.
    subroutine fit_rigid_motion(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -44,10 +45,10 @@ contains
       end associate
    end subroutine fit_rigid_motion
 
-   !> Finds the free rigid motion by which loads lay a rigid body on its obstacles, sliding as little as can be: of the
-   !> places without overlap the one nearest to where the loads would drive it, far off, were there no obstacle. Without
-   !> loads it is the least motion from the closest fit that ends all overlaps. None if no motion does, or if it is much
-   !> longer than the gaps.
+   !> Finds the free rigid motion by which loads press a rigid body onto its obstacles, with the least possible slip: of
+   !> all positions without overlap the one nearest to a distant point in the direction of the loads. Without loads it
+   !> is the least motion from the closest fit to the gaps that removes all overlaps. None if there is no such position,
+   !> or if the motion is much longer than the gaps.
    subroutine lay_rigid_body(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -110,7 +111,7 @@ contains
       end if
    end subroutine lay_rigid_body
 
-   !> Finds the free rigid motion in displacements of the points that are little else; none in others.
+   !> Finds the free rigid motion that makes up nearly all of the displacements of the points; 0 if there is none.
    subroutine fit_travel(motion, body, displacement)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -120,8 +121,8 @@ contains
       call fit(motion, body, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
 
-   !> Computes the displacements of all nodes from the solution of the contact problem; the free rigid motion in it
-   !> apart from the rest, which keeps its digits.
+   !> Computes the displacements of all nodes from the solution of the contact problem. The free rigid motion in it is
+   !> recovered apart from the rest, which so keeps its digits.
    subroutine recover_with_travel(displacement, body, load_case, solution)
       real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
       type(body_t), intent(in) :: body !! the body
@@ -150,7 +151,8 @@ contains
       end do
    end subroutine recover_with_travel
 
-   !> The rigid motion of each piece that comes closest to the displacements of its nodes (components, n_nodes) [L].
+   !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,
+   !> n_nodes) [L].
    function travel_of_nodes(free, coordinates, displacement) result(travel)
       type(rigid_motions_t), intent(in) :: free(:) !! the motions of each piece that are free
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
@@ -176,7 +178,7 @@ contains
       end do
    end function travel_of_nodes
 
-   !> Which displacements of the points gaps and slips speak of (n_rows).
+   !> The displacements of the points for which gaps and slips give a target value (n_rows).
    pure function counted(body, load_case) result(counts)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
@@ -188,7 +190,8 @@ contains
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 
-   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it, and more than rounding.
+   !> Finds the free rigid motion closest to a target by least squares; 0 if the remainder is more than a given share of
+   !> the target, and more than rounding.
    subroutine fit(motion, body, aim, counts, much)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -206,8 +209,7 @@ contains
       if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
    end subroutine fit
 
-   !> Which displacements are those of loose pieces without loads, those that no motion of the piece changes included
-   !> (n_rows).
+   !> The displacements of loose pieces without loads, including those that no motion of the piece changes (n_rows).
    pure function is_unloaded(modes, load, n_points)
       real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (n_rows, k) [-]
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
@@ -225,7 +227,8 @@ contains
       is_unloaded = is_unloaded .and. .not. is_loaded
    end function is_unloaded
 
-   !> The least amounts of some modes whose sum comes closest to an aim.
+   !> The coefficients of some modes whose sum is closest to a target, by least squares; of several solutions the
+   !> smallest.
    function amounts_of(modes, aim) result(amounts)
       real(dp), intent(in) :: modes(:, :) !! displacements under each mode, 0 where they do not count (n_rows, k) [-]
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]

@@ -1,8 +1,8 @@
-!> Stresses of the body's surface at the contact points, from contact displacements and forces alone.
+!> Stresses at the surface of the body at the contact points, from contact displacements and forces alone.
 !>
 !> The tangential strain of the line is the derivative of the displacements along it, the traction on it is the contact
-!> force; the law of the material gives the stress along the surface and the one out of the plane. All is linear in the
-!> factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
+!> force; the law of the material gives the stress along the surface and the one out of the plane. Everything is linear
+!> in the factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
 module amontons_surface_stress
    use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
@@ -17,7 +17,7 @@ module amontons_surface_stress
 
    public :: new_surface_stress, surface_stress_t
 
-   !> Two sums of nodal displacements for each point, those of the stresses along the surface and out of the plane.
+   !> The stresses along the surface and out of the plane at each point, as sums over nodal displacements.
    type :: surface_stress_t
       integer, allocatable, private :: start(:) !! first term of each sum, and one beyond the last (2m + 1)
       integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
@@ -32,7 +32,7 @@ module amontons_surface_stress
       procedure :: stress => surface_stress_stress
    end type surface_stress_t
 
-   !> A place on a side.
+   !> A quadrature point on a side.
    type :: place_t
       integer :: side = 0 !! number of the side
       real(dp) :: xi = 0.0_dp !! where on it, from -1 to 1 [-]
@@ -41,8 +41,8 @@ module amontons_surface_stress
 
 contains
 
-   !> Makes the sums of all points. The mean over a point's part of the line is that of its force: by the shape function
-   !> of the node, over a cell by its quadrature points.
+   !> Makes the sums of all points. Strains are averaged with the weight of the contact force: by the shape function of
+   !> the node, or over the quadrature points of a cell.
    subroutine new_surface_stress(surface, body, contacts, parts, fields, error)
       type(surface_stress_t), intent(out) :: surface !! the stresses
       type(body_t), intent(in) :: body !! the body, condensed
@@ -141,8 +141,8 @@ contains
       end do
    end subroutine find_cell_places
 
-   !> Makes the sums of a point. Strains along the surface and out of the plane are compliance times all stresses; what
-   !> these do not owe to the traction is owed to the stresses in their own directions.
+   !> Makes the sums of a point. Strains along the surface and out of the plane are the compliance times all stresses:
+   !> the part that does not come from the traction comes from the two unknown stresses.
    subroutine add_point(surface, p, places, sides, body, parts, fields)
       type(surface_stress_t), intent(inout) :: surface !! gains the point
       integer, intent(in) :: p !! the point
@@ -220,7 +220,8 @@ contains
       end do
    end subroutine add_point
 
-   !> Strains of stresses in the frame of the surface, both in the order of `surface_stress_stress` (4, 4) [L^2/F].
+   !> The compliance in the frame of the surface: strains from stresses, both in the order of `surface_stress_stress`
+   !> (4, 4) [L^2/F].
    pure function surface_compliance(material, tangent) result(compliance)
       type(material_t), intent(in) :: material !! the material
       real(dp), intent(in) :: tangent(2) !! unit vector along the surface, the outward normal on its right [-]
@@ -231,7 +232,7 @@ contains
       compliance = compliance(order, order)
    end function surface_compliance
 
-   !> A sum over the nodes of a side (2).
+   !> A sum over the nodes of a side of their coordinates times factors (2).
    pure function on_side(factors, side, coordinates) result(vector)
       real(dp), intent(in) :: factors(3) !! factors of first corner, second corner, middle [-]
       integer, intent(in) :: side(3) !! first corner, second corner, middle or 0
