@@ -157,8 +157,8 @@ contains
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
    !> The gap is the distance to the obstacle along the normal of the point, negative where the body overlaps the
-   !> obstacle (interference). A point whose normal does not meet the obstacle gets an infinite gap. A cell has the
-   !> means over its area.
+   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that no displacement closes. A
+   !> cell has the means over its area.
    pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
       type(load_case_t), intent(inout) :: load_case !! the load case
       type(contact_zone_t), intent(in) :: zone !! the contact points
