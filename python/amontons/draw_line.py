@@ -133,9 +133,12 @@ def draw_slip(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
     """The slip; of a twisted body its length, with arrows in its direction where the set is unrolled: along the contact
     line to the right, around the axis upwards."""
     slip = case.line.point_data["slip"]
+    ends = slip[points_of(sets)]
     if "slip_theta" in case.line.point_data:
         along, around = slip, case.line.point_data["slip_theta"]
         slip = np.hypot(along, around)
+        # Room for the arrows, which are about a third of the axis long.
+        ends = np.append(slip[points_of(sets)], slip.max() * np.where(around.min() < 0.0, [-0.4, 1.4], [0.0, 1.4]))
         slides = (case.line.point_data["status"] > 1) & (slip > ROUNDING * slip.max())
         for one in sets:
             here = slides[one.points].nonzero()[0][::max(1, len(one.points) // 20)]
@@ -144,7 +147,7 @@ def draw_slip(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
                         around[points] / slip[points], color=SLIP, angles="uv", units="inches", width=0.012,
                         scale=6.0, scale_units="inches")
     draw_lines(axes, sets, slip, SLIP)
-    set_range(axes, slip[points_of(sets)], np.abs(case.mesh.point_data["displacement"]).max())
+    set_range(axes, ends, np.abs(case.mesh.point_data["displacement"]).max())
     axes.axhline(0, color="gray", linewidth=0.4)
     axes.set(ylabel=case.label("slip", "L"))
 

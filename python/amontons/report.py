@@ -54,10 +54,14 @@ def varied_keys(cases: list[Case]) -> list[dict[str, Any]]:
     for deck in decks:
         numbers: Counter[str] = Counter()
         values: dict[str, Any] = {}
+        # What a sweep replaces is not what the cases have.
+        is_swept = any(name == "sweep" and "friction" in keys for name, keys in deck)
         for name, keys in deck:
             numbers[name] += 1
             group = f"{name}({numbers[name]})" if name in repeated else name
             for key, value in keys.items():
+                if is_swept and (name, key) == ("contact", "friction"):
+                    continue
                 parts = value if isinstance(value, list) else [value]
                 values.update({f"{group}.{key}" + f"({i})" * (len(parts) > 1): Path(one).name if key == "file" else one
                                for i, one in enumerate(parts[:LONGEST_LIST], start=1)})
@@ -97,9 +101,10 @@ def cell_text(value: Union[float, str, None]) -> str:
 def table_of(cases: list[Case], smalls: list[str]) -> str:
     """The table of all cases, what chooses its rows and their order, the chart, and the numbers of all these."""
     varied = varied_keys(cases)
-    # What has most values first: sizes of a study before what sets one case apart.
+    # Numbers before words, and what has most values first: sizes of a study before what sets one case apart.
     inputs = sorted(dict.fromkeys(key for found in varied for key in found),
-                    key=lambda key: -len({found.get(key) for found in varied}))
+                    key=lambda key: (any(isinstance(found.get(key), str) for found in varied),
+                                     -len({found.get(key) for found in varied})))
     numbers = [{**given, **numbers_of(case)} for given, case in zip(varied, cases)]
     keys = list(dict.fromkeys(key for found in numbers for key in found if key not in inputs))
     labels = {"case": "case", "verdict": "verdict", **{key: key.replace(".", " ") for key in inputs},
@@ -153,8 +158,9 @@ def key_results_of(case: Case) -> str:
 
     texts = {key: cell_text(value) + place(key) for key, value in results.items() if key not in places}
     for key, ends in case.summary.get("extremes", {}).items():
-        texts[key] = f"{cell_text(ends['least'])} (case {ends['least_case']}) to {cell_text(ends['greatest'])} " \
-            f"(case {ends['greatest_case']})"
+        least, greatest = cell_text(ends["least"]), cell_text(ends["greatest"])
+        texts[key] = least if least == greatest else \
+            f"{least} (case {ends['least_case']}) to {greatest} (case {ends['greatest_case']})"
     entries = ""
     for key, text in texts.items():
         entries += f"<div><dt>{html.escape(case.label(words_of(key), dimension_of(key)))}</dt><dd>{text}</dd></div>"
