@@ -44,6 +44,8 @@ module amontons_load_solver
    !> Most steps of Newton's method from a start, and how many of them without a better pair end it.
    integer, parameter :: n_newton_steps = 20, patience = 4
    real(dp), parameter :: decrease = 0.9_dp
+   !> What rounding leaves of normals that agree.
+   real(dp), parameter :: same = 1.0e-9_dp
 
    !> What all members of a family of loads share.
    type :: load_solver_t
@@ -332,8 +334,6 @@ contains
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
       real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      ! What rounding leaves of normals that agree.
-      real(dp), parameter :: same = 1.0e-9_dp
       real(dp), allocatable :: amounts(:)
       character(:), allocatable :: motion
       logical :: is_round_line
@@ -361,8 +361,9 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
       real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
-      real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
+      real(dp), allocatable :: on_round(:, :), spins(:, :)
       real(dp) :: rounding
+      integer :: trial
 
       if (size(body%rigid_modes, 2) == 0) return
       ! Loads drive a spin: without any, all that forces leave is rounding errors.
@@ -374,51 +375,44 @@ contains
       rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body))
       associate (modes => body%rigid_modes)
          if (solution%is_converged) then
-            call find_unbalanced(amounts, problem, solution%force, rounding, spins, on_round, modes)
-            if (allocated(amounts)) return
+            ! Along what the forces leave of the loads; in space, where they are not all along that, along these, too.
+            do trial = 1, problem%matrix%n_tangents
+               amounts = matmul(problem%load, modes)
+               if (trial == 1) amounts = amounts - matmul(solution%force, on_round)
+               amounts = matmul(matmul(amounts, spins), transpose(spins))
+               if (is_unbalanced(problem, solution%force, rounding, amounts, on_round, modes)) return
+            end do
+            deallocate (amounts)
             if (.not. is_exhausted(problem, solution%force, spins, on_round, modes)) return
          end if
-         call find_forces_of_spin(force, problem, matmul(modes, spins))
-         if (allocated(force)) call find_unbalanced(amounts, problem, force, rounding, spins, on_round, modes)
+         call find_driven_spin(amounts, problem, rounding, spins, on_round, modes)
       end associate
    end subroutine find_spin
 
-   !> Finds the spin that loads drive by more than friction can take at given normal forces.
-   pure subroutine find_unbalanced(amounts, problem, force, rounding, spins, on_round, modes)
-      real(dp), allocatable, intent(out) :: amounts(:)
-         !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
+   !> Whether the loads drive a motion by more than friction can take at given normal forces.
+   pure logical function is_unbalanced(problem, force, rounding, amounts, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
       real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
-      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
+      real(dp), intent(in) :: amounts(:) !! amounts of the free motions of each piece (motions)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
-      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
-      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
-      real(dp) :: motion(problem%matrix%n), drive, capacity, share, allowed
-      integer :: trial
+      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, ten times what methods
+      ! leave.
+      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-9_dp
+      real(dp) :: motion(problem%matrix%n), drive, capacity, share
 
       share = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
-      do trial = 1, 2
-         ! Along what the forces leave of the loads; in space, where they are not all along that, along the loads.
-         amounts = matmul(problem%load, modes)
-         if (trial == 1) amounts = amounts - matmul(force, on_round)
-         ! The motion of the points is along these forces, whatever the size of the motions.
-         amounts = matmul(matmul(amounts, spins)/sum(matmul(modes, spins)**2, dim=1), transpose(spins))
-         motion = matmul(on_round, amounts)
-         associate (m => problem%n_points, load => problem%load)
-            drive = dot_product(load, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
-            capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
-            allowed = sum((share*abs(load) + rounding)*abs(matmul(modes, amounts)))
-            if (drive > capacity + allowed) return
-         end associate
-         if (problem%matrix%n_tangents == 1) exit
-      end do
-      deallocate (amounts)
-   end subroutine find_unbalanced
+      motion = matmul(on_round, amounts)
+      associate (m => problem%n_points, moved => matmul(modes, amounts))
+         drive = dot_product(problem%load, moved) - dot_product(force(:m), motion(:m))
+         capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
+         is_unbalanced = drive > capacity + sum((share*abs(problem%load) + rounding)*abs(moved))
+      end associate
+   end function is_unbalanced
 
-   !> Whether all friction acts against the spin that the loads drive. A round line then still turns, and what its
+   !> Whether all friction acts against the spin that the loads drive on a round line. It then still turns, and what its
    !> facets leave of a normal displacement wedges it in the end: normal forces, and friction with them, grow until they
    !> bear the loads.
    pure logical function is_exhausted(problem, force, spins, on_round, modes)
@@ -435,7 +429,8 @@ contains
       motion = matmul(on_round, matmul(matmul(matmul(problem%load, modes), spins), transpose(spins)))
       associate (m => problem%n_points)
          capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
-         is_exhausted = capacity > 0.0_dp .and. dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
+         is_exhausted = any(abs(on_round - modes) > same) .and. capacity > 0.0_dp .and. &
+            dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
       end associate
    end function is_exhausted
 
@@ -464,13 +459,16 @@ contains
 
    !> Finds the free motions that all points in reach follow along the tangents of the round line.
    subroutine new_spins(spins, on_round, body, is_in_reach)
-      real(dp), allocatable, intent(out) :: spins(:, :) !! amounts of the free motions, orthonormal (motions, spins)
+      real(dp), allocatable, intent(out) :: spins(:, :)
+         !! amounts of the free motions, the displacements of the points orthonormal (motions, spins)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
       ! A square: what meshes of curves leave of a thousandth of the motion.
       real(dp), parameter :: negligible = 1.0e-6_dp
+      ! Squares of the modes have half of the digits.
+      real(dp), parameter :: unmoved = 1.0e-12_dp
       real(dp), allocatable :: along_normals(:, :), gram(:, :), values(:)
       integer :: i, info, m
 
@@ -484,38 +482,56 @@ contains
          associate (is_spin => [(values(i) <= negligible*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
             spins = gram(:, pack([(i, i=1, size(values))], is_spin))
          end associate
+         ! Pieces that touch share the displacements of their points: motions of both may leave them in place.
+         gram = matmul(transpose(matmul(modes, spins)), matmul(modes, spins))
+         values = values(:size(spins, 2))
+         call symmetric_eigenvectors(gram, values, info)
+         associate (counts => pack([(i, i=1, size(values))], values > unmoved*maxval(values)))
+            spins = matmul(spins, gram(:, counts)/spread(sqrt(values(counts)), 1, size(values)))
+         end associate
       end associate
    end subroutine new_spins
 
-   !> Finds the contact forces while a body spins: those of the problem with weak springs against the motions.
-   subroutine find_forces_of_spin(force, problem, spins)
-      real(dp), allocatable, intent(out) :: force(:) !! the contact forces; not allocated if none are found (n_rows) [F]
+   !> Finds a spin that friction cannot hold: the way that a body goes which weak springs hold. They bear what friction
+   !> does not. The weaker they are the farther it goes, until all points slip that slip while it moves on.
+   subroutine find_driven_spin(amounts, problem, rounding, spins, on_round, modes)
+      real(dp), allocatable, intent(out) :: amounts(:)
+         !! amounts of the free motions of each piece; not allocated if none is found (motions)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: spins(:, :) !! displacements of the points under each motion (n_rows, spins) [-]
-      ! Points slip before such springs bear much; matrices of more points are left alone: they take minutes.
-      real(dp), parameter :: weak = 1.0e-3_dp
+      real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
+      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
+      real(dp), intent(in) :: on_round(:, :)
+         !! displacements of the points in frames of the round line (n_rows, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
+      ! Stiffness over the largest of the points. The last springs bear what is left of a load 1e-9 above its limit, and
+      ! matrices of more points are left alone: they take minutes.
+      real(dp), parameter :: weak(4) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp, 1.0e-12_dp]
       integer, parameter :: most_points = 2000
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: held
       type(contact_solution_t) :: found
       type(auto_t) :: method
       type(error_t), allocatable :: error
-      real(dp) :: stiffness
-      integer :: i
+      real(dp) :: motions(problem%matrix%n, size(spins, 2))
+      integer :: i, trial
 
       if (problem%n_points > most_points) return
-      call problem%matrix%copy_dense(matrix, error)
-      if (allocated(error)) return
-      held = problem
-      held%matrix => matrix
-      do i = 1, size(spins, 2)
-         stiffness = weak*maxval(problem%augmentation())/sum(spins(:, i)**2)
-         call matrix%add_motion(stiffness, spins(:, i))
+      motions = matmul(modes, spins)
+      do trial = 1, size(weak)
+         call problem%matrix%copy_dense(matrix, error)
+         if (allocated(error)) return
+         held = problem
+         held%matrix => matrix
+         do i = 1, size(spins, 2)
+            call matrix%add_motion(weak(trial)*maxval(problem%augmentation()), motions(:, i))
+         end do
+         call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
+         call solve_components(method, held, found, error)
+         if (allocated(error) .or. .not. found%is_converged) return
+         amounts = matmul(matmul(found%displacement, motions), transpose(spins))
+         if (is_unbalanced(problem, found%force, rounding, amounts, on_round, modes)) return
+         deallocate (amounts)
       end do
-      call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
-      call solve_components(method, held, found, error)
-      if (allocated(error) .or. .not. found%is_converged) return
-      force = found%force
-   end subroutine find_forces_of_spin
+   end subroutine find_driven_spin
 
 end module amontons_load_solver
