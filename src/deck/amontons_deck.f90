@@ -1,12 +1,12 @@
-!> A deck: named groups of assignments, read with line numbers, every fault reported at once; and settings of single
-!> keys that take the place of what a deck says, as a command line gives them: `contact(2).friction=0.3`.
+!> A deck: named groups of assignments, read with line numbers, with all its faults reported at once; and settings of
+!> single keys that replace values of a deck, as a command line gives them: `contact(2).friction=0.3`.
 !>
 !> The form is that of Fortran namelists, `&mesh kind = 'rectangle'  cells = 32, 10 /`, with comments from `!` on. It is
-!> narrower where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing stands
+!> stricter where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing stands
 !> between the groups, and a number is finite. `&end` closes a group as `/` does.
 !>
-!> Reading never fails once the file is open: faults of form, of type and of meaning gather in the deck, and `finish`
-!> turns them into one error.
+!> Reading never fails once the file is open: faults of form, of type and of meaning are collected in the deck, and
+!> `finish` makes one error of them.
 module amontons_deck
    use amontons_deck_contents, only: deck_contents_t, excerpt, find_key, is_name, parse_deck, suggestion
    use amontons_error, only: error_t, input_refused, new_error
@@ -28,7 +28,7 @@ module amontons_deck
       character(:), allocatable :: key !! name of the key
    end type setting_t
 
-   !> A deck and what is wrong with it.
+   !> A deck and its faults.
    type :: deck_t
       character(:), allocatable :: file !! name the messages give to the deck
       type(deck_contents_t) :: contents !! what stands in it
@@ -79,7 +79,7 @@ contains
       call parse_deck(text, deck%contents)
    end subroutine read_deck_text
 
-   !> The next group of a name behind a group, 0 where there is none.
+   !> The next group with a name after a given group, 0 if there is none.
    pure integer function deck_next_group(self, name, group) result(next)
       class(deck_t), intent(in) :: self !! the deck
       character(*), intent(in) :: name !! name of the group, in lower case, without `&`
@@ -125,10 +125,10 @@ contains
       end if
    end function deck_line_of
 
-   !> Records a fault of meaning at the line of a key, or of the group where the key is absent.
+   !> Records a fault of meaning at the line of a key, or of the group if the key is absent.
    !>
-   !> A key whose value has another fault already has no meaning to judge, nor has what stands behind a fault of form:
-   !> the call is then without effect.
+   !> The call has no effect on a key whose value already has a fault, nor behind a fault of form: neither has a meaning
+   !> that could be judged.
    subroutine deck_fault(self, group, key, sentence)
       class(deck_t), intent(inout) :: self !! the deck, gains the fault
       integer, intent(in) :: group !! the group, or 0 for the deck as a whole
@@ -142,8 +142,8 @@ contains
       call self%contents%faults%add(self%line_of(group, key), sentence)
    end subroutine deck_fault
 
-   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
-   !> form.
+   !> Whether a recorded fault makes the meaning of a key unknown: its value is faulty, or it may stand behind a fault
+   !> of form.
    pure logical function hides_meaning(contents, group, key)
       type(deck_contents_t), intent(in) :: contents !! what stands in the deck
       integer, intent(in) :: group !! the group
@@ -159,9 +159,8 @@ contains
       end if
    end function hides_meaning
 
-   !> Whether everything that a group says is understood, its form, its keys and their values, so that its keys can be
-   !> judged together. A group that is absent may be one that another fault hides: it counts as understood only if the
-   !> whole deck is in order.
+   !> Whether the form, the keys and the values of a group have no faults, so that its keys can be judged together. An
+   !> absent group may be one that another fault hides: it counts as understood only if the whole deck has no faults.
    pure logical function deck_is_understood(self, group) result(is_understood)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
@@ -175,7 +174,7 @@ contains
       end associate
    end function deck_is_understood
 
-   !> Whether a group is understood and makes sense so far.
+   !> Whether a group is understood and has no fault of meaning so far.
    pure logical function deck_is_sound(self, group) result(is_sound)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
@@ -184,8 +183,8 @@ contains
       if (group > 0) is_sound = is_sound .and. .not. self%contents%groups(group)%is_faulty
    end function deck_is_sound
 
-   !> Whether it is known what a key says in all groups of a name, so that other groups can be judged by it: no fault
-   !> hides such a group, or the key in one.
+   !> Whether a key is understood in all groups of a name, so that other groups can be judged by it: no fault hides such
+   !> a group, or the key in one.
    pure logical function deck_knows(self, name, key) result(knows)
       class(deck_t), intent(in) :: self !! the deck
       character(*), intent(in) :: name !! name of the groups
@@ -199,7 +198,7 @@ contains
       end do
    end function deck_knows
 
-   !> Number of values that stand behind a key, repeat counts included; 0 where the key is absent.
+   !> Number of values of a key, repeat counts included; 0 if the key is absent.
    pure integer function deck_count_values(self, group, key, most) result(n_values)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
@@ -216,7 +215,8 @@ contains
       end associate
    end function deck_count_values
 
-   !> The full name of a file: seen from the deck's folder, or from the current one where a setting gives it.
+   !> The path of a file that a key names: relative to the deck's folder, or to the current one if a setting names the
+   !> file.
    function deck_path_of(self, group, key, name) result(path)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group
@@ -239,7 +239,7 @@ contains
       end do
    end function deck_path_of
 
-   !> Records the groups that are unknown, and those that stand more often than they may.
+   !> Records unknown groups, and groups that occur more often than they may.
    subroutine deck_refuse_unknown_groups(self, known_names, also, repeatable_names)
       class(deck_t), intent(inout) :: self !! the deck, gains the faults
       character(*), intent(in) :: known_names(:) !! names of all groups a deck may have, in lower case, blank padded
@@ -265,7 +265,7 @@ contains
       end do
    end subroutine deck_refuse_unknown_groups
 
-   !> Turns the faults into one error that lists them all, a line of text for each.
+   !> Makes one error of all faults, one line of text each.
    subroutine deck_finish(self, error)
       class(deck_t), intent(in) :: self !! the deck
       type(error_t), allocatable, intent(out) :: error !! the faults, ordered by line, where there is any
@@ -273,7 +273,7 @@ contains
       call self%contents%faults%finish(self%file, error)
    end subroutine deck_finish
 
-   !> Takes a setting apart. A value that is neither quoted nor made of numbers counts as text.
+   !> Parses a setting. A value that is neither quoted nor consists of numbers is a text.
    subroutine new_setting(setting, text, error)
       type(setting_t), intent(out) :: setting !! the setting
       character(*), intent(in) :: text !! the setting as it is given: `GROUP.KEY=VALUE` or `GROUP(2).KEY=VALUE`
@@ -311,7 +311,7 @@ contains
       setting%assignment = text(point + 1:equals - 1)//' = '//value
    end subroutine new_setting
 
-   !> Takes settings apart, one a line.
+   !> Parses settings, one in each line.
    subroutine read_settings(settings, text, error)
       type(setting_t), allocatable, intent(out) :: settings(:) !! the settings
       character(*), intent(in) :: text !! the lines
@@ -330,7 +330,7 @@ contains
       end do
    end subroutine read_settings
 
-   !> Puts settings in the place of what a deck says, or into it. Every line keeps its number.
+   !> Replaces values of a deck by those of settings, or inserts them. Line numbers do not change.
    subroutine apply_settings(deck, settings)
       type(deck_t), intent(inout) :: deck !! the deck; gains a fault where a setting says not which group it means
       type(setting_t), intent(in) :: settings(:) !! the settings
@@ -354,7 +354,8 @@ contains
       end do
    end subroutine apply_settings
 
-   !> The text of a deck with a setting: in the place of the key; at the end of its group, or behind all groups.
+   !> The text of a deck with a setting: in place of the assignment of its key; otherwise at the end of its group, or in
+   !> a new group behind all others.
    subroutine apply_setting(deck, setting, text)
       type(deck_t), intent(in) :: deck !! the deck
       type(setting_t), intent(in) :: setting !! the setting

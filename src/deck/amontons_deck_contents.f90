@@ -1,5 +1,5 @@
-!> The text of a deck taken apart: tokens (words, quoted texts, group names and punctuation), and what they make up,
-!> groups, assignments and values, each with its place in the text.
+!> The parsed text of a deck: tokens (words, quoted texts, group names and punctuation), and the groups, assignments and
+!> values that they form, each with its position in the text.
 module amontons_deck_contents
    use amontons_error, only: fault_list_t
    use amontons_kinds, only: int64
@@ -10,22 +10,23 @@ module amontons_deck_contents
    public :: bare_value, deck_contents_t, excerpt, find_key, find_values, is_name, joined, mark_faulty, parse_deck, &
       refuse_value, suggestion, unquoted_value
 
-   !> Kind of the token behind the last one.
+   !> Kind of a token: the end of the text.
    character, parameter :: end_token = ' '
-   !> Kind of a group's opening: `&` and the name that touches it.
+   !> Kind of a token: the opening of a group, `&` directly followed by its name.
    character, parameter :: group_token = '&'
-   !> Kind of a quoted text, its quotes included.
+   !> Kind of a token: a quoted text, its quotes included.
    character, parameter :: text_token = 't'
-   !> Kind of the rest of a line behind a quote that does not close.
+   !> Kind of a token: the rest of a line behind a quote that is not closed.
    character, parameter :: open_quote_token = 'o'
-   !> Kind of everything else that blanks, commas and punctuation surround: keys, numbers, logicals.
+   !> Kind of a token: any other sequence of characters between blanks, commas and punctuation, that is, a key, a number
+   !> or a logical.
    character, parameter :: word_token = 'w'
 
    character, parameter :: tab = achar(9), line_feed = achar(10), carriage_return = achar(13)
    character(*), parameter :: word_ends = ' ,/=*!&()"'//"'"//tab//line_feed//carriage_return
    integer, parameter :: excerpt_length = 60
 
-   !> A deck with more groups was made by a fault: no body has as many loads.
+   !> Largest number of groups; a deck with more is faulty, since no body has as many loads.
    integer, parameter :: most_groups = 10000
    !> The longest text in quotes; names of files end there.
    integer, parameter :: longest_text = 4096
@@ -39,7 +40,7 @@ module amontons_deck_contents
       integer :: slash_line = 0 !! line of a comment before it that ends in '/', 0 for none
    end type deck_token_t
 
-   !> A place in the deck's text, moving from token to token: the token being read and the one behind it.
+   !> A position in the deck's text: the current token and the next one.
    type :: cursor_t
       integer :: position = 1 !! position of the next character, behind the two tokens
       integer :: line = 1 !! line of the next character
@@ -97,7 +98,7 @@ module amontons_deck_contents
 
 contains
 
-   !> Takes a deck's text apart; what is wrong with its form becomes faults, and everything sound is kept.
+   !> Parses the text of a deck; errors of form become faults, and everything sound is kept.
    subroutine parse_deck(text, contents)
       character(*), intent(in) :: text !! the deck's text, its lines ended by LF or CRLF
       type(deck_contents_t), intent(out) :: contents !! what stands in it
@@ -158,7 +159,7 @@ contains
       end do
    end subroutine parse_deck
 
-   !> Refuses control characters: a file that has them is no text.
+   !> Refuses control characters, which no text file has.
    subroutine check_characters(contents, is_plain)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       logical, intent(out) :: is_plain !! whether there are none
@@ -189,7 +190,7 @@ contains
       end do
    end subroutine check_characters
 
-   !> Reads the assignments of a group up to its end, or to what stands in the place of one.
+   !> Reads the assignments of a group up to its end, or up to a token that cannot belong to the group.
    subroutine read_assignments(cursor, contents, last_judged)
       type(cursor_t), intent(inout) :: cursor !! the place, behind the group's name
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the assignments
@@ -347,7 +348,7 @@ contains
       call advance(cursor, contents%text)
    end subroutine read_value
 
-   !> Joins a token to one before it, if both stand on one line: what a message quotes ends with its line.
+   !> Extends a token to the end of another one, if both are on one line: quotations in messages end with their line.
    pure subroutine extend(token, next)
       type(deck_token_t), intent(inout) :: token !! the token
       type(deck_token_t), intent(in) :: next !! the token behind it
@@ -365,21 +366,21 @@ contains
       end do
    end subroutine skip_to_key
 
-   !> Whether the place is a group's end, or what stands in the place of one.
+   !> Whether the token ends a group, or cannot belong to one.
    pure logical function is_at_end(cursor)
       type(cursor_t), intent(in) :: cursor !! the place
 
       is_at_end = scan(cursor%token%kind, '/'//group_token//end_token) > 0
    end function is_at_end
 
-   !> Whether the place is a key: a word before an equals sign or a parenthesis.
+   !> Whether the token is a key: a word before an equals sign or a parenthesis.
    pure logical function is_at_key(cursor)
       type(cursor_t), intent(in) :: cursor !! the place
 
       is_at_key = cursor%token%kind == word_token .and. scan(cursor%ahead%kind, '=(') > 0
    end function is_at_key
 
-   !> Whether nothing separates the token from the one behind it.
+   !> Whether no blank separates the token from the next one.
    pure logical function is_touching(cursor)
       type(cursor_t), intent(in) :: cursor !! the place
 
@@ -405,7 +406,7 @@ contains
          column_text(contents%text, token%first))
    end subroutine refuse_token
 
-   !> Records a fault among the values of a key, the first one only: what follows is its echo.
+   !> Records a fault among the values of a key, unless the key has one already, which may have caused this one.
    subroutine refuse_value_token(contents, assignment, expected, token)
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
       type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked as faulty
@@ -416,7 +417,7 @@ contains
       assignment%is_faulty = .true.
    end subroutine refuse_value_token
 
-   !> Records the fault of a quote that does not close and moves on to the next line.
+   !> Records the fault of a quote that is not closed and moves on to the next line.
    subroutine refuse_open_quote(cursor, contents)
       type(cursor_t), intent(inout) :: cursor !! the place, at the quote
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
@@ -532,7 +533,7 @@ contains
       is_name = scan(word(1:1), letters) > 0 .and. verify(word, letters//'0123456789_') == 0
    end function is_name
 
-   !> Whether a word looks like a number or a logical; whether it is one, its key decides.
+   !> Whether a word may be a number or a logical; the reader of the key decides whether it is one.
    pure logical function may_be_value(word)
       character(*), intent(in) :: word !! the word
       character(*), parameter :: words(*) = [character(8) :: 't', 'f', 'true', 'false', 'nan', 'inf', 'infinity']
@@ -553,7 +554,7 @@ contains
       end do
    end function has_typographic_quote
 
-   !> A token as a message names it: as written, punctuation in quotes.
+   !> A token for a message: as written, punctuation in quotes.
    pure function token_text(text, token) result(name)
       character(*), intent(in) :: text !! the deck's text
       type(deck_token_t), intent(in) :: token !! the token
@@ -569,7 +570,7 @@ contains
       end select
    end function token_text
 
-   !> Where a message says that something stands in its line: ` (column 9)`, counted in bytes from 1.
+   !> The column of a position for a message: ` (column 9)`, counted in bytes from 1.
    pure function column_text(text, position) result(place)
       character(*), intent(in) :: text !! the deck's text
       integer, intent(in) :: position !! position in the text
@@ -594,8 +595,8 @@ contains
       beginning = text(:length)//'...'
    end function excerpt
 
-   !> Addition to a message about an unknown word: the known word that other programs call so, one that is near or
-   !> begins alike, or all known words.
+   !> The hint in a message about an unknown word: the known word that other programs call by this name, a similar one
+   !> or one with the same beginning, or all known words.
    pure function suggestion(word, words, also, before, noun) result(text)
       character(*), intent(in) :: word !! the word found, in lower case
       character(*), intent(in) :: words(:) !! the words known
@@ -620,8 +621,8 @@ contains
       end if
    end function suggestion
 
-   !> The only known word that begins with the whole of another, or is the first part of it, before an underscore; empty
-   !> where there is none or more than one.
+   !> The only known word that begins with another one, or is its first part, before an underscore; empty if there is
+   !> none or more than one.
    pure function word_that_begins_alike(word, words) result(alike)
       character(*), intent(in) :: word !! the other word
       character(*), intent(in) :: words(:) !! the words known
@@ -660,8 +661,8 @@ contains
 
    !> Finds the values of a key, one for each element of an array.
    !>
-   !> A key may stand several times when its subscripts give different elements. Values behind a fault of form are
-   !> not taken: they may belong elsewhere.
+   !> A key may occur several times if its subscripts give different elements. Values behind a fault of form are
+   !> ignored, since they may belong to another group.
    subroutine find_values(contents, group, key, noun, source)
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the faults
       integer, intent(in) :: group !! the group, or 0 where every key is absent
@@ -712,8 +713,8 @@ contains
       end do
    end subroutine find_values
 
-   !> Addition to a message where twice as many whole numbers are given as expected, a comma in each pair: the
-   !> number that a decimal comma was meant to write.
+   !> The hint about a decimal comma, for a message about twice as many whole numbers as expected, with a comma in
+   !> each pair: the number with a decimal point.
    pure function comma_hint(contents, assignment, n_expected) result(hint)
       type(deck_contents_t), intent(in) :: contents !! the deck
       type(deck_assignment_t), intent(in) :: assignment !! the assignment
@@ -745,7 +746,7 @@ contains
       raw = contents%text(contents%values(value)%first:contents%values(value)%last)
    end function raw_value
 
-   !> A value that stands without quotes; empty for a quoted one, which is neither number nor logical.
+   !> A value without quotes; empty for a quoted one, which is neither a number nor a logical.
    pure function bare_value(contents, value) result(word)
       type(deck_contents_t), intent(in) :: contents !! the deck
       integer, intent(in) :: value !! index of the value

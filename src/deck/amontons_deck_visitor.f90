@@ -1,5 +1,5 @@
-!> A visitor of the groups and keys that a deck may hold: it reads a deck and reports all its faults at once, or, where
-!> an extension takes its place, writes one or documents what one may hold.
+!> A visitor of the groups and keys that a deck may have: it reads a deck and reports all its faults at once. Its
+!> extensions write a deck, or document the groups and keys.
 !>
 !> A group is described once, by a procedure that shows every key to a visitor, together with the variable that holds
 !> its value:
@@ -8,9 +8,8 @@
 !>    call visitor%real(key_t('grading', 'height of the top row over the bottom row', above=0.0_dp), grading)
 !>    call visitor%close_group()
 !>
-!> A reader sets the variable, a writer writes it into a deck, a documenter makes a row of a table in Markdown of it.
-!> Rules about several keys follow behind the group; they are judged where a deck is read, and are without effect
-!> elsewhere.
+!> A reader sets the variable, a writer writes it into a deck, a documenter makes a row of a Markdown table of it. Rules
+!> about several keys follow after the group; a reader checks them, and they have no effect elsewhere.
 module amontons_deck_visitor
    use amontons_deck, only: deck_t
    use amontons_deck_contents, only: bare_value, excerpt, find_values, joined, mark_faulty, refuse_value, &
@@ -24,7 +23,7 @@ module amontons_deck_visitor
 
    public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
 
-   !> Most numbers of a list.
+   !> Largest number of values in a list.
    integer, parameter, public :: most_values = 1000000
 
    !> A group of a deck.
@@ -34,7 +33,7 @@ module amontons_deck_visitor
       logical :: is_shared = .false. !! whether decks that share a factorization agree in all its keys
    end type group_t
 
-   !> A key of a group: what is true of it whatever its value.
+   !> A key of a group, with everything that is known about it without its value.
    type :: key_t
       character(17) :: name = '' !! its name
       character(190) :: meaning = '' !! what it says, in Markdown
@@ -58,7 +57,7 @@ module amontons_deck_visitor
       procedure :: range => key_range
    end type key_t
 
-   !> Who visits the groups of a deck: a reader, unless an extension replaces what it does at a group or a key.
+   !> A visitor of the groups of a deck: a reader, unless an extension overrides the procedures for groups and keys.
    type :: deck_visitor_t
       type(deck_t) :: deck !! the deck that is read; without groups where none is
       type(group_t) :: group !! the group that is visited
@@ -87,7 +86,7 @@ module amontons_deck_visitor
       procedure, private :: judge => visitor_judge
    end type deck_visitor_t
 
-   !> Columns of a line; a single key and its values may be longer.
+   !> Columns of a line; a key with a single long value may exceed it.
    integer, parameter :: width = 120
 
    !> A deck that is written.
@@ -105,7 +104,7 @@ module amontons_deck_visitor
       procedure, private :: write_key => writer_write_key
    end type deck_writer_t
 
-   !> The tables of the groups visited so far, a row for each key; the last line is not ended.
+   !> The Markdown tables of the groups visited so far, one row for each key; the last line has no newline yet.
    type, extends(deck_writer_t) :: deck_documenter_t
       character(:), allocatable :: wanted !! name of the only group to document; empty for all
    contains
@@ -193,7 +192,7 @@ contains
       value = word
    end subroutine visitor_word
 
-   !> Whether the group that is read has a key; false where none is read.
+   !> Whether the group being read has a key; false if none is being read.
    logical function visitor_has(self, key) result(has)
       class(deck_visitor_t), intent(in) :: self !! the visitor
       character(*), intent(in) :: key !! name of the key
@@ -201,15 +200,15 @@ contains
       has = self%deck%has(self%place, key)
    end function visitor_has
 
-   !> Whether a group is read and everything in it is understood, so that its keys can be judged together.
+   !> Whether a group is being read and is understood, so that its keys can be judged together.
    logical function visitor_is_judging(self) result(is_judging)
       class(deck_visitor_t), intent(in) :: self !! the visitor
 
       is_judging = self%place > 0 .and. self%deck%is_understood(self%place)
    end function visitor_is_judging
 
-   !> Notes where a key of the group that is read stands, or the group where it has none, as messages begin:
-   !> 'deck.nml:12: '.
+   !> Finds the line of a key of the group being read, or of the group if it has no such key, in the form in which
+   !> messages begin: 'deck.nml:12: '.
    subroutine visitor_locate(self, key, origin)
       class(deck_visitor_t), intent(in) :: self !! the visitor
       character(*), intent(in) :: key !! name of the key
@@ -218,7 +217,7 @@ contains
       if (self%place > 0) origin = self%deck%file//':'//to_text(self%deck%line_of(self%place, key))//': '
    end subroutine visitor_locate
 
-   !> Refuses keys that are given where they mean nothing.
+   !> Refuses keys that are given although they have no meaning there.
    subroutine visitor_only(self, keys, is_allowed, condition)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       character(*), intent(in) :: keys !! names of the keys, a blank between two
@@ -236,7 +235,7 @@ contains
       end do
    end subroutine visitor_only
 
-   !> Records a fault of the group that is read unless a condition holds.
+   !> Records a fault of the group being read unless a condition holds.
    subroutine visitor_require(self, holds, key, sentence)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       logical, intent(in) :: holds !! the condition
@@ -260,7 +259,7 @@ contains
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
 
-   !> The range of the numbers of a key, as messages tell it: 'above -1 and below 0.5'; empty without one.
+   !> The range of the numbers of a key in words: 'above -1 and below 0.5'; empty if there is none.
    pure function key_range(self) result(text)
       class(key_t), intent(in) :: self !! the key
       character(:), allocatable :: text
@@ -271,7 +270,7 @@ contains
       if (self%below < huge(1.0_dp)) text = text//' and below '//bound_text(self%below)
    end function key_range
 
-   !> A bound as one would write it: `0` rather than `0.0`.
+   !> A bound in the shortest form: `0` rather than `0.0`.
    pure function bound_text(bound) result(text)
       real(dp), intent(in) :: bound !! the bound
       character(:), allocatable :: text
@@ -289,8 +288,8 @@ contains
       if (self%is_whole) noun = 'whole number'
    end function key_noun
 
-   !> Numbers of a key separated by commas, about ten on a line. Halves are joined, since a text that grows value by
-   !> value would be copied as often as there are values.
+   !> The numbers of a key separated by commas, about ten in a line. The two halves of a list are converted and joined:
+   !> appending one value after the other would copy the text as often as there are values.
    pure function key_numbers(self, values) result(text)
       class(key_t), intent(in) :: self !! the key
       real(dp), intent(in) :: values(:) !! the numbers
@@ -324,7 +323,7 @@ contains
       end if
    end subroutine append_list
 
-   !> Gives a text that is not there, or an empty word, its default.
+   !> Sets a text that is not allocated, or an empty word, to its default.
    pure subroutine set_default(text, choices)
       character(:), allocatable, intent(inout) :: text !! the text
       character(*), intent(in), optional :: choices(:) !! the words it can be, the default first; empty without any
@@ -333,7 +332,7 @@ contains
       if (present(choices) .and. len(text) == 0) text = trim(choices(1))
    end subroutine set_default
 
-   !> Whether there is a text.
+   !> Whether a text is allocated and not empty.
    pure logical function is_filled(text)
       character(:), allocatable, intent(in) :: text !! the text
 
@@ -341,7 +340,7 @@ contains
       if (is_filled) is_filled = len_trim(text) > 0
    end function is_filled
 
-   !> Begins a group.
+   !> Writes the opening of a group.
    subroutine writer_open_group(self, group)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(group_t), intent(in) :: group !! the group
@@ -351,7 +350,7 @@ contains
       if (.not. allocated(self%written)) self%written = ''
    end subroutine writer_open_group
 
-   !> Ends a group; one without keys is not written.
+   !> Writes the end of a group; a group without keys is omitted.
    subroutine writer_close_group(self)
       class(deck_writer_t), intent(inout) :: self !! the writer
 
@@ -402,7 +401,7 @@ contains
       call self%write_key(key, 'logical value: `.true.` or `.false.`', trim(merge('.true. ', '.false.', value)), value)
    end subroutine writer_flag
 
-   !> Writes a list of words; nothing without any.
+   !> Writes a list of words; nothing if it is empty.
    subroutine writer_words(self, key, choices, is_chosen)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
@@ -419,7 +418,7 @@ contains
          any(is_chosen))
    end subroutine writer_words
 
-   !> Writes a key and its value, on a new line where it would not fit.
+   !> Writes a key and its value, on a new line if it does not fit.
    subroutine writer_write_key(self, key, kind, value, is_given)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
@@ -485,7 +484,7 @@ contains
          trim(key%meaning)//' |')
    end subroutine documenter_write_key
 
-   !> Writes a text, unless it belongs to a group that is not wanted.
+   !> Writes a text, unless it belongs to a group that was not asked for.
    subroutine documenter_write(self, text)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
       character(*), intent(in) :: text !! the text
@@ -493,7 +492,7 @@ contains
       if (self%wanted == '' .or. self%wanted == self%group%name) self%written = self%written//text
    end subroutine documenter_write
 
-   !> Comes to a group: finds it in the deck, the next one of its name where it is the same as before.
+   !> Opens a group: finds it in the deck, the next one with this name if the group is the same as before.
    subroutine visitor_open_group(self, group)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(group_t), intent(in) :: group !! the group
@@ -505,8 +504,7 @@ contains
       self%missing = ''
    end subroutine visitor_open_group
 
-   !> Leaves the keys of a group, and records those that it cannot have, and that it must have and has not. Rules about
-   !> the keys may follow.
+   !> Closes a group: records unknown keys and missing ones. Rules about the keys may follow.
    subroutine visitor_close_group(self)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
 
@@ -530,7 +528,7 @@ contains
       end if
    end subroutine visitor_close_group
 
-   !> Visits a fixed number of numbers, whole ones where the key says so.
+   !> Visits a fixed number of reals, or of whole numbers if the key requires them.
    subroutine visitor_reals(self, key, values, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -577,7 +575,7 @@ contains
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
    end subroutine visitor_reals
 
-   !> Visits a text, which stands in quotes; one of a list of words in upper or lower case.
+   !> Visits a quoted text; if it is one of a list of words, upper and lower case are the same.
    subroutine visitor_text(self, key, value, is_given, choices)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -653,7 +651,7 @@ contains
       end do
    end subroutine visitor_words
 
-   !> Finds the values of a key, and notes it as one of the group.
+   !> Finds the values of a key, and adds the key to those that the group may have.
    subroutine visitor_find(self, key, noun, source, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -677,7 +675,7 @@ contains
       end if
    end subroutine visitor_find
 
-   !> Records that the value of a key is not what it must be.
+   !> Records that the value of a key violates a rule.
    subroutine visitor_judge(self, key, rule, found)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -691,7 +689,7 @@ contains
       call self%deck%fault(self%place, key%name, sentence)
    end subroutine visitor_judge
 
-   !> Records that a text is none of the words that a key takes.
+   !> Records that a text is none of the words that a key accepts.
    subroutine refuse_word(self, key, text, choices)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key

@@ -10,31 +10,31 @@ module amontons_distributed
 
    public :: begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, new_distributed_condenser, rank
 
-   !> The number of this process, and of how many.
+   !> The rank of this process, and the number of ranks.
    integer, parameter :: rank = 0, n_ranks = 1
 
 contains
 
-   !> What --version says of MPI.
+   !> The text of --version about MPI.
    pure function mpi_text() result(text)
       character(:), allocatable :: text
 
       text = 'no'
    end function mpi_text
 
-   !> Starts nothing.
+   !> Has no effect in this build.
    subroutine begin_ranks()
    end subroutine begin_ranks
 
-   !> Ends nothing.
+   !> Has no effect in this build.
    subroutine end_ranks()
    end subroutine end_ranks
 
-   !> Dismisses no one.
+   !> Has no effect in this build.
    subroutine dismiss_ranks()
    end subroutine dismiss_ranks
 
-   !> Refuses to spread a body.
+   !> Refuses a condenser that is spread over ranks.
    subroutine new_distributed_condenser(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
       class(condenser_t), allocatable, intent(inout) :: condenser !! not allocated on return
       logical, intent(in) :: is_held !! not used, as all that follow

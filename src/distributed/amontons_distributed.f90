@@ -1,16 +1,15 @@
-!> The run on several ranks, as the rest of the program sees it, and the condenser of a body whose elements, matrix and
-!> factor are spread over the ranks; a build without MPI has a twin of this module.
+!> The run on several ranks as the rest of the program uses it, and the condenser of a body whose elements, matrix and
+!> factor are spread over the ranks; builds without MPI have another module of this name.
 !>
-!> The condenser lives on rank 0 and gives the orders; the other ranks follow them. Each holds the stiffness of its
-!> subdomain and its part of MUMPS's factor; rank 0 has the order of elimination and the Schur complement too. There is
-!> one such condenser at a time. Sums depend on the number of ranks in their last digits.
+!> The condenser object is on rank 0, which gives the orders; the other ranks follow them. Each rank holds the stiffness
+!> of its subdomain and its part of MUMPS's factor; rank 0 also has the order of elimination and the Schur complement.
+!> There is one such condenser at a time. Sums depend on the number of ranks in their last digits.
 !>
-!> Another rank may have a condenser of the same body, too, once rank 0 has shared its own: it has the Schur complement
-!> from there, and takes part in what rank 0 condenses to learn the result. Both condense the same loads in the same
-!> sequence.
+!> After rank 0 has shared its condenser, another rank has one of the same body: it receives the Schur complement from
+!> rank 0, and the results of the loads that rank 0 condenses. Both condense the same loads in the same sequence.
 !>
-!> The procedures of the work of a rank are called on all ranks at the same time: rank 0 has given the order for it.
-!> Rank 0's arguments are those of the body; on the others they are of no use.
+!> The procedures of `rank_work_t` are called on all ranks at the same time, after an order of rank 0. On rank 0 the
+!> arguments are those of the body; on the others they are not used.
 module amontons_distributed
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use amontons_assembly, only: assemble_stiffness
@@ -36,16 +35,16 @@ module amontons_distributed
       give_order, channel_t, mpi_text, n_ranks, new_distributed_condenser, next_order, on_all_ranks, order_end, rank, &
       share_condenser
 
-   !> Orders of rank 0. Those from the last of these on are for a room above this one.
+   !> Orders of rank 0. Numbers from the last of these on are orders of modules above this one.
    enum, bind(c)
       enumerator :: order_end, order_take, order_analyze, order_check_memory, order_factorize, order_condense, &
          order_forward, order_backward, order_free, first_free_order
    end enum
 
-   !> What a machine may lack the memory for before it factorizes.
+   !> Tasks for which memory may run out before the factorization.
    character(*), parameter :: assembly = 'the assembly of the stiffness', the_factor = 'the distributed factor'
 
-   !> What a rank has of the body at hand.
+   !> The part of the present body that a rank holds.
    type :: rank_work_t
       type(subdomain_t), allocatable :: subdomain !! its elements, until they are assembled
       type(sparse_matrix_t) :: stiffness !! their stiffness, until it is analyzed [F/L]
@@ -60,7 +59,7 @@ module amontons_distributed
       procedure :: factorize => rank_work_factorize
    end type rank_work_t
 
-   !> What this rank has of the body at hand, if one is spread.
+   !> The part of the present body that this rank holds, if a body is spread.
    type(rank_work_t), allocatable :: work
 
    !> A condenser over the ranks.
@@ -80,7 +79,7 @@ module amontons_distributed
 
 contains
 
-   !> What --version says of MPI.
+   !> The text of --version about MPI.
    function mpi_text() result(text)
       character(:), allocatable :: text
 
@@ -161,8 +160,8 @@ contains
       call move_alloc(made, condenser)
    end subroutine new_distributed_condenser
 
-   !> Has the other ranks make condensers of the same body, which they do at this time; for rank 0. One that is not
-   !> spread each of them condenses by itself.
+   !> Makes condensers of the same body on the other ranks, which call it at the same time as rank 0. A body that is not
+   !> spread is condensed by each rank itself.
    subroutine share_condenser(condenser)
       class(condenser_t), intent(inout) :: condenser !! the condenser, complete; unchanged
       integer :: j
@@ -176,7 +175,7 @@ contains
       end select
    end subroutine share_condenser
 
-   !> Passes from rank 0 how a condenser has regularized the matrix.
+   !> Passes the regularization of a condenser's matrix from rank 0.
    subroutine pass_regularization(condenser)
       type(distributed_condenser_t), intent(inout) :: condenser !! the condenser
       real(dp) :: regularization(1)
@@ -186,7 +185,7 @@ contains
       condenser%regularization = regularization(1)
    end subroutine pass_regularization
 
-   !> Follows an order that rank 0 gives for its condenser; for the other ranks.
+   !> Follows an order of rank 0 about its condenser; called on the other ranks.
    subroutine follow_order(order)
       integer, intent(in) :: order !! the order, below `first_free_order` and not `order_end`
       type(error_t), allocatable :: error
@@ -224,7 +223,7 @@ contains
       end select
    end subroutine follow_order
 
-   !> Ends the service of the other ranks.
+   !> Ends the service loop of the other ranks.
    subroutine dismiss_ranks()
       call give_order(order_end)
    end subroutine dismiss_ranks
@@ -242,7 +241,7 @@ contains
       end associate
    end subroutine distributed_check_memory
 
-   !> The memory that `complete` takes on the rank where it takes most [MB].
+   !> The memory that `complete` takes, on the rank where it takes most [MB].
    pure real(dp) function distributed_memory_mb(self) result(memory_mb)
       class(distributed_condenser_t), intent(in) :: self !! the condenser, the matrix analyzed
 
@@ -315,8 +314,8 @@ contains
       q = condensed(:, 1)
    end subroutine distributed_condense
 
-   !> All unknowns from the Schur variables under several loads. MUMPS remembers only those that it condensed last:
-   !> these are condensed again.
+   !> Computes all unknowns from the Schur variables under several loads. MUMPS keeps only the last loads that it
+   !> condensed, so these are condensed again.
    subroutine distributed_expand_all(self, partial, v, x)
       class(distributed_condenser_t), intent(in) :: self !! the condenser
       real(dp), contiguous, intent(in) :: partial(:, :) !! the loads (n, loads)
@@ -353,7 +352,8 @@ contains
       call self%expand(partial, v(:, 1), x)
    end subroutine distributed_solve
 
-   !> Half of a solution on all ranks. Where memory runs out the result is no number, which the caller refuses.
+   !> Performs the forward or backward half of a solution on all ranks. If memory runs out the result is NaN, which the
+   !> caller refuses.
    subroutine half_solve(order, all_unknowns, of_schur)
       integer, intent(in) :: order !! which half, and whether other ranks learn the result of the first one
       real(dp), contiguous, intent(inout) :: all_unknowns(:, :) !! the loads, or all unknowns on return (n, loads)
@@ -367,7 +367,7 @@ contains
       of_schur = ieee_value(1.0_dp, ieee_quiet_nan)
    end subroutine half_solve
 
-   !> Frees what all ranks hold.
+   !> Frees the memory on all ranks.
    subroutine distributed_free(self)
       type(distributed_condenser_t), intent(inout) :: self !! the condenser
 
@@ -377,8 +377,8 @@ contains
       deallocate (work)
    end subroutine distributed_free
 
-   !> Assembles the stiffness of the subdomain, and on rank 0 the sums that tell of the whole matrix: its diagonal, and
-   !> the magnitudes of each column; where subdomains meet, those of their parts.
+   !> Assembles the stiffness of the subdomain, and on rank 0 the diagonal of the whole matrix and the sums of
+   !> magnitudes of its columns; where subdomains meet, the latter are sums of the magnitudes of the parts.
    subroutine rank_work_assemble(self, sums, error)
       class(rank_work_t), intent(inout) :: self !! the work; its subdomain not prepared yet
       real(dp), intent(inout) :: sums(:, :) !! diagonal entry and sum of magnitudes of each column (2, n) [F/L]
@@ -410,7 +410,7 @@ contains
       call gather_columns(own, self%unknown, sums)
    end subroutine rank_work_assemble
 
-   !> Has MUMPS analyze the matrix, rank 0's share of which has the Schur variables on its diagonal shifted.
+   !> Analyzes the matrix with MUMPS; rank 0 adds a shift to the diagonal entries of the Schur variables.
    subroutine rank_work_analyze(self, n_schur, shift, position, error)
       class(rank_work_t), intent(inout) :: self !! the work, its subdomain assembled
       integer, intent(in) :: n_schur !! number of Schur variables
@@ -439,7 +439,7 @@ contains
       call self%mumps%analyze(n, self%row, self%column, n_schur, position, error)
    end subroutine rank_work_analyze
 
-   !> Refuses what the memory of a machine cannot hold for all of its ranks.
+   !> Refuses a task for which the memory of a machine does not suffice for all of its ranks.
    subroutine check_room(what, own_mb, error)
       character(*), intent(in) :: what !! what takes the memory
       real(dp), intent(in) :: own_mb !! how much it takes on this rank [MB]

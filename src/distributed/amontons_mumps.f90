@@ -1,6 +1,7 @@
-!> The factorization of a matrix whose entries are spread over the ranks, by MUMPS, and its Schur complement on rank 0.
+!> Factorization by MUMPS of a matrix whose entries are spread over the ranks, with its Schur complement on rank 0.
 !>
-!> What MUMPS takes on rank 0 alone is of no use on the others. Every rank calls every procedure at the same time.
+!> Arguments that MUMPS uses on rank 0 alone are ignored on the others. Every rank calls every procedure at the same
+!> time.
 module amontons_mumps
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_int64_t, c_null_char, c_null_ptr, &
       c_ptr
@@ -12,7 +13,7 @@ module amontons_mumps
 
    public :: explain, mumps_report_t, mumps_t, mumps_text
 
-   !> What MUMPS reports of a job.
+   !> The report of MUMPS on a job.
    type, bind(c) :: mumps_report_t
       integer(c_int) :: code = 0 !! 0 or more: done; else what went wrong
       integer(c_int) :: detail = 0 !! its detail
@@ -22,7 +23,7 @@ module amontons_mumps
       real(c_double) :: largest_mb = 0.0_c_double !! on the rank where it takes most [MB]
    end type mumps_report_t
 
-   !> An instance of MUMPS; its matrix stays the caller's.
+   !> An instance of MUMPS; the matrix belongs to the caller.
    type :: mumps_t
       type(c_ptr), private :: handle = c_null_ptr !! MUMPS's side of it
       type(mumps_report_t) :: report !! what it reported last
@@ -126,7 +127,7 @@ contains
       call explain(self%report, error)
    end subroutine mumps_analyze
 
-   !> Factorizes the matrix. It is not needed any more after that.
+   !> Factorizes the matrix, whose entries may be deallocated afterwards.
    subroutine mumps_factorize(self, value, schur, error)
       class(mumps_t), intent(inout) :: self !! the instance, the matrix analyzed
       real(dp), contiguous, intent(inout) :: value(:) !! values of the entries that this rank has
@@ -152,7 +153,7 @@ contains
          all_unknowns, of_schur, self%report)
    end subroutine mumps_solve
 
-   !> Frees what the instance holds.
+   !> Frees the memory of the instance.
    subroutine mumps_free(self)
       class(mumps_t), intent(inout) :: self !! the instance
 
@@ -160,7 +161,7 @@ contains
       self%handle = c_null_ptr
    end subroutine mumps_free
 
-   !> Turns what MUMPS reports into a sentence.
+   !> Makes an error of the report of MUMPS, if it is one.
    pure subroutine explain(report, error)
       type(mumps_report_t), intent(in) :: report !! the report
       type(error_t), allocatable, intent(out) :: error !! what went wrong, if anything

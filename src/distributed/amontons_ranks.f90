@@ -1,7 +1,8 @@
-!> The ranks of a run, the processes that share its work: orders of rank 0, messages between two, agreement of all.
+!> The ranks of a run, which are the processes that share its work: orders of rank 0, messages between two ranks,
+!> agreement of all.
 !>
-!> Rank 0 runs the program; the others wait for its orders and take part in what these ask for. Which rank this is and
-!> how many there are is known once for the process, as MPI itself is.
+!> Rank 0 runs the program; the others wait for its orders and follow them. The rank and the number of ranks are
+!> variables of this module, since MPI is initialized once for a process.
 module amontons_ranks
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
    use amontons_error, only: error_t, new_error, system_failure
@@ -15,14 +16,14 @@ module amontons_ranks
 
    !> Whether MPI is in use.
    logical, protected :: has_begun = .false.
-   !> The number of this process, and of how many.
+   !> The rank of this process, and the number of ranks.
    integer, protected :: rank = 0, n_ranks = 1
 
-   !> The peer of a channel between rank 0 and all others.
+   !> Peer of a channel between rank 0 and all others.
    integer, parameter :: all_ranks = -1
 
-   !> A channel to another rank. Both ends pass the same things in the same order, one end sends and the other receives.
-   !> Of a channel between all ranks, rank 0 sends.
+   !> A channel to another rank. Both ends pass the same items in the same order; one end sends and the other receives.
+   !> In a channel between all ranks, rank 0 sends.
    type :: channel_t
       integer :: peer = 0 !! the other rank, or `all_ranks`
       logical :: is_sender = .true. !! whether this end sends
@@ -97,7 +98,7 @@ contains
       has_begun = .false.
    end subroutine end_ranks
 
-   !> Gives the other ranks an order; for rank 0.
+   !> Sends an order to the other ranks; called on rank 0.
    subroutine give_order(order)
       integer, intent(in) :: order !! the order
       integer(c_int) :: given
@@ -106,7 +107,7 @@ contains
       if (n_ranks > 1) call mpi_order(given, 1_c_int)
    end subroutine give_order
 
-   !> Waits for the next order of rank 0; for the others.
+   !> Waits for the next order of rank 0; called on the other ranks.
    integer function next_order() result(order)
       integer(c_int) :: given
 
@@ -114,8 +115,8 @@ contains
       order = int(given)
    end function next_order
 
-   !> Has all ranks know whether one of them failed. The error of the first that did becomes that of rank 0; the others
-   !> are left with some error, so that all return.
+   !> Makes an error of any rank known to all. The error of the first rank that failed replaces that of rank 0; the
+   !> others get an error without details, so that all ranks return.
    subroutine agree(error)
       type(error_t), allocatable, intent(inout) :: error !! what went wrong on this rank; then, what did on any
       type(error_t), allocatable :: first
@@ -140,7 +141,7 @@ contains
       call move_alloc(first, error)
    end subroutine agree
 
-   !> Whether something is so on all ranks. Every rank calls it.
+   !> Whether a condition holds on all ranks. Every rank calls it.
    logical function on_all_ranks(is_so)
       logical, intent(in) :: is_so !! whether it is so on this rank
 
@@ -165,7 +166,7 @@ contains
       call mpi_pass(bytes, int(n, c_int64_t), int(channel%peer, c_int), merge(1_c_int, 0_c_int, channel%is_sender))
    end subroutine pass_bytes
 
-   !> Gives all ranks numbers of rank 0. Every rank calls it with as many.
+   !> Sends numbers of rank 0 to all ranks. Every rank calls it with an array of the same size.
    subroutine broadcast(list)
       real(dp), contiguous, intent(inout) :: list(:) !! the numbers
 
@@ -244,7 +245,7 @@ contains
       call pass_bytes(self, columns, real_bytes*extent(1)*extent(2))
    end subroutine channel_pass_real_columns
 
-   !> Adds columns that every rank has to those of the whole on rank 0, rank after rank. Every rank calls it.
+   !> Appends columns of every rank to those of the whole on rank 0, in the order of the ranks. Every rank calls it.
    subroutine gather_columns(columns, place, whole)
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the columns of this rank
       integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are

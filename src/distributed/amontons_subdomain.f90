@@ -1,5 +1,5 @@
-!> Subdomains, the elements of a body that one rank owns by its share of the order of elimination, and what assembly
-!> needs of them. The order is found on the mesh: no matrix is needed.
+!> Subdomains for assembly on several ranks: the elements of a body that one rank owns by its share of the order of
+!> elimination. The order is found from the mesh, without a matrix.
 module amontons_subdomain
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_dissection, only: dissection_t, new_dissection
@@ -14,7 +14,7 @@ module amontons_subdomain
 
    public :: assembly_mb, find_owners, find_positions, new_subdomain, subdomain_t
 
-   !> A subdomain, its nodes, elements and unknowns numbered anew.
+   !> A subdomain, with its own numbers of nodes, elements and unknowns.
    type :: subdomain_t
       type(mesh_t) :: mesh !! its elements, and their nodes
       type(materials_t) :: materials !! the materials
@@ -79,11 +79,11 @@ contains
       end do
    end subroutine find_positions
 
-   !> Finds the rank that owns each element: the one whose share of the order of elimination has the element's unknown
-   !> that is eliminated first. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
-   !> All have the same share but rank 0: for each unknown of the body it holds mesh, loads and the last front besides,
-   !> where a share costs each of its unknowns some 190 bytes until it is factorized. Its share is so much smaller that
-   !> all hold about the same.
+   !> Finds the rank that owns each element: the one whose share of the order of elimination contains the first unknown
+   !> of the element to be eliminated. A rank owns whole subtrees of the dissection where possible, so that subdomains
+   !> are compact. The shares are equal except that of rank 0: this holds mesh, loads and the last front for all
+   !> unknowns of the body in addition, while each unknown of a share takes about 190 bytes until it is factorized. Its
+   !> share is smaller by so much that all ranks hold about the same.
    pure subroutine find_owners(owner, n_ranks, position, mesh, dof_map)
       integer, allocatable, intent(out) :: owner(:) !! the rank of each element
       integer, intent(in) :: n_ranks !! number of ranks
@@ -112,9 +112,9 @@ contains
       end do
    end subroutine find_owners
 
-   !> The memory that the stiffness of each rank's elements takes while it is assembled, about as much as their own
-   !> matrices: 12 bytes for each entry of a triangle, in a triangular matrix of the subdomain where shared entries are
-   !> one [MB].
+   !> The memory for the stiffness of each rank's elements during assembly, estimated as that of their element matrices:
+   !> 12 bytes for each entry of a triangle, in a triangular matrix of the subdomain in which shared entries are merged
+   !> [MB].
    pure function assembly_mb(owner, n_ranks, mesh)
       integer, intent(in) :: owner(:) !! the rank of each element
       integer, intent(in) :: n_ranks !! number of ranks
@@ -176,7 +176,7 @@ contains
       number(subdomain%node) = 0
    end subroutine new_subdomain
 
-   !> Gives nodes that have no number yet the next ones.
+   !> Gives consecutive numbers to nodes that have none yet.
    pure subroutine number_nodes(node, number, more)
       integer, allocatable, intent(inout) :: node(:) !! the numbered nodes
       integer, intent(inout) :: number(:) !! their numbers, 0 for none (n_nodes)
@@ -195,7 +195,7 @@ contains
       node = [node, new(:n)]
    end subroutine number_nodes
 
-   !> Passes a subdomain from rank 0 to the rank that owns it: all that assembly needs.
+   !> Passes a subdomain, with all that its assembly needs, from rank 0 to its owner.
    subroutine subdomain_pass(self, channel)
       class(subdomain_t), intent(inout) :: self !! the subdomain
       type(channel_t), intent(in) :: channel !! the channel between the ranks
@@ -253,7 +253,7 @@ contains
       allocate (self%springs(0))
    end subroutine subdomain_pass
 
-   !> Numbers the unknowns anew and colors the elements.
+   !> Numbers the unknowns of the subdomain and colors its elements.
    subroutine subdomain_prepare(self)
       class(subdomain_t), intent(inout) :: self !! the subdomain
       integer :: i, axis

@@ -1,6 +1,6 @@
-!> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
-!> reads it, writes it as a deck again and documents what a deck may hold. Materials, supports and loads may come from
-!> the mesh file; names of sets and regions are checked against the mesh all at once.
+!> The configuration of a case: the contents of a deck, checked and with every default. One description of all groups
+!> reads it, writes it as a deck again and documents the keys. Materials, supports and loads may come from the mesh
+!> file; names of sets and regions are checked against the mesh, all at once.
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
@@ -34,17 +34,17 @@ module amontons_config
    public :: body_text, check_names, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
       reference_text
 
-   !> The name by which a sweep knows the loads of a mesh file.
+   !> Name of the loads of a mesh file in a sweep.
    character(*), parameter :: file_load_name = 'mesh file'
 
    !> The group of the solver.
    type(group_t), parameter :: solver_group = group_t('solver')
-   !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
+   !> The groups that describe a body, its loads, what varies, and the required accuracy.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, rigid_group, &
       preload_group, contact_group, tie_group, sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
-   !> Names of each of them in other programs, blanks between the words.
+   !> Names of each group in other programs, separated by blanks.
    character(32), parameter :: other_names(size(groups)) = [character(32) :: 'job heading', '', &
       'node nodes element elements part', 'elastic section', 'boundary bc constraint fix', 'cload dload', &
       'mpc coupling rigid_body', 'pretension pre_tension', 'interaction obstacle', '', 'parameter study', '', &
@@ -73,8 +73,8 @@ module amontons_config
 
 contains
 
-   !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
-   !> judged only where its form is right, and what follows from another fault is not told.
+   !> Reads a case from a deck. All faults are reported in one error, one line each; the meaning of a group is judged
+   !> only if its form is right, and consequences of another fault are not reported.
    subroutine read_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
@@ -86,7 +86,7 @@ contains
       if (.not. allocated(error)) call read_groups(config, reader, error, settings)
    end subroutine read_config
 
-   !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
+   !> Makes the case of a reduced problem's file without a deck: as if a deck named the file and nothing else.
    subroutine new_reduced_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
@@ -100,7 +100,7 @@ contains
       config%reduced%origin = ''
    end subroutine new_reduced_config
 
-   !> Reads a case from the text of a deck, in which settings take the place of what it says.
+   !> Reads a case from the text of a deck, with settings that replace its values.
    subroutine read_config_text(config, file, text, settings, error)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck; names of files in it are seen from its folder
@@ -116,7 +116,7 @@ contains
       call read_groups(config, reader, error, list)
    end subroutine read_config_text
 
-   !> Reads the groups of a deck, in which settings take the place of what it says.
+   !> Reads the groups of a deck, with settings that replace its values.
    subroutine read_groups(config, reader, error, settings)
       type(config_t), intent(inout) :: config !! the case
       type(deck_visitor_t), intent(inout) :: reader !! the reader, with its deck
@@ -130,7 +130,7 @@ contains
       call reader%deck%finish(error)
    end subroutine read_groups
 
-   !> The effective deck: the case as a deck, every default in place. Reading it gives the same case.
+   !> The effective deck: the case as a deck with every default. Reading it gives the same case.
    function effective_deck(self) result(text)
       class(config_t), intent(in) :: self !! the case
       character(:), allocatable :: text
@@ -138,7 +138,7 @@ contains
       call write_deck(text, self, .false.)
    end function effective_deck
 
-   !> The part of the deck that a factorization depends on: two cases whose texts agree can share it.
+   !> The part of the deck that determines the factorization: two cases with equal texts can share it.
    function body_text(config) result(text)
       type(config_t), intent(in) :: config !! the case
       character(:), allocatable :: text
@@ -146,7 +146,7 @@ contains
       call write_deck(text, config, .true.)
    end function body_text
 
-   !> Writes the deck of a case, or what decks that share a factorization agree in.
+   !> Writes the deck of a case, or only the part that decks with a common factorization share.
    subroutine write_deck(text, config, is_shared_only)
       character(:), allocatable, intent(out) :: text !! the deck
       type(config_t), intent(in) :: config !! the case
@@ -183,7 +183,7 @@ contains
          suggestion(documenter%wanted, groups%name, other_names, '&', 'groups'))
    end subroutine reference_text
 
-   !> Describes all groups of a deck: of a reduced problem, or of a body.
+   !> Describes all groups of a deck: those of a reduced problem, or those of a body.
    subroutine describe_config(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case
@@ -244,7 +244,7 @@ contains
       call describe_output(visitor, config%sweep, config%history)
    end subroutine describe_config
 
-   !> Describes all `&mesh`; a reader gets room for what the other groups say of a body, behind what a mesh file says.
+   !> Describes all `&mesh`; a reader allocates the items of the other groups, behind those of a mesh file.
    subroutine describe_meshes(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of a file
@@ -347,7 +347,7 @@ contains
       end associate
    end subroutine describe_solver
 
-   !> Refuses the names of a case that its mesh has not, all of them in one error.
+   !> Refuses names that the mesh does not have, all of them in one error.
    subroutine check_names(config, mesh, error)
       type(config_t), intent(in) :: config !! the case
       type(mesh_t), intent(in) :: mesh !! its mesh

@@ -31,9 +31,9 @@ module amontons_config_groups
 
    !> The group of the accuracy.
    type(group_t), parameter, public :: accuracy_group = group_t('accuracy')
-   !> How errors are estimated, as a deck writes it.
+   !> Kinds of error estimates, as a deck writes them.
    character(8), parameter :: estimate_names(2) = [character(8) :: 'recovery', 'none']
-   !> Fewest refinements that show an order of convergence.
+   !> Smallest number of refinements that show an order of convergence.
    integer, parameter :: fewest_refinements = 2
 
    !> Options on the accuracy.
@@ -44,7 +44,7 @@ module amontons_config_groups
       procedure :: wants_estimate => accuracy_wants_estimate
    end type accuracy_options_t
 
-   !> The group of what is written.
+   !> The group of the output files.
    type(group_t), parameter, public :: output_group = group_t('output')
 
    !> The group of the problem.
@@ -52,7 +52,7 @@ module amontons_config_groups
    !> Kinds of problems, as a deck writes them.
    character(7), parameter :: kind_names(2) = [character(7) :: 'body', 'reduced']
 
-   !> Where a reduced problem comes from.
+   !> The file of a reduced problem, and what replaces its contents.
    type :: reduced_source_t
       logical :: is_given = .false. !! whether the problem is a reduced one
       character(:), allocatable :: file !! name of its file, as messages tell it
@@ -530,7 +530,7 @@ contains
          ' where it is', default='never', also='lock'), motion%lock_time, has_time)
    end subroutine describe_lock
 
-   !> Judges the name of a rigid set or preload, which must fit in tables, and its lock.
+   !> Checks the name of a rigid set or preload, which must fit in tables, and its lock.
    subroutine check_driven(visitor, motion, is_held)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(in) :: motion !! what is prescribed of its motion
@@ -543,7 +543,7 @@ contains
          'the whole motion is prescribed: nothing is left for lock_time to lock')
    end subroutine check_driven
 
-   !> Makes the support and the load that a rigid set or preload is, and the tie of the latter.
+   !> Adds the support and the load that represent a rigid set or preload, and the tie of a preload.
    subroutine take_driven(supports, loads, ties, set, is_rigid, is_axisymmetric)
       type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment

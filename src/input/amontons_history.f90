@@ -1,7 +1,7 @@
-!> A load history: loads, prescribed displacements, obstacles and friction that change over a pseudo-time; and the
+!> A load history: loads, prescribed displacements, obstacles and friction that change over a pseudo-time, and the
 !> groups of a deck that describe it.
 !>
-!> Between the times of the history everything changes linearly; of a table, between its own times.
+!> All changes are linear between the times of the history; those of a table are linear between its own times.
 module amontons_history
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t
@@ -23,13 +23,13 @@ module amontons_history
    !> Target of a change: the factor of the friction of contact sets.
    integer, parameter, public :: stepped_friction = 4
 
-   !> How a deck writes whose change it is.
+   !> Kinds of the targets of a change, as a deck writes them.
    character(8), parameter :: moved_things(4) = [character(8) :: 'load', 'support', 'obstacle', 'contact']
 
-   !> Whether parameters of fretting are computed, as a deck writes it.
+   !> Whether fretting parameters are computed, as a deck writes it.
    character(10), parameter :: fretting_names(2) = [character(10) :: 'none', 'parameters']
 
-   !> A change over the history, in numbers: one factor, or shift along x, shift along y and angle of an obstacle.
+   !> A change over the history: the numbers are one factor, or shift along x, shift along y and angle of an obstacle.
    type :: steps_t
       integer :: target = stepped_load !! what it is
       character(:), allocatable :: name !! name of the load or support; name or set of the contact
@@ -47,7 +47,7 @@ module amontons_history
       procedure, private :: takes => steps_takes
    end type steps_t
 
-   !> The times, how the way between them is divided, and what changes.
+   !> The times, the number of steps between them, and the changes.
    type :: history_t
       logical :: is_given = .false. !! whether there is a history
       character(:), allocatable :: name !! what the pseudo-time is called in tables
@@ -82,7 +82,7 @@ module amontons_history
    type(group_t), parameter, public :: history_group = group_t('history')
    !> The group of a change.
    type(group_t), parameter, public :: steps_group = group_t('steps', is_repeatable=.true.)
-   !> Keys of whose change it is.
+   !> Keys that name the target of a change.
    type(key_t), parameter :: name_keys(4) = [ &
       key_t(moved_things(stepped_load), 'with `factor`: the name of the load'), &
       key_t(moved_things(stepped_support), 'with `factor`: the name of the support, whose prescribed'// &
@@ -90,9 +90,9 @@ module amontons_history
       key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y` and `turn`: the `name` or `set` of the'// &
       ' `&contact`'), &
       key_t(moved_things(stepped_friction), 'with `friction_factor`: the `name` or `set` of the `&contact`')]
-   !> Number of keys of numbers.
+   !> Number of keys for the numbers of a change.
    integer, parameter :: n_value_keys = 5
-   !> Keys of its numbers; those of a motion may be left out one by one.
+   !> Keys of the numbers of a change; those of a motion may be left out one by one.
    type(key_t), parameter :: value_keys(n_value_keys) = [ &
       key_t('factor', 'what the loads of that name, or the displacements of the supports, are multiplied by: one'// &
       ' value for each of the `times`', also='value values'), &
@@ -102,14 +102,14 @@ module amontons_history
       ' counterclockwise', 'rad', default='`0.0`', also='angle rotation'), &
       key_t('friction_factor', 'what the friction of the `&contact` is multiplied by at each of the `times`', &
       at_least=0.0_dp)]
-   !> Whose numbers these are, and where each is kept.
+   !> For each key of numbers, the targets that have it and its place among their numbers.
    character(16), parameter :: value_owners(n_value_keys) = [character(16) :: 'load and support', 'obstacle', &
       'obstacle', 'obstacle', 'contact']
    integer, parameter :: value_rows(n_value_keys) = [1, 1, 2, 3, 1]
 
 contains
 
-   !> Whether the steps are of the obstacle or the friction of a contact set.
+   !> Whether the change concerns the obstacle or the friction of a contact set.
    pure logical function steps_acts_on(self, contact) result(acts)
       class(steps_t), intent(in) :: self !! the steps
       type(contact_t), intent(in) :: contact !! the contact set
@@ -118,7 +118,7 @@ contains
       if (self%target >= stepped_obstacle .and. allocated(contact%name)) acts = acts .or. contact%name == self%name
    end function steps_acts_on
 
-   !> Name of one of the numbers in tables: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
+   !> Column name of one of the numbers: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
    pure function steps_label(self, number) result(label)
       class(steps_t), intent(in) :: self !! the steps
       integer, intent(in) :: number !! which of its numbers
@@ -135,21 +135,21 @@ contains
       end select
    end function steps_label
 
-   !> The largest of their numbers [-], [L] or [rad].
+   !> The largest magnitude of the numbers [-], [L] or [rad].
    pure real(dp) function steps_largest(self) result(largest)
       class(steps_t), intent(in) :: self !! the steps
 
       largest = maxval(self%table(2:, :))
    end function steps_largest
 
-   !> How many numbers change at once.
+   !> Number of numbers that change at once: 1, or 3 for an obstacle.
    pure integer function steps_n_numbers(self) result(n)
       class(steps_t), intent(in) :: self !! the steps
 
       n = merge(3, 1, self%target == stepped_obstacle)
    end function steps_n_numbers
 
-   !> Whether one of `value_keys` belongs to them.
+   !> Whether one of `value_keys` belongs to the target.
    pure logical function steps_takes(self, number) result(takes)
       class(steps_t), intent(in) :: self !! the steps
       integer, intent(in) :: number !! which of the keys
@@ -157,7 +157,7 @@ contains
       takes = index(value_owners(number), trim(moved_things(self%target))) > 0
    end function steps_takes
 
-   !> Whether something of a step is written.
+   !> Whether a step is written to a file that has every n-th step.
    pure logical function is_shown(step, every)
       integer, intent(in) :: step !! the step
       integer, intent(in) :: every !! it is written of the first step and of every so many behind it; 0 for none
@@ -189,7 +189,7 @@ contains
       nearest = self%planned(minloc(abs(self%planned - time), dim=1))
    end function history_nearest_planned_time
 
-   !> How many cycles of the period end within the history. No more than there are planned steps.
+   !> Number of complete cycles within the history, at most the number of planned steps.
    pure integer function history_n_cycles(self) result(n)
       class(history_t), intent(in) :: self !! the history, with a period
       ! A cycle that ends this little behind the last time, over its length, is whole.
@@ -199,7 +199,7 @@ contains
          /self%period + rounding)))
    end function history_n_cycles
 
-   !> The times at which cycles begin and end, those of planned steps; none without cycles [-].
+   !> The times at which cycles begin and end, which are times of planned steps; empty without cycles [-].
    pure function history_cycle_ends(self) result(ends)
       class(history_t), intent(in) :: self !! the history
       real(dp), allocatable :: ends(:)
@@ -213,8 +213,8 @@ contains
       end do
    end function history_cycle_ends
 
-   !> The numbers of one of the changes at a time, on straight lines between those of its table; at a time of the table
-   !> its own to the last bit (1 or 3).
+   !> The numbers of a change at a time, by linear interpolation of its table; at a time of the table exactly the
+   !> tabulated numbers (1 or 3).
    pure function history_numbers(self, which, time) result(numbers)
       class(history_t), intent(in) :: self !! the history
       integer, intent(in) :: which !! which of the changes
@@ -339,7 +339,7 @@ contains
          len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
    end subroutine describe_times
 
-   !> Finds the times to which the steps lead.
+   !> Finds the times of the planned steps.
    subroutine plan_steps(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history, with times; gains those of its steps
@@ -370,7 +370,7 @@ contains
       end associate
    end subroutine plan_steps
 
-   !> Judges the times of cycles.
+   !> Checks the times of cycles.
    subroutine judge_cycles(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(in) :: history !! the history, with times and cycles
@@ -440,7 +440,7 @@ contains
       if (visitor%is_judging()) call judge_steps(visitor, steps, has_name, has_values)
    end subroutine describe_steps
 
-   !> Judges the keys of a `&steps` together.
+   !> Checks the keys of a `&steps` together.
    subroutine judge_steps(visitor, steps, has_name, has_values)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(steps_t), intent(inout) :: steps !! what changes; loses values of different numbers
@@ -477,7 +477,7 @@ contains
       end if
    end subroutine judge_steps
 
-   !> Checks that there is what changes, and that it does not change twice.
+   !> Checks that the target of a change exists, and that no other change has it.
    subroutine check_name(visitor, steps, loads, supports, contacts)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last change
       type(steps_t), intent(in) :: steps(:) !! the change, and those before it

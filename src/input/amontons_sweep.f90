@@ -1,8 +1,8 @@
-!> A sweep: the quantities that vary from case to case, the cases that their combination makes, and the groups of a deck
-!> that describe them.
+!> A sweep: the quantities that vary from case to case, the cases as combinations of their values, and the groups of a
+!> deck that describe them.
 !>
-!> Each quantity has a list of values. A quantity that is paired goes along with the one before it, value by value; the
-!> others are combined in full, the last one varying fastest. Cases count from 1.
+!> Each quantity has a list of values. A paired quantity changes together with the one before it, value by value; the
+!> others are combined in full, the last one varying fastest. Cases are numbered from 1.
 module amontons_sweep
    use amontons_contact_set, only: contact_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, most_values
@@ -14,18 +14,18 @@ module amontons_sweep
 
    public :: describe_sweep, key_result_names, largest_n_cases, sweep_axis_t, sweep_t
 
-   !> Target of a quantity of a sweep: the factor of all loads of a name.
+   !> Target of a swept quantity: the factor of all loads with a name.
    integer, parameter, public :: swept_load = 1
-   !> Target of a quantity of a sweep: Coulomb's coefficient, instead of the key `friction` of contact sets.
+   !> Target of a swept quantity: Coulomb's coefficient, instead of the key `friction` of contact sets.
    integer, parameter, public :: swept_friction = 2
-   !> Target of a quantity of a sweep: a factor on the friction of contact sets.
+   !> Target of a swept quantity: a factor on the friction of contact sets.
    integer, parameter, public :: swept_friction_factor = 3
 
-   !> Names of these quantities, and the keys that a deck gives their values by.
+   !> Names of these quantities, which are also the keys of their values.
    character(15), parameter :: quantity_names(3) = [character(15) :: 'factor', 'friction', 'friction_factor']
-   !> How a quantity is combined with those before it, as a deck writes it.
+   !> Ways to combine a quantity with those before it, as a deck writes them.
    character(7), parameter :: combination_names(2) = [character(7) :: 'product', 'paired']
-   !> Whose key results the table of a sweep has, as a deck writes it.
+   !> Parts of the model whose key results are in the table of a sweep, as a deck writes them.
    character(7), parameter :: key_result_names(3) = [character(7) :: 'contact', 'forces', 'all']
    !> Most cases of a sweep.
    integer, parameter :: largest_n_cases = 1000000000
@@ -72,7 +72,7 @@ module amontons_sweep
 
 contains
 
-   !> Whether the quantity is the friction of a contact set.
+   !> Whether the quantity is the friction of a given contact set.
    pure logical function sweep_axis_acts_on(self, set) result(acts)
       class(sweep_axis_t), intent(in) :: self !! the quantity
       character(*), intent(in) :: set !! name of the contact set
@@ -80,7 +80,7 @@ contains
       acts = self%target /= swept_load .and. (len(self%name) == 0 .or. self%name == set)
    end function sweep_axis_acts_on
 
-   !> Name of the quantity in tables: 'factor_side', 'friction', 'friction_factor_bottom'.
+   !> Column name of the quantity: 'factor_side', 'friction', 'friction_factor_bottom'.
    pure function sweep_axis_label(self) result(label)
       class(sweep_axis_t), intent(in) :: self !! the quantity
       character(:), allocatable :: label
@@ -89,7 +89,7 @@ contains
       if (len(self%name) > 0) label = label//'_'//self%name
    end function sweep_axis_label
 
-   !> Whether there is anything to sweep.
+   !> Whether the deck has a sweep.
    pure logical function sweep_is_given(self)
       class(sweep_t), intent(in) :: self !! the sweep
 
@@ -97,7 +97,7 @@ contains
       if (allocated(self%axes)) sweep_is_given = size(self%axes) > 0
    end function sweep_is_given
 
-   !> Gives contact sets whose coefficient varies an end of the range that it takes.
+   !> Sets the coefficients of contact sets whose friction varies to the least or largest swept value.
    pure subroutine sweep_set_friction(self, contacts, is_least)
       class(sweep_t), intent(in) :: self !! the sweep
       type(contact_t), intent(inout) :: contacts(:) !! the contact sets
@@ -114,7 +114,7 @@ contains
       end do
    end subroutine sweep_set_friction
 
-   !> Number of cases; of more than `largest_n_cases`, some number above it.
+   !> Number of cases; some number above `largest_n_cases` if there are more.
    pure integer(int64) function sweep_n_cases(self) result(n_cases)
       class(sweep_t), intent(in) :: self !! the sweep
       integer :: i
@@ -144,7 +144,7 @@ contains
       if (self%fields_every > 0) has_fields = modulo(1 - first, self%fields_every) <= last - first
    end function sweep_has_fields
 
-   !> Which of its values each quantity has in a case.
+   !> For each quantity the index of its value in a case.
    pure function sweep_places(self, number) result(places)
       class(sweep_t), intent(in) :: self !! the sweep
       integer, intent(in) :: number !! number of the case
@@ -173,8 +173,8 @@ contains
       end do
    end function sweep_values
 
-   !> The earlier case that differs from a case by one step of one quantity, the fastest that can step back; 0 for the
-   !> first case, which has none.
+   !> The earlier case that differs from a case by one step of one quantity, the fastest-varying one that can step back;
+   !> 0 for the first case.
    pure integer function sweep_neighbor(self, number) result(neighbor)
       class(sweep_t), intent(in) :: self !! the sweep
       integer, intent(in) :: number !! number of the case
@@ -268,7 +268,7 @@ contains
       end if
    end subroutine describe_axis
 
-   !> Checks that there is what a quantity varies, and that it goes with the quantities before it.
+   !> Checks that the target of a quantity exists, and that it does not conflict with those of earlier quantities.
    subroutine check_axis(visitor, axes, loads, contacts)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last quantity
       type(sweep_axis_t), intent(in) :: axes(:) !! the quantity, and those before it
@@ -323,7 +323,7 @@ contains
          ', found '//to_text(size(axes(n)%values)))
    end subroutine check_axis
 
-   !> The names that exist, for the end of a message.
+   !> The existing names, for the end of a message.
    pure function list(noun, names) result(text)
       character(*), intent(in) :: noun !! what they name
       character(*), intent(in) :: names !! the names, each with ', ' before it

@@ -1,5 +1,5 @@
-!> Band matrices, by LAPACK: of symmetric ones products, the Cholesky factor in their place, and the part of the inverse
-!> near the diagonal; of general ones elimination with exchange of rows.
+!> Band matrices, by LAPACK: symmetric ones with products, Cholesky factor and the entries of the inverse near the
+!> diagonal; general ones with LU factorization and row exchanges.
 module amontons_band_matrix
    use amontons_kinds, only: dp
    use amontons_lapack, only: dgbtrf, dgbtrs, dpbtrf, dsbmv, dtbsv
@@ -23,8 +23,8 @@ module amontons_band_matrix
       procedure :: solve => symmetric_band_solve
    end type symmetric_band_t
 
-   !> A band matrix and then its triangular factors: entry (i, j) of the matrix is `entry(2*width + 1 + i - j, j)`; the
-   !> rows before are for what the exchanges fill.
+   !> A band matrix, overwritten by its triangular factors: entry (i, j) of the matrix is `entry(2*width + 1 + i - j,
+   !> j)`; the rows before are for the fill of row exchanges.
    type :: band_lu_t
       integer :: n = 0 !! order of the matrix
       integer :: width = 0 !! number of subdiagonals, and of superdiagonals
@@ -49,7 +49,7 @@ contains
       allocate (matrix%entry(width + 1, n), source=0.0_dp)
    end subroutine new_symmetric_band
 
-   !> Adds to an entry and to the one across the diagonal.
+   !> Adds a value to an entry and to its mirror image across the diagonal.
    pure subroutine symmetric_band_add(self, row, column, value)
       class(symmetric_band_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: row !! row of the entry
@@ -71,7 +71,7 @@ contains
       if (abs(row - column) <= self%width) element = self%entry(abs(row - column) + 1, min(row, column))
    end function symmetric_band_element
 
-   !> Turns a row and its column into those of the unit matrix.
+   !> Replaces a row and its column by those of the unit matrix.
    pure subroutine symmetric_band_decouple(self, row)
       class(symmetric_band_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: row !! number of the row
@@ -94,7 +94,7 @@ contains
       call dsbmv('L', self%n, self%width, 1.0_dp, self%entry, self%width + 1, x, 1, 0.0_dp, y, 1)
    end subroutine symmetric_band_multiply
 
-   !> Puts the Cholesky factor in the place of a positive definite matrix.
+   !> Replaces a positive definite matrix by its Cholesky factor.
    pure subroutine symmetric_band_factorize(self, info)
       class(symmetric_band_t), intent(inout) :: self !! the matrix, and then L with A = L L^T
       integer, intent(out) :: info !! 0, or the row whose pivot is not positive
@@ -138,7 +138,7 @@ contains
       end do
    end subroutine symmetric_band_inverse_band
 
-   !> Makes a zero matrix; the room of one of the same size is used again.
+   !> Makes a zero matrix; reuses the memory of one of the same size.
    pure subroutine new_band_matrix(matrix, n, width)
       type(band_lu_t), intent(inout) :: matrix !! the matrix
       integer, intent(in) :: n !! its order
@@ -163,7 +163,7 @@ contains
       end associate
    end subroutine band_lu_add
 
-   !> Puts the triangular factors in the place of the matrix.
+   !> Replaces the matrix by its triangular factors.
    pure subroutine band_lu_factorize(self, info)
       class(band_lu_t), intent(inout) :: self !! the matrix, and then its factors
       integer, intent(out) :: info !! 0, or nonzero where the matrix is singular

@@ -1,7 +1,6 @@
-!> Dense linear algebra on small full matrices: the few LAPACK operations in use, and least squares with bounds on the
-!> factors.
+!> Dense linear algebra on small full matrices, by LAPACK, and least squares with bounds on the factors.
 !>
-!> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
+!> Every matrix argument is square; of a symmetric one the lower triangle is read. `info` = 0 means success.
 module amontons_dense
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
@@ -19,12 +18,12 @@ module amontons_dense
       module procedure :: cholesky_solve_vector, cholesky_solve_matrix
    end interface cholesky_solve
 
-   !> What rounding leaves of a zero, over the numbers it came from.
+   !> Rounding error of a number that should be 0, over the numbers from which it was computed.
    real(dp), parameter :: negligible = 1.0e-13_dp
 
 contains
 
-   !> Allocates a large matrix, its numbers undefined.
+   !> Allocates a large matrix, with undefined entries.
    pure subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)
       real(dp), allocatable, intent(inout) :: matrix(:, :) !! the matrix (n_rows, n_columns)
       integer, intent(in) :: n_rows !! number of its rows
@@ -75,8 +74,8 @@ contains
       end do
    end subroutine cholesky_factor_softly
 
-   !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor, on all threads: a tile of the
-   !> diagonal, the tiles below it, what is left of the matrix. The digits are those of one thread.
+   !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor on all threads: tile by tile of the
+   !> diagonal the tiles below it, then the remaining matrix. The result does not depend on the number of threads.
    subroutine cholesky_factor_tiled(n, a, info)
       integer, intent(in) :: n !! order of the matrix
       real(dp), intent(inout) :: a(n, n)
@@ -228,7 +227,7 @@ contains
       call dsymv('L', size(x), 1.0_dp, a, max(1, size(x)), x, 1, 0.0_dp, y, 1)
    end subroutine symmetric_multiply
 
-   !> All eigenvalues of a symmetric matrix, in ascending order, and their orthonormal eigenvectors.
+   !> Computes all eigenvalues of a symmetric matrix, in ascending order, and orthonormal eigenvectors.
    subroutine symmetric_eigenvectors(a, w, info)
       real(dp), contiguous, intent(inout) :: a(:, :)
          !! the matrix (n, n), lower triangle read; on return column k is the eigenvector of value k
@@ -242,9 +241,9 @@ contains
       call dsyev('V', 'L', size(a, 1), a, max(1, size(a, 1)), w, work, size(work), info)
    end subroutine symmetric_eigenvectors
 
-   !> What is left of a vector after its best approximation by columns with factors from 0 to a bound each: Lawson and
-   !> Hanson's algorithm (Solving Least Squares Problems, 1974, chapter 23) with upper bounds (P. B. Stark, R. L.
-   !> Parker: Bounded-variable least squares, Computational Statistics 10 (1995)).
+   !> The remainder of a vector after its best approximation by columns with factors from 0 to an upper bound each:
+   !> Lawson and Hanson's algorithm (Solving Least Squares Problems, 1974, chapter 23) with upper bounds (P. B. Stark,
+   !> R. L. Parker: Bounded-variable least squares, Computational Statistics 10 (1995)).
    pure function bounded_remainder(columns, most, vector) result(remainder)
       real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
       real(dp), intent(in) :: most(:) !! upper bounds of the factors, at least 0; huge if there is none (n)
@@ -299,8 +298,9 @@ contains
       end do
    end function bounded_remainder
 
-   !> Approximates a vector best by the columns in use, made orthogonal one by one (Gram and Schmidt): of columns that
-   !> are all but parallel, as those of a flat contact line far from the middle of the body, no digit is lost.
+   !> Finds the best approximation of a vector by the columns in use, which are orthogonalized one by one (Gram and
+   !> Schmidt): no digits are lost for nearly parallel columns, such as those of a flat contact line far from the middle
+   !> of the body.
    pure subroutine approximate(columns, vector, is_used, factor, remainder)
       real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
@@ -328,7 +328,8 @@ contains
       end do
    end subroutine approximate
 
-   !> Takes from a vector its components along orthogonal axes; what rounding leaves of them, a second time.
+   !> Subtracts from a vector its components along orthogonal axes, twice, since the first time leaves rounding errors
+   !> of them.
    pure subroutine orthogonalize(axes, vector, share)
       real(dp), intent(in) :: axes(:, :) !! the axes, of length 1 (k, n)
       real(dp), intent(inout) :: vector(:) !! the vector (k)

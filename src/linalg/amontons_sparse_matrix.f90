@@ -1,8 +1,9 @@
-!> A sparse symmetric matrix and its assembly from small dense blocks; its graph with like unknowns merged, on which
-!> orderings work, and orders for a narrow band that leave the Schur variables, the last unknowns, last.
+!> A sparse symmetric matrix and its assembly from small dense blocks; its graph, with unknowns of equal neighbors
+!> merged, for orderings; and orders for a narrow band in which the Schur variables, which are the last unknowns, remain
+!> last.
 !>
-!> The unknowns of one mesh node couple to the same unknowns, so merging them makes the graph a node graph:
-!> a quarter of the size, and every ordering made on it keeps the unknowns of a node together.
+!> The unknowns of one mesh node couple to the same unknowns, so merging them makes the graph a node graph: a quarter of
+!> the size, and every ordering found with it keeps the unknowns of a node together.
 module amontons_sparse_matrix
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_integer_list, only: fill_bins
@@ -30,7 +31,8 @@ module amontons_sparse_matrix
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
 
-   !> Supervariables, consecutive like unknowns, and which of them couple. None is a neighbor of itself.
+   !> A graph of supervariables, which are consecutive unknowns with equal neighbors, and of their couplings. None is a
+   !> neighbor of itself.
    type :: graph_t
       integer :: n = 0 !! Number of supervariables.
       integer :: n_schur = 0 !! How many of them, the last ones, hold the Schur variables.
@@ -41,7 +43,7 @@ module amontons_sparse_matrix
       procedure :: expand => graph_expand
    end type graph_t
 
-   !> The supervariables taken so far, in order.
+   !> The supervariables visited so far, in order.
    type :: queue_t
       integer :: n = 0 !! How many were taken.
       integer, allocatable :: item(:) !! Supervariables in the order they were taken.
@@ -50,7 +52,7 @@ module amontons_sparse_matrix
 
 contains
 
-   !> Makes a zero matrix with room for everything the elements couple, and for the diagonal.
+   !> Makes a zero matrix with entries for all couplings by elements, and for the diagonal.
    subroutine new_sparse_pattern(matrix, n, list_start, list, error)
       type(sparse_matrix_t), intent(out) :: matrix !! the matrix, all values zero
       integer, intent(in) :: n !! its order
@@ -163,7 +165,7 @@ contains
       end do
    end function sorting_order
 
-   !> The matrix P K P^T with its unknowns in another order. Rows ascend no more within a column.
+   !> The matrix P K P^T, with its unknowns in another order. Rows within a column are then not in ascending order.
    subroutine sparse_matrix_permute(self, order, permuted, error)
       class(sparse_matrix_t), intent(in) :: self !! the matrix K
       integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
@@ -264,7 +266,7 @@ contains
       norm = maxval(total)
    end function sparse_matrix_norm
 
-   !> Adds addend to the diagonal entries of some consecutive unknowns.
+   !> Adds a number to the diagonal entries of consecutive unknowns.
    pure subroutine sparse_matrix_shift_diagonal(self, first, last, addend)
       class(sparse_matrix_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: first !! first unknown
@@ -376,7 +378,7 @@ contains
       call graph%expand(narrow_order(graph), order)
    end subroutine reverse_cuthill_mckee
 
-   !> Stands in for places that nobody knows: neighbors in the graph get neighboring numbers.
+   !> Substitute coordinates of supervariables without any: neighbors in the graph get neighboring numbers.
    pure function graph_places(graph) result(place)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), allocatable :: place(:, :)
@@ -389,7 +391,7 @@ contains
 
    !> The supervariables in reverse Cuthill-McKee order.
    !>
-   !> The level structure grows from the Schur variables, so that reversed they come last.
+   !> The level structure starts from the Schur variables, so that they come last in reverse order.
    pure function narrow_order(graph) result(graph_order)
       type(graph_t), intent(in) :: graph !! the graph
       integer, allocatable :: graph_order(:)
@@ -408,7 +410,7 @@ contains
       graph_order = queue%item(graph%n:1:-1)
    end function narrow_order
 
-   !> Takes everything connected to a supervariable, starting from one far out.
+   !> Appends all supervariables connected to a given one, starting from one at the far end of the component.
    pure subroutine append_component(graph, seed, lowest, queue)
       type(graph_t), intent(in) :: graph !! the graph
       integer, intent(in) :: seed !! any supervariable of the component, not yet taken
@@ -432,7 +434,7 @@ contains
       end do
    end subroutine append_component
 
-   !> Takes the untaken neighbors of what is in the queue, level by level, until there are none.
+   !> Appends the unvisited neighbors of the supervariables in the queue, level by level, until there are none.
    pure subroutine grow(graph, first, lowest, queue, n_levels)
       type(graph_t), intent(in) :: graph !! the graph
       integer, intent(in) :: first !! place in the queue of the first one to grow from

@@ -1,6 +1,6 @@
-!> A symmetric matrix to multiply with: dense, or sparse with both triangles stored.
+!> A symmetric matrix for products: dense, or sparse with both triangles stored.
 !>
-!> Its last rows may come in pairs, the two tangents of a point in space, whose axes mean nothing by themselves.
+!> Its last rows may form pairs, the two tangents of a point in space, whose directions are arbitrary.
 module amontons_symmetric_matrix
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
@@ -33,7 +33,7 @@ module amontons_symmetric_matrix
 
 contains
 
-   !> Takes over a full array as a dense matrix.
+   !> Makes a dense matrix from a full array, which it takes over.
    pure subroutine new_dense_matrix(matrix, values, n_pairs)
       type(symmetric_matrix_t), intent(out) :: matrix !! the matrix
       real(dp), allocatable, intent(inout) :: values(:, :) !! both triangles (n, n); not allocated on return
@@ -44,7 +44,7 @@ contains
       call move_alloc(values, matrix%values)
    end subroutine new_dense_matrix
 
-   !> Makes a sparse matrix from the entries of both triangles, in any order; entries of one place add up.
+   !> Makes a sparse matrix from the entries of both triangles, in any order; entries at the same position are summed.
    pure subroutine new_sparse_matrix(matrix, n, row, column, entry)
       type(symmetric_matrix_t), intent(out) :: matrix !! the matrix
       integer, intent(in) :: n !! number of rows
@@ -97,7 +97,7 @@ contains
       call self%part_multiply([1, self%n], [1, self%n], x, y)
    end subroutine symmetric_matrix_multiply
 
-   !> The product y = A(rows, columns) x of a part of the matrix that runs from row to row and from column to column.
+   !> The product y = A(rows, columns) x of a block of consecutive rows and columns.
    pure subroutine symmetric_matrix_part_multiply(self, rows, columns, x, y)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix A
       integer, intent(in) :: rows(2) !! first and last row of the part
@@ -126,7 +126,7 @@ contains
       end do
    end subroutine symmetric_matrix_part_multiply
 
-   !> Adds a multiple of one column to a vector: what a change of one component of x adds to A x.
+   !> Adds a multiple of one column to a vector: the change of A x with one component of x.
    pure subroutine symmetric_matrix_add_column(self, column, factor, y)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix A
       integer, intent(in) :: column !! number of the column
@@ -160,7 +160,7 @@ contains
       end do
    end function symmetric_matrix_element
 
-   !> The diagonal; of a pair the largest eigenvalue of its block, which no turn of its axes changes (n).
+   !> The diagonal; for a pair the largest eigenvalue of its block, which is independent of the axes (n).
    pure function symmetric_matrix_diagonal(self) result(diagonal)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp) :: diagonal(self%n)
@@ -177,8 +177,8 @@ contains
       end do
    end function symmetric_matrix_diagonal
 
-   !> The reciprocals of the diagonal, as a stiffness to each row's motion; where the diagonal is not positive, the
-   !> smallest of the others, or 1 if there is none (n).
+   !> The reciprocals of the diagonal, as a stiffness of each row; where the diagonal is not positive, the smallest of
+   !> the others, or 1 if there is none (n).
    pure function symmetric_matrix_reciprocal_diagonal(self) result(reciprocal)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp) :: reciprocal(self%n)
@@ -188,7 +188,7 @@ contains
       reciprocal = 1.0_dp/merge(reciprocal, maxval(reciprocal), reciprocal > 0.0_dp)
    end function symmetric_matrix_reciprocal_diagonal
 
-   !> A vector in other axes of its last pairs, or back (n).
+   !> A vector with its last pairs transformed to other axes, or back (n).
    pure function turned_pairs(vector, axes, sense) result(turned)
       real(dp), intent(in) :: vector(:) !! the vector (n)
       real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]
@@ -202,7 +202,7 @@ contains
       end associate
    end function turned_pairs
 
-   !> The matrix in other axes of its pairs.
+   !> The matrix with its pairs transformed to other axes.
    pure subroutine symmetric_matrix_turn(self, axes, turned)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]

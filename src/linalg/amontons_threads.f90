@@ -1,5 +1,5 @@
-!> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries; and which
-!> BLAS the program runs with.
+!> The number of threads of the program's own loops, which is limited to one inside foreign libraries; and the BLAS in
+!> use.
 module amontons_threads
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_null_char
    use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
@@ -34,21 +34,22 @@ module amontons_threads
          implicit none (type, external)
       end subroutine end_blas_threads
 
-      !> Lets the BLAS have threads of its own, for a library that has no other; one gives them back.
+      !> Sets the number of threads of the BLAS, for a library without threads of its own; 1 restores the normal state.
       subroutine use_blas_threads(n) bind(c, name='amontons_set_blas_threads')
          import :: c_int
          implicit none (type, external)
          integer(c_int), value, intent(in) :: n !! number of threads, at least 1
       end subroutine use_blas_threads
 
-      !> Whether a limit of addresses leaves the BLAS room for the memory that it needs on one thread.
+      !> Whether a limit on the address space leaves enough for the memory that the BLAS needs on one thread.
       function has_blas_room() bind(c, name='amontons_has_blas_room') result(has_room)
          import :: c_bool
          implicit none (type, external)
          logical(c_bool) :: has_room
       end function has_blas_room
 
-      !> Makes the BLAS take the memory that it needs on each thread; returns the number of threads it has room for.
+      !> Makes the BLAS allocate the memory that it needs on each thread; returns the number of threads for which there
+      !> is enough.
       function take_blas_buffers(n) bind(c, name='amontons_take_blas_buffers') result(n_taken)
          import :: c_int
          implicit none (type, external)
@@ -65,7 +66,7 @@ module amontons_threads
 
 contains
 
-   !> The BLAS, with its version and its kernels where it tells them.
+   !> The name of the BLAS, with its version and its kernels if it reports them.
    function blas_text() result(text)
       character(:), allocatable :: text
       character(100) :: buffer
@@ -74,9 +75,9 @@ contains
       text = buffer(:index(buffer, c_null_char) - 1)
    end function blas_text
 
-   !> Sets the number of threads of the parallel loops, and one for the BLAS, since its own gain little and fight ours.
-   !> Under a limit of addresses the loops get no more threads than the BLAS has room for. Not to be called from a
-   !> parallel loop.
+   !> Sets the number of threads of the parallel loops, and one for the BLAS, whose own threads gain little and compete
+   !> with those of the loops. If the address space is limited, the loops get no more threads than the BLAS has memory
+   !> for. Not to be called from a parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 
@@ -90,8 +91,8 @@ contains
       n_threads = omp_get_max_threads()
    end function n_threads
 
-   !> Keeps everything called from this thread on this thread, until `restore_nested_threads`; or all but the parallel
-   !> loops of the caller itself.
+   !> Limits everything called from this thread to one thread, until `restore_nested_threads`; with two levels all but
+   !> the parallel loops of the caller itself.
    subroutine limit_nested_threads(state, n_levels)
       type(thread_state_t), intent(out) :: state !! what to put back
       integer, intent(in), optional :: n_levels !! how many nested parallel loops may still be active, by default none
@@ -106,7 +107,7 @@ contains
       call use_blas_threads(1_c_int)
    end subroutine limit_nested_threads
 
-   !> Puts back what `limit_nested_threads` found.
+   !> Restores the settings from before `limit_nested_threads`.
    subroutine restore_nested_threads(state)
       type(thread_state_t), intent(in) :: state !! what it found
 
