@@ -1,4 +1,5 @@
-!> The stiffness matrix of the unknowns, assembled from the elements; and the sizes of what it makes of a displacement.
+!> The stiffness matrix of the unknowns, assembled from the elements; nodal forces of springs and work of thermal
+!> strains; and magnitudes of the terms that add up to internal forces.
 module amontons_assembly
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, element_stiffness, element_stress, new_element_geometry, &
@@ -162,8 +163,8 @@ contains
       call stiffness%add_element(reshape(dof_map%dof(first:last, own), shape(turned(1, :))), turned)
    end subroutine add_block
 
-   !> The integral of stress times thermal strain over the body: what the work of the stresses on all strains exceeds
-   !> that on the elastic strains by [F L].
+   !> The integral of stress times thermal strain over the body: the difference between the work of the stresses on the
+   !> total strains and that on the elastic strains [F L].
    pure real(dp) function thermal_work(mesh, materials, displacement, thermal_strain) result(work)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
@@ -188,9 +189,9 @@ contains
       end do
    end function thermal_work
 
-   !> What stiffness times displacement would add up to if no two terms canceled, which rounding errors of the internal
-   !> forces are a share of. The forces of an element that is not strained are as small a share of it; the displacements
-   !> of an element at rest, beside others that move, are rounding errors themselves.
+   !> Computes the nodal forces that would result if no two terms of stiffness times displacement canceled; the rounding
+   !> errors of the internal forces are a small share of them. The forces of an element without strain are as small a
+   !> share; beside elements that move, the displacements of an element at rest are rounding errors themselves.
    pure recursive subroutine measure_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
@@ -230,7 +231,8 @@ contains
       strained_share = max(strained_share, share_of_twist)
    end subroutine measure_terms
 
-   !> The third component of a field, around the axis, as the first one of a plane field, see `materials_take_twist`.
+   !> The third component of a field, around the axis, as the first component of a plane field, see
+   !> `materials_take_twist`.
    pure function around_axis(field) result(plane)
       real(dp), intent(in) :: field(:, :) !! the field (3, any)
       real(dp), allocatable :: plane(:, :)
@@ -240,7 +242,7 @@ contains
       plane(2, :) = 0.0_dp
    end function around_axis
 
-   !> Nodal forces that springs take: spring stiffness times displacement (components, n_nodes) [F].
+   !> Nodal forces of springs: spring stiffness times displacement (components, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
       type(spring_side_t), intent(in) :: springs(:) !! the springs
@@ -258,7 +260,7 @@ contains
       end do
    end function spring_forces
 
-   !> Collects nodal forces into a vector of the unknowns: their components along the free axes.
+   !> Nodal forces as a vector of the unknowns: their components along the free axes.
    pure function to_unknowns(field, constraints, dof_map) result(vector)
       real(dp), intent(in) :: field(:, :) !! forces on the nodes (components, n_nodes) [F]
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -281,7 +283,7 @@ contains
       end do
    end function to_unknowns
 
-   !> Spreads a vector of the unknowns to the nodes, prescribed displacements included.
+   !> The displacements of the nodes from a vector of the unknowns and the prescribed displacements.
    pure function from_unknowns(vector, prescribed, constraints, dof_map) result(displacement)
       real(dp), intent(in) :: vector(:) !! the unknowns (n_dofs) [L]
       real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]

@@ -1,4 +1,4 @@
-!> Boundary lines: the sides of a set in the order in which they follow each other, with normals and weights.
+!> Boundary lines: the sides of a set in consecutive order, with normals and weights.
 module amontons_boundary
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -103,8 +103,8 @@ contains
       end do
    end subroutine new_boundary_line
 
-   !> Integrals of the nodes' shape functions: alone, times the normal and, where there are materials, times the depth.
-   !> Sides on the axis of revolution lie inside the body: they turn no normal of the sides beside them.
+   !> Integrals of the nodes' shape functions: alone, times the normal and, if materials are given, times the depth.
+   !> Sides on the axis of revolution are inside the body: they do not contribute to the normals of their ends.
    pure subroutine measure_sides(line, sides, mesh, materials)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order; its normals are no unit vectors yet
       integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)

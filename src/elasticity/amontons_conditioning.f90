@@ -1,4 +1,4 @@
-!> What can make the stiffness of a body ill-conditioned: flat elements, materials and springs far apart,
+!> Possible reasons for an ill-conditioned stiffness: flat elements, materials and springs of very different stiffness,
 !> incompressibility.
 module amontons_conditioning
    use amontons_constraints, only: spring_side_t
@@ -14,7 +14,7 @@ module amontons_conditioning
 
 contains
 
-   !> The reasons that are found, for the end of a sentence; empty if there is none.
+   !> Text listing the reasons found, for the end of a sentence; empty if there are none.
    pure function conditioning_text(mesh, materials, springs) result(text)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! its materials
@@ -66,7 +66,7 @@ contains
       end associate
    end function conditioning_text
 
-   !> A large number for reading: `3e12`.
+   !> A large number in short form: `3e12`.
    pure function rounded(value) result(text)
       real(dp), intent(in) :: value !! the number, at least 1
       character(:), allocatable :: text

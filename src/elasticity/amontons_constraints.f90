@@ -1,11 +1,12 @@
-!> The supports of a body: which directions of which nodes are held, and where to; elastic foundations, springs along
-!> sides in proportion to the displacement along normal and tangent; and the numbers of the unknowns that are left: free
-!> displacement components, those of chosen nodes last.
+!> The supports of a body: which directions of which nodes are held, and at which displacements; elastic foundations,
+!> which are springs along sides with stiffnesses along normal and tangent; and the numbers of the unknowns, the free
+!> displacement components, with those of chosen nodes last.
 !>
 !> Displacements of some nodes are not unknowns themselves: those of the slave of a pair follow from the displacements
-!> of other nodes and unknowns of their own, u = P y. Of most nodes u = y. The own unknown of a corner of a slave is its
-!> relative displacement w, that of a middle node between two corners its deviation from their mean. That of a bonded
-!> node is held at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by element.
+!> of other nodes and from unknowns of their own, u = P y. For most nodes u = y. The own unknown of a corner of a slave
+!> is its relative displacement w, that of a middle node between two corners its deviation from their mean. The own
+!> unknown of a bonded node is fixed at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by
+!> element.
 module amontons_constraints
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_element, only: new_side_geometry, side_geometry_t
@@ -46,8 +47,8 @@ module amontons_constraints
       procedure :: is_driven => support_is_driven
    end type support_t
 
-   !> Which components the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement is
-   !> what a load case prescribes plus the free parts along e1 and e2.
+   !> The directions that the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement
+   !> is the sum of what a load case prescribes and of free parts along e1 and e2.
    type :: constraints_t
       logical, allocatable :: is_free(:, :)
          !! whether the node can move along e1, e2, and in a twisted body around the axis (components, n_nodes)
@@ -71,11 +72,11 @@ module amontons_constraints
       procedure, private :: hold => constraints_hold
    end type constraints_t
 
-   !> Most characters of the name of a rigid set.
+   !> Largest length of the name of a rigid set.
    integer, parameter, public :: longest_name = 16
 
-   !> Below this a component of a unit vector counts as none: mesh files carry about eight digits, so directions that
-   !> should agree differ in the last of them.
+   !> Components of a unit vector below this limit count as 0: mesh files carry about eight digits, so that directions
+   !> which should agree differ in the last of them.
    real(dp), parameter :: negligible = 1.0e-6_dp
 
    !> Most unknowns of a side: two of each of three nodes.
@@ -90,8 +91,8 @@ module amontons_constraints
       real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
    end type spring_side_t
 
-   !> The rows of P of the nodes that are substituted: those of node i from `start(i)` to `start(i + 1) - 1`, none where
-   !> u = y.
+   !> The rows of P of the nodes whose displacements are substituted: those of node i from `start(i)` to `start(i + 1) -
+   !> 1`, none where u = y.
    type :: substitution_t
       integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
       integer, allocatable :: node(:) !! node whose own unknowns take part
@@ -108,7 +109,7 @@ module amontons_constraints
       procedure :: transform => substitution_transform
    end type substitution_t
 
-   !> Which unknown belongs to which component of which node.
+   !> The number of the unknown of each component of each node.
    type :: dof_map_t
       integer :: n_dofs = 0 !! number of unknowns
       integer :: n_schur = 0 !! how many of them belong to the nodes put last
@@ -120,7 +121,7 @@ module amontons_constraints
 
 contains
 
-   !> Makes a support of a boundary set that holds nothing yet.
+   !> Makes a support of a boundary set, without held components yet.
    pure subroutine new_support(support, set)
       type(support_t), intent(out) :: support !! the support
       character(*), intent(in) :: set !! name of the boundary set
@@ -131,7 +132,8 @@ contains
    end subroutine new_support
 
    !> Applies all supports to the nodes of a mesh. Supports that hold the same components make the same constraints,
-   !> whatever displacements they prescribe. Of a set of nodes all are held, where the support asks for no normal.
+   !> whatever displacements they prescribe. A support that needs no normal holds all nodes of its set, otherwise those
+   !> of its sides.
    subroutine new_constraints(constraints, prescribed, mesh, supports, error, materials)
       type(constraints_t), intent(out) :: constraints !! the constraints
       real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
@@ -177,7 +179,7 @@ contains
       end do
    end subroutine new_constraints
 
-   !> Leaves all nodes free, but those on the axis of a twisted body around it.
+   !> Makes constraints in which all nodes are free, except around the axis those on the axis of a twisted body.
    pure subroutine begin_constraints(constraints, prescribed, mesh, materials)
       type(constraints_t), intent(inout) :: constraints !! the constraints
       real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, 0 (components, n_nodes) [L]
@@ -197,7 +199,7 @@ contains
       allocate (constraints%rigid(0))
    end subroutine begin_constraints
 
-   !> Whether it is no support of nodes, but prescribes the motion of a rigid set or the jump of a preload.
+   !> Whether the support holds no nodes but prescribes the motion of a rigid set or the jump of a preload.
    elemental logical function support_is_driven(self) result(is_driven)
       class(support_t), intent(in) :: self !! the support
 
@@ -263,7 +265,7 @@ contains
       end associate
    end subroutine check_on_rigid
 
-   !> Whether a node belongs to a rigid set that may move along a direction there.
+   !> Whether a node belongs to a rigid set that may move along a direction at a given position.
    pure logical function constraints_rigid_moves(self, node, place, direction) result(moves)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
@@ -280,7 +282,7 @@ contains
       end associate
    end function constraints_rigid_moves
 
-   !> Makes forces on the nodes of the resultants that act on the own unknowns of rigid sets.
+   !> Replaces resultants on the own unknowns of rigid sets by equivalent forces on their nodes.
    pure subroutine constraints_spread_resultants(self, forces)
       class(constraints_t), intent(in) :: self !! the constraints
       real(dp), intent(inout) :: forces(:, :)
@@ -356,7 +358,7 @@ contains
       end do
    end subroutine hold_nodes
 
-   !> Holds one direction of a node: direction . u = displacement.
+   !> Holds a node in one direction: direction . u = displacement.
    pure subroutine constraints_hold(self, prescribed, node, direction, displacement, support, is_consistent)
       class(constraints_t), intent(inout) :: self !! the constraints
       real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
@@ -386,9 +388,9 @@ contains
       prescribed = prescribed + frame(:, free)*missing/share(free)
    end subroutine constraints_hold
 
-   !> What of a motion the forces of some supports do work on: the work of the reactions on this part is that of the
-   !> forces of these supports on the motion. Each support acts along the directions that it holds; what another one
-   !> before it holds, is the other's (components, n_nodes) [L].
+   !> The part of a motion on which the forces of some supports do work: the work of the reactions on this part is that
+   !> of these supports on the motion. A support acts along the directions that it holds; a direction that an earlier
+   !> support holds belongs to that one (components, n_nodes) [L].
    pure function constraints_part_of(self, supports, motion) result(part)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: supports(:) !! numbers of the supports
@@ -415,7 +417,7 @@ contains
       end do
    end function constraints_part_of
 
-   !> Whether the supports leave a node some motion along a direction.
+   !> Whether the supports leave a node free in some direction that is not perpendicular to a given one.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
@@ -425,7 +427,7 @@ contains
          any(self%is_free(:2, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
    end function constraints_leaves_free
 
-   !> The projector on the directions in which supports leave a node free [-].
+   !> The projector on the directions in which supports leave a node free (2, 2) [-].
    pure function constraints_free_projector(self, node) result(projector)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
@@ -441,7 +443,7 @@ contains
       end do
    end function constraints_free_projector
 
-   !> The direction along which a node is held that is free across it, a unit vector [-].
+   !> The unit vector along which a node is held that is free across it [-].
    pure function constraints_held_direction(self, node) result(direction)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
@@ -462,8 +464,8 @@ contains
       frame(:, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 
-   !> Refuses supports that a twisted body cannot have, and makes the springs of all others: the integral of
-   !> N_i N_j (k_n n n^T + k_t t t^T) along each side.
+   !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t t t^T) along each side; refuses
+   !> supports that a twisted body cannot have.
    pure subroutine new_foundation(sides, mesh, materials, supports, error)
       type(spring_side_t), allocatable, intent(out) :: sides(:) !! the springs, side by side
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -552,7 +554,7 @@ contains
       dof_map%n_schur = count(is_free(:, last_nodes))
    end subroutine new_dof_map
 
-   !> Whether any of some nodes is substituted.
+   !> Whether the displacement of any of some nodes is substituted.
    pure logical function substitution_is_substituted(self, nodes) result(is_substituted)
       class(substitution_t), intent(in) :: self !! the substitution
       integer, intent(in) :: nodes(:) !! the nodes
@@ -598,7 +600,7 @@ contains
       end do
    end function substitution_forces
 
-   !> The nodes whose own unknowns the displacements of some nodes are made of, each once.
+   !> The nodes whose own unknowns the displacements of some nodes depend on, each once.
    pure function substitution_element_nodes(self, nodes) result(own_nodes)
       class(substitution_t), intent(in) :: self !! the substitution
       integer, intent(in) :: nodes(:) !! the nodes
@@ -617,7 +619,7 @@ contains
       end do
    end function substitution_element_nodes
 
-   !> The nodes whose own unknowns the displacements of each element are made of.
+   !> The nodes whose own unknowns the displacements of each element depend on.
    pure subroutine substitution_own_nodes_of_elements(self, start, node, own_start, own_node)
       class(substitution_t), intent(in) :: self !! the substitution
       integer, intent(in) :: start(:) !! where the nodes of each element begin (n_elements + 1)
@@ -646,7 +648,7 @@ contains
       end do
    end subroutine substitution_own_nodes_of_elements
 
-   !> The substitution of a part of a body, its nodes numbered anew.
+   !> Copies the substitution of a part of a body, with the part's own node numbers.
    pure subroutine substitution_take_part(self, body, nodes, number)
       class(substitution_t), intent(inout) :: self !! that of the part; nothing yet, nor later if it substitutes none
       type(substitution_t), intent(in) :: body !! that of the body
@@ -667,7 +669,7 @@ contains
       self%block = body%block(:, :, row)
    end subroutine substitution_take_part
 
-   !> The rows of P of some nodes and components, in the columns of the nodes of `element_nodes` (components nodes,
+   !> The rows of P of some nodes and components, with the columns of the nodes of `element_nodes` (components nodes,
    !> components own_nodes) [-].
    pure function substitution_transform(self, nodes, own_nodes, first, last) result(transform)
       class(substitution_t), intent(in) :: self !! the substitution

@@ -130,8 +130,9 @@ contains
       if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
 
-   !> Averages the change of volume that each displacement makes over the element, by the points of its stiffness: in a
-   !> body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong pressure.
+   !> Replaces the dilatation of each unit displacement by its mean over the element, with the quadrature points of
+   !> its stiffness: in a body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong
+   !> pressure.
    pure recursive subroutine average_dilatation(geometry, mesh, element, material)
       type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the means
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -159,8 +160,8 @@ contains
       end associate
    end subroutine average_dilatation
 
-   !> Sets the thermal strain at the quadrature points from that at the nodes. It is a change of volume: with a mean
-   !> dilatation its mean over the element.
+   !> Sets the thermal strain at the quadrature points from that at the nodes. With a mean dilatation its volume change,
+   !> too, is replaced by the mean over the element.
    pure subroutine set_thermal_strain(geometry, at_nodes)
       type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the thermal strain
       real(dp), intent(in) :: at_nodes(:) !! strain of free thermal expansion at the element's nodes (nodes) [-]
@@ -172,7 +173,8 @@ contains
       end associate
    end subroutine set_thermal_strain
 
-   !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
+   !> Evaluates the shape functions of a kind of element at its quadrature points, unless the last element was of this
+   !> kind.
    pure subroutine choose_reference(geometry, kind, n_points)
       type(element_geometry_t), intent(inout) :: geometry !! what belongs to the reference element is set
       integer, intent(in) :: kind !! kind of element
@@ -236,7 +238,7 @@ contains
       end do
    end subroutine element_stiffness
 
-   !> Adds what the hoop strain u_r / r contributes to the stiffness between two nodes.
+   !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
    pure subroutine add_hoop_stiffness(geometry, hoop_law, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       real(dp), intent(in) :: hoop_law(4) !! stresses of a unit hoop strain [F/L^2]
@@ -270,7 +272,7 @@ contains
       stress = material%stress(strain_at(geometry, material, nodal_values(geometry, displacement), point))
    end function element_stress
 
-   !> Elastic strains at all quadrature points, which make the stress.
+   !> Computes the elastic strains at all quadrature points.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
@@ -285,7 +287,7 @@ contains
       end do
    end subroutine find_elastic_strains
 
-   !> The displacements of the nodes of an element; nothing past the last [L].
+   !> The displacements of the nodes of an element, followed by zeros [L].
    pure function nodal_values(geometry, displacement) result(u)
       type(element_geometry_t), intent(in) :: geometry !! the element's nodes
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
@@ -297,9 +299,9 @@ contains
       end do
    end function nodal_values
 
-   !> Elastic strain at a quadrature point, which makes the stress: xx, yy, the engineering shear 2 xy, and zz or the
-   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane,
-   !> but with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
+   !> Elastic strain at a quadrature point, the total strain less the thermal one: xx, yy, the engineering shear 2 xy,
+   !> and zz or the hoop strain. Without thermal strain zz is 0 in the plane, except with a mean dilatation, where the
+   !> trace is the element's mean. In plane stress zz is set to 0 [-].
    pure function strain_at(geometry, material, u, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
@@ -335,7 +337,7 @@ contains
          - geometry%thermal_strain(point)*material%expansion_form()
    end function strain_at
 
-   !> Adds what the stress at one quadrature point amounts to: volume times B^T stress.
+   !> Adds the nodal forces of the stress at one quadrature point: volume times B^T stress.
    pure subroutine add_point_forces(forces, geometry, material, stress, point)
       real(dp), intent(inout) :: forces(2, max_nodes) !! nodal forces of the element [F]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
@@ -358,7 +360,8 @@ contains
       end do
    end subroutine add_point_forces
 
-   !> Whether an element is such a one: of the standard formulation.
+   !> Whether an element is a four-node quadrilateral of a plane body in the standard formulation, see
+   !> `plane_quadrilateral_t`.
    pure logical function is_plain_quadrilateral(kind, material)
       integer, intent(in) :: kind !! kind of element
       type(material_t), intent(in) :: material !! its material
@@ -366,7 +369,7 @@ contains
       is_plain_quadrilateral = kind == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation)
    end function is_plain_quadrilateral
 
-   !> Takes the place of an element.
+   !> Sets coordinates, gradients and volumes to those of an element.
    pure subroutine plane_quadrilateral_place(self, mesh, element)
       class(plane_quadrilateral_t), intent(inout) :: self !! the quadrilateral; its strains are those of before
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -386,7 +389,7 @@ contains
       end do
    end subroutine plane_quadrilateral_place
 
-   !> Finds strains and stresses of a displacement field.
+   !> Computes strains and stresses under a displacement field.
    pure subroutine plane_quadrilateral_deform(self, material, displacement)
       class(plane_quadrilateral_t), intent(inout) :: self !! the quadrilateral; gains strains and stresses
       type(material_t), intent(in) :: material !! its material
@@ -416,7 +419,7 @@ contains
       end do
    end subroutine plane_quadrilateral_deform
 
-   !> Strain energy densities at the points [F/L^2].
+   !> Strain energy densities at the four points [F/L^2].
    pure function plane_quadrilateral_energy_density(self) result(density)
       class(plane_quadrilateral_t), intent(in) :: self !! the quadrilateral, deformed
       real(dp) :: density(4)
@@ -429,8 +432,8 @@ contains
       end do
    end function plane_quadrilateral_energy_density
 
-   !> Nodal forces that its stresses amount to: what each derivative of the displacements has to do with the work of the
-   !> stresses, handed back to the corners whose differences make it (x and y, corner) [F].
+   !> Nodal forces of the stresses: the work of the stresses on each derivative of the displacements, distributed to the
+   !> corners whose differences form it (x and y, corner) [F].
    pure function plane_quadrilateral_forces(self, thickness) result(forces)
       class(plane_quadrilateral_t), intent(in) :: self !! the quadrilateral, deformed
       real(dp), intent(in) :: thickness !! its thickness [L]

@@ -1,5 +1,5 @@
-!> The loads of a body: tractions and pressures on boundary sets, point forces, body forces, and temperatures with the
-!> strain of free thermal expansion that they cause.
+!> The loads of a body: tractions and pressures on boundary sets, point forces, body forces, and temperatures with their
+!> free thermal strain.
 module amontons_loads
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
    use amontons_element, only: new_side_geometry, side_geometry_t
@@ -14,18 +14,18 @@ module amontons_loads
 
    public :: add_point_forces, load_t, load_vector, new_load, spread_total_force, sum_thermal_strain
 
-   !> What a load acts on: the sides of a set.
+   !> Target of a load: the sides of a set.
    integer, parameter, public :: load_on_sides = 1
-   !> What a load acts on: the nodes of a set, or the node at a point.
+   !> Target of a load: the nodes of a set, or the node at a point.
    integer, parameter, public :: load_on_nodes = 2
-   !> What a load acts on: a region, or the whole body.
+   !> Target of a load: a region, or the whole body.
    integer, parameter, public :: load_on_region = 3
-   !> What a load acts on: the thermal strain of a region, or of the whole body.
+   !> Target of a load: the thermal strain of a region, or of the whole body.
    integer, parameter, public :: load_by_temperature = 4
-   !> What a load acts on: the motion of a rigid set, or the jump of a preload.
+   !> Target of a load: the motion of a rigid set, or the jump of a preload.
    integer, parameter, public :: load_on_motion = 5
 
-   !> A load. Which components count depends on what it acts on.
+   !> A load. Which components are used depends on its target.
    type :: load_t
       character(:), allocatable :: name !! its name, by which a sweep knows it; empty without one
       integer :: target = load_on_sides !! sides, nodes, region, temperature or motion
@@ -61,7 +61,7 @@ module amontons_loads
 
 contains
 
-   !> Makes a load on the sides of a boundary set that has no strength yet.
+   !> Makes a load of zero on the sides of a boundary set.
    pure subroutine new_load(load, set)
       type(load_t), intent(out) :: load !! the load
       character(*), intent(in) :: set !! name of the boundary set
@@ -72,7 +72,7 @@ contains
       load%origin = ''
    end subroutine new_load
 
-   !> Nodal forces of all loads but those on motions; temperatures have none, see `amontons_thermal_strain`.
+   !> Nodal forces of all loads but those on motions; temperatures cause none here, see `sum_thermal_strain`.
    subroutine load_vector(forces, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -100,7 +100,8 @@ contains
       end do
    end subroutine load_vector
 
-   !> Makes the total force of a load the uniform traction that it is the resultant of, and a torque a traction, too.
+   !> Replaces the total force of a load by the uniform traction with this resultant, and a torque by the traction
+   !> around the axis that increases with the radius.
    subroutine spread_total_force(load, mesh, materials, error)
       type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force or a torque
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -256,8 +257,8 @@ contains
       end do
    end subroutine add_body_force
 
-   !> Thermal strain of all loads together. It is kept by element, since loads and materials may differ from one to the
-   !> next.
+   !> Thermal strain of all loads together, stored by element, since loads and materials may differ from one element to
+   !> the next.
    subroutine sum_thermal_strain(strain, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: strain(:)
          !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
@@ -290,8 +291,8 @@ contains
       end do
    end subroutine sum_thermal_strain
 
-   !> Temperatures of a load at the nodes of its elements; of its table where it has one. A node of refinement that the
-   !> table has not takes the mean of the nodes that it comes from.
+   !> Temperatures of a load at the nodes of its elements, from its table if it has one. A node of refinement that is
+   !> not in the table gets the weighted mean of its parents.
    subroutine find_temperatures(temperature, mesh, load, elements, error)
       real(dp), allocatable, intent(out) :: temperature(:) !! temperature of each node (n_nodes) [K]
       type(mesh_t), intent(in) :: mesh !! the mesh

@@ -15,18 +15,19 @@ module amontons_material
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
 
-   !> How linear quadrilaterals integrate the change of volume, as a deck writes it: at every quadrature point, or by
-   !> its mean over the element (B-bar); or the one that suits Poisson's ratio.
+   !> Integration of the volume change in linear quadrilaterals, as a deck writes it: at every quadrature point, or by
+   !> its mean over the element (B-bar); the first word chooses the one that suits Poisson's ratio.
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
    !> A degree, in radians.
    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
-   !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest radius.
+   !> Largest radius of nodes that count as lying on the axis, over the largest radius of the mesh: mesh files round
+   !> coordinates.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
-   !> A material. Stresses are `law` times strains, in the order xx, yy, xy (the engineering shear 2 xy), zz. That of an
-   !> isotropic one is stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own for each hypothesis.
+   !> A material. Stresses are `law` times strains, in the order xx, yy, xy (the engineering shear 2 xy), zz. For an
+   !> isotropic one, stress = lambda tr(strain) I + 2 mu strain, with lambda adapted to the hypothesis.
    type :: material_t
       real(dp) :: young(3) = 0.0_dp !! Young's modulus; along the three axes of an orthotropic material [F/L^2]
       real(dp) :: poisson(3) = 0.0_dp
@@ -74,7 +75,7 @@ module amontons_material
 
 contains
 
-   !> Makes a material that fills the whole body; name its region afterwards if it does not.
+   !> Makes a material that fills the whole body; for a part of the body set its region afterwards.
    pure subroutine new_material(material, young, poisson, hypothesis, thickness, error)
       type(material_t), intent(out) :: material !! the material
       real(dp), intent(in) :: young !! Young's modulus, positive [F/L^2]
@@ -155,7 +156,7 @@ contains
       call self%choose_formulation((self%formulation))
    end subroutine material_derive
 
-   !> Law of an isotropic material [F/L^2].
+   !> The stiffness matrix of an isotropic material [F/L^2].
    pure function isotropic_law(lambda, mu) result(law)
       real(dp), intent(in) :: lambda !! first Lame coefficient [F/L^2]
       real(dp), intent(in) :: mu !! shear modulus [F/L^2]
@@ -170,7 +171,7 @@ contains
       end do
    end function isotropic_law
 
-   !> Strains of stresses along the axes of a material [L^2/F].
+   !> The compliance matrix of a material along its axes [L^2/F].
    pure function compliance_of(material) result(compliance)
       type(material_t), intent(in) :: material !! the material
       real(dp) :: compliance(4, 4)
@@ -190,7 +191,7 @@ contains
       end associate
    end function compliance_of
 
-   !> A compliance in axes that are turned by an angle, counterclockwise [L^2/F].
+   !> A compliance matrix in axes that are turned by an angle, counterclockwise [L^2/F].
    pure function turned_compliance(compliance, angle) result(turned)
       real(dp), intent(in) :: compliance(4, 4) !! the compliance [L^2/F]
       real(dp), intent(in) :: angle !! the angle [rad]
@@ -208,7 +209,7 @@ contains
       turned = matmul(transpose(stress), matmul(compliance, stress))
    end function turned_compliance
 
-   !> Chooses how linear quadrilaterals integrate the change of volume. In plane stress nothing locks.
+   !> Chooses the integration of the volume change in linear quadrilaterals. In plane stress there is no locking.
    pure subroutine material_choose_formulation(self, formulation)
       class(material_t), intent(inout) :: self !! the material
       character(*), intent(in) :: formulation !! one of `formulation_names`
@@ -224,7 +225,7 @@ contains
       locks = self%poisson(1) >= nearly_incompressible .and. .not. (self%is_plane_stress .or. self%shear > 0.0_dp)
    end function material_locks
 
-   !> Gives every element of a mesh its material: that of its region, or the one without a region.
+   !> Assigns a material to every element of a mesh: that of its region, or the one without a region.
    pure subroutine new_materials(materials, list, mesh, error)
       type(materials_t), intent(out) :: materials !! the materials of the elements
       type(material_t), intent(in) :: list(:) !! the materials
@@ -276,8 +277,8 @@ contains
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
 
-   !> Makes what the displacement around the axis meets, as the first one of a plane field whose other one is 0, of the
-   !> materials: with the gradient (dN/dr - N/r, dN/dz) the strains xx and 2 xy of the field are the shears r-theta and
+   !> Makes the materials of a plane field whose first component is the displacement around the axis and whose other one
+   !> is 0: with the gradient (dN/dr - N/r, dN/dz) the strains xx and 2 xy of the field are the shears r-theta and
    !> z-theta.
    pure subroutine materials_take_twist(self, twist)
       class(materials_t), intent(in) :: self !! the materials, isotropic
@@ -300,14 +301,14 @@ contains
       end do
    end subroutine materials_take_twist
 
-   !> Number of components of a displacement: x and y, and in a twisted body that around the axis.
+   !> Number of displacement components: x and y, and in a twisted body the one around the axis.
    pure integer function materials_n_components(self) result(n_components)
       class(materials_t), intent(in) :: self !! the materials
 
       n_components = merge(3, 2, self%list(1)%is_twisted)
    end function materials_n_components
 
-   !> Whether a node of a body of revolution lies on the axis (n_nodes).
+   !> Whether each node lies on the axis of a body of revolution (n_nodes).
    pure function on_axis(mesh, materials)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
@@ -318,7 +319,7 @@ contains
          <= missed_axis*maxval(abs(mesh%coordinates(1, :)))
    end function on_axis
 
-   !> Stress under the hypothesis: xx, yy, xy, and zz as far as the strain zz makes it [F/L^2].
+   !> Stress from strain under the hypothesis of the material: xx, yy, xy, zz [F/L^2].
    pure function material_stress(self, strain) result(stress)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: strain(4) !! strain xx, yy, the engineering shear 2 xy, and zz (hoop; 0 in the plane) [-]
@@ -331,15 +332,15 @@ contains
       end do
    end function material_stress
 
-   !> The coefficient of thermal expansion that is largest in size [1/K].
+   !> The coefficient of thermal expansion with the largest magnitude [1/K].
    elemental real(dp) function material_largest_expansion(self) result(expansion)
       class(material_t), intent(in) :: self !! the material
 
       expansion = self%expansion(maxloc(abs(self%expansion), dim=1))
    end function material_largest_expansion
 
-   !> Strain of free thermal expansion xx, yy, 2 xy, zz as multiples of that along the axis of the largest coefficient;
-   !> no zz in plane stress [-].
+   !> Free thermal strain xx, yy, 2 xy, zz, over the thermal strain in the direction of the largest coefficient; zz is 0
+   !> in plane stress [-].
    pure function material_expansion_form(self) result(form)
       class(material_t), intent(in) :: self !! the material
       real(dp) :: form(4)
@@ -353,7 +354,7 @@ contains
          merge(0.0_dp, along(3), self%is_plane_stress)]
    end function material_expansion_form
 
-   !> Stress times the strain that makes it, twice the density of the strain energy [F/L^2].
+   !> Stress times its strain, which is twice the strain energy density [F/L^2].
    pure real(dp) function material_squared_norm(self, stress) result(product)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz; zz counts in a body of revolution alone [F/L^2]
@@ -365,7 +366,7 @@ contains
       end if
    end function material_squared_norm
 
-   !> The same of stresses in a plane body, at several points side by side [F/L^2].
+   !> Stress times its strain in a plane body, at four points at once [F/L^2].
    pure function material_squared_norms(self, stress) result(products)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(4, 3) !! stresses (point; xx, yy, xy) [F/L^2]
@@ -377,7 +378,7 @@ contains
       end associate
    end function material_squared_norms
 
-   !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].
+   !> Factor from areas of the plane to volumes: the thickness, or the circumference at a radius [L].
    pure real(dp) function material_depth(self, x) result(depth)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: x !! the radius; without effect on a plane body [L]

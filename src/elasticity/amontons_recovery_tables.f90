@@ -1,9 +1,9 @@
-!> What the recovery of stresses needs of a body: the tractions that are known on its boundary before its stresses are,
-!> and the patches of elements.
+!> Tables for the recovery of stresses: the tractions that are known on the boundary before the stresses are, and the
+!> patches of elements.
 !>
-!> Known are the tractions of the loads, and that there are none on free sides and along directions that supports leave
-!> free. A patch is made of the elements of one material around a corner node, with coordinates in which a polynomial is
-!> fitted to their stresses. Patches do not depend on the loads: one table serves all cases of a body.
+!> The known tractions are those of the loads, and zero on free sides and in directions that supports leave free. A
+!> patch consists of the elements of one material around a corner node, with coordinates in which a polynomial is fitted
+!> to their stresses. Patches do not depend on the loads: one table serves all cases of a body.
 module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
@@ -47,15 +47,18 @@ module amontons_recovery_tables
    !> Terms of the polynomial of each kind of element: linear; quadratic, of quadrilaterals in x and in y.
    integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9]
 
-   !> Weight of a sample of the elements that a patch grew by: far samples determine what near ones leave open, no more.
+   !> Weight of a sample of an element that was added to a patch with too few: such samples determine only the
+   !> coefficients that near ones leave open.
    real(dp), parameter :: far_weight = 0.1_dp
 
-   !> Least pivot for each sample. Those of a regular patch leave a few hundredths, a row too few of them leaves 0.
+   !> Smallest pivot of the normal equations, for each sample. A regular patch has pivots of a few hundredths, one with
+   !> a row of elements too few has 0.
    real(dp), parameter :: least_pivot = 1.0e-4_dp
 
-   !> Coordinates of a patch in which its nodes spread alike in all directions, and along which the sides of its
-   !> elements lie where the terms depend on that: neither slender nor turned elements need another treatment. Where the
-   !> polynomial is linear, they spread the samples so: the normal matrix is a multiple of the identity.
+   !> Coordinates of a patch in which its nodes have equal variance in all directions and, if the terms of the
+   !> polynomial depend on it, the sides of its elements lie along the axes. So slender and rotated elements need no
+   !> special treatment. For a linear polynomial the samples have this property instead, and the normal matrix is a
+   !> multiple of the identity.
    type :: frame_t
       real(dp) :: center(2) = 0.0_dp !! mean of the points that are spread [L]
       real(dp) :: scale(2, 2) = 0.0_dp !! what the distance from there is multiplied by [1/L]
@@ -68,7 +71,7 @@ module amontons_recovery_tables
       real(dp), allocatable :: position(:, :) !! coordinates (2, n_samples) [L]
    end type samples_t
 
-   !> Moments of points about one of them.
+   !> Moments of weighted points about one of them.
    type :: moments_t
       real(dp) :: origin(2) = 0.0_dp !! the point [L]
       real(dp) :: weight = 0.0_dp !! sum of the weights [-]
@@ -79,8 +82,8 @@ module amontons_recovery_tables
       procedure :: covariance => moments_covariance
    end type moments_t
 
-   !> So many elements in a row are a block: the polynomials of all patches would take more memory than anything else
-   !> but a factor, those of a block stay in a cache, and few elements share patches with those of another block.
+   !> Number of consecutive elements in a block. The polynomials of all patches would take more memory than anything
+   !> except the factor; those of one block fit in a cache, and few elements share patches with another block.
    integer, parameter :: block_size = 8192
 
    !> The patches.
@@ -100,12 +103,12 @@ module amontons_recovery_tables
       procedure :: at_corner => patch_table_at_corner
    end type patch_table_t
 
-   !> Some patches, one after the other.
+   !> Consecutive patches.
    type :: chunk_t
       type(integer_list_t) :: elements !! their elements
    end type chunk_t
 
-   !> The tables; about as large as the mesh.
+   !> The tables; together about as large as the mesh.
    type :: recovery_tables_t
       type(patch_table_t) :: patches !! the patches of the elements
       type(known_tractions_t) :: sides !! the sides of the boundary, free of tractions
@@ -113,7 +116,7 @@ module amontons_recovery_tables
 
 contains
 
-   !> Lists the sides of the boundary, free of tractions where supports and springs leave them known.
+   !> Lists the sides of the boundary, with zero traction where supports and springs leave it known.
    subroutine new_boundary_sides(tractions, mesh, outer, constraints, springs)
       type(known_tractions_t), intent(out) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -176,7 +179,7 @@ contains
       end do
    end subroutine known_tractions_add_loads
 
-   !> Whether supports hold normal and tangent of a side at a corner of it.
+   !> Whether supports hold normal and tangent of a side at one of its corners.
    pure function held(side, constraints, corner)
       type(known_traction_t), intent(in) :: side !! the side
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -188,8 +191,8 @@ contains
       end associate
    end function held
 
-   !> Adds to the traction on the sides of a boundary set one given at nodes, linear or quadratic between them: that of
-   !> contact, beside that of loads. Nothing is known along a direction that supports hold at a corner.
+   !> Adds a traction given at nodes, linear or quadratic between them, on the sides of a boundary set: that of contact,
+   !> in addition to the loads. In directions that supports hold at a corner the traction is unknown.
    pure subroutine known_tractions_add_nodal(self, mesh, constraints, set, traction)
       class(known_tractions_t), intent(inout) :: self !! the sides
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -213,7 +216,7 @@ contains
       end associate
    end subroutine known_tractions_add_nodal
 
-   !> Leaves the traction unknown on every side between two marked corners.
+   !> Marks the traction as unknown on every side between two marked corners.
    pure subroutine known_tractions_forget(self, is_marked)
       class(known_tractions_t), intent(inout) :: self !! the sides
       logical, intent(in) :: is_marked(:) !! the marks of the nodes (n_nodes)
@@ -231,7 +234,7 @@ contains
       is_linear = frame%n_terms <= 3
    end function is_linear
 
-   !> Sets the coordinates of a patch, if its samples determine the polynomial.
+   !> Sets the coordinates of a patch, and finds whether its samples determine the polynomial.
    pure subroutine place_patch(frame, is_determined, mesh, samples, elements, n_near)
       type(frame_t), intent(inout) :: frame !! the coordinates; have their number of terms
       logical, intent(out) :: is_determined
@@ -309,7 +312,7 @@ contains
       end associate
    end function moments_covariance
 
-   !> Sets coordinates in which some points spread alike in all directions.
+   !> Sets coordinates in which some points have equal variance in all directions.
    pure subroutine spread_points(frame, moments)
       type(frame_t), intent(inout) :: frame !! the coordinates
       type(moments_t), intent(in) :: moments !! the moments of the points, which are not in a line
@@ -325,8 +328,9 @@ contains
       frame%scale(1, 2) = 0.0_dp
    end subroutine spread_points
 
-   !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes: in the mean of their
-   !> fourth powers as complex numbers, which are alike for sides along either axis, in either sense.
+   !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes. Their angle is that of
+   !> the sum of the fourth powers of the sides as complex numbers, which do not depend on the sign of a side and on
+   !> which axis it lies along.
    pure subroutine turn_frame(scale, mesh, elements)
       real(dp), intent(inout) :: scale(2, 2) !! what distances are multiplied by [1/L]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -350,7 +354,7 @@ contains
       scale = matmul(reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2]), scale)
    end subroutine turn_frame
 
-   !> Sums the normal equations of the samples of a patch; without stresses, their right-hand sides are 0.
+   !> Sums the normal equations of the samples of a patch; without stresses the right-hand sides are 0.
    pure subroutine sum_samples(normal, right, frame, samples, elements, n_near, stress)
       real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
       real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
@@ -377,7 +381,7 @@ contains
       end do
    end subroutine sum_samples
 
-   !> The terms of a patch's polynomial at a point; nothing behind the last.
+   !> The terms of a patch's polynomial at a point; entries beyond the last term are 0.
    pure subroutine find_terms(frame, n, position, p)
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       integer, intent(in) :: n !! number of terms
@@ -394,8 +398,8 @@ contains
       if (n > 3) p(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
    end subroutine find_terms
 
-   !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are few: BLAS would take
-   !> longer to be called than this takes.
+   !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are so small that calling
+   !> BLAS would take longer.
    pure subroutine solve_normal(x, n, normal, right, is_determined)
       real(dp), intent(inout) :: x(4, max_terms) !! the solution (component, term) [F/L^2]
       integer, intent(in) :: n !! number of equations
@@ -496,7 +500,7 @@ contains
       !$omp end parallel do
    end subroutine new_samples
 
-   !> Numbers the patches: one for each corner node and each material there.
+   !> Numbers the patches: one for each corner node and each material at the node.
    subroutine number_patches(of_corner, node, element, mesh, materials, incidence)
       integer, allocatable, intent(out) :: of_corner(:) !! patch of each corner, placed as `node` of the mesh
       integer, allocatable, intent(out) :: node(:) !! node of each patch
@@ -562,8 +566,8 @@ contains
       table%listed = list%items()
    end subroutine list_blocks
 
-   !> Adds a patch. One with too few samples for its polynomial grows by the elements around it; terms that no growth
-   !> determines are left out.
+   !> Adds a patch. If it has too few samples for its polynomial, the elements around it are added; terms that remain
+   !> undetermined are left out.
    pure subroutine add_patch(table, list, patch, first_element, mesh, materials, incidence)
       type(patch_table_t), intent(inout) :: table !! the patches; this one gains its coordinates
       type(integer_list_t), intent(inout) :: list !! elements of patches; gains those of this one
@@ -602,7 +606,7 @@ contains
       end associate
    end subroutine add_patch
 
-   !> Adds the elements of a material at a node that are not in a patch yet.
+   !> Adds the elements of a material at a node that the patch does not have yet.
    pure subroutine add_elements_at(list, first, node, materials, incidence, material)
       type(integer_list_t), intent(inout) :: list !! elements of patches, those of this one last
       integer, intent(in) :: first !! where these begin

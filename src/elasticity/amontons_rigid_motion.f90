@@ -11,9 +11,9 @@ module amontons_rigid_motion
 
    public :: new_rigid_motions, rigid_motions_t
 
-   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle, or in a
-   !> twisted body about the axis, and, where free jumps divide it in parts, of the translations of these against each
-   !> other.
+   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
+   !> twisted body about the axis) and, where free jumps divide it into parts, of the translations of these parts
+   !> relative to each other.
    type :: rigid_motions_t
       integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each jump
       real(dp), allocatable :: mode(:, :)
@@ -132,8 +132,9 @@ contains
       end do
    end subroutine new_rigid_motions
 
-   !> Finds the parts that free jumps divide a piece in, and how far each moves with the jumps. What holds a jump goes
-   !> to the Gram matrix: that another way joins both sides of it, or that it is none of this piece.
+   !> Finds the parts into which free jumps divide a piece, and how each part moves under the jumps. Jumps that cannot
+   !> move, because their two sides are also joined in another way or belong to other pieces, are held in the Gram
+   !> matrix.
    subroutine divide_piece(motions, gram, mesh, bonds, jumps)
       type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
       real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (3 + jumps, 3 + jumps)
@@ -209,7 +210,7 @@ contains
       displacement = matmul(self%unit_motions(point, node), self%mode)
    end function rigid_motions_displacement
 
-   !> Names a combination of the free motions in words, and the piece where there are others.
+   !> Text describing a combination of the free motions, with the position of the piece if the body has several.
    pure function rigid_motions_describe(self, amounts) result(text)
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: amounts(:) !! amount of each free motion (n_free)

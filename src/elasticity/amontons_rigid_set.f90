@@ -14,7 +14,7 @@ module amontons_rigid_set
    !> The components of a rigid motion, as a deck writes them.
    character(4), parameter :: rigid_components(3) = [character(4) :: 'ux', 'uy', 'turn']
 
-   !> Whether a support or load is of a set that moves as a rigid body, and about which point.
+   !> A set that moves as a rigid body, and the point of its rotation, for a support or load.
    type :: rigid_face_t
       logical :: is_given = .false. !! whether it is
       logical :: has_point = .false. !! whether the point is given; else it is the middle of the set
@@ -77,7 +77,7 @@ contains
       rigid%length = norm2(rigid%place(:, 2) - rigid%place(:, 1))
    end subroutine new_rigid_set
 
-   !> How the displacement of a node follows from the own unknowns of the leading nodes (2, 2, 2) [-].
+   !> The matrix of a node's displacement in terms of the own unknowns of the leading nodes (2, 2, leading node) [-].
    pure function rigid_set_displacement(self, place) result(block)
       class(rigid_set_t), intent(in) :: self !! the set
       real(dp), intent(in) :: place(2) !! coordinates of the node [L]

@@ -1,12 +1,12 @@
-!> Stresses of a whole body: those that result files show, with the strain energy density and the nodal forces that they
-!> amount to; and superconvergent patch recovery, a stress field one order more accurate than that of the displacements
-!> (Zienkiewicz and Zhu, Int. J. Num. Meth. Eng. 33, 1992), with the error of the stresses estimated from it, in the
-!> norm of the strain energy (Zienkiewicz and Zhu, Int. J. Num. Meth. Eng. 24, 1987).
+!> Stresses of a whole body: those in the result files, with strain energy density and nodal forces; and superconvergent
+!> patch recovery, a stress field one order more accurate than that of the displacements (Zienkiewicz and Zhu, Int. J.
+!> Num. Meth. Eng. 33, 1992), with the error of the stresses estimated from it, in the norm of the strain energy
+!> (Zienkiewicz and Zhu, Int. J. Num. Meth. Eng. 24, 1987).
 !>
 !> The elements of one material around a corner node are its patch. A polynomial of the order of the displacements is
-!> fitted to the stresses at the points of the patch where they are most accurate, and to the tractions that are known
-!> at its sides on the boundary. In an element the recovered stress is the mean of the polynomials of its corners,
-!> weighted by the linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
+!> fitted to the stresses at the points of the patch where they are most accurate, and to the known tractions on its
+!> boundary sides. The recovered stress in an element is the mean of the polynomials of its corners, weighted by the
+!> linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
 module amontons_stress_field
    use amontons_assembly, only: around_axis, spring_forces
    use amontons_constraints, only: spring_side_t
@@ -40,7 +40,7 @@ module amontons_stress_field
          !! nodal forces that the stresses amount to; K u - f_th where there are no springs (components, n_nodes) [F]
    end type stress_field_t
 
-   !> One element at work.
+   !> Geometry, strains and stresses of one element at its quadrature points.
    type :: element_stress_t
       integer :: n_nodes = 0 !! number of its nodes
       integer :: n_points = 0 !! number of its quadrature points
@@ -60,8 +60,8 @@ module amontons_stress_field
       type(known_traction_t), allocatable :: tractions(:) !! the known tractions, patch by patch
    end type recovered_stress_t
 
-   !> The estimate. The norm of a stress field is the root of the integral of stress times strain: that of a solution
-   !> is the root of twice its strain energy.
+   !> The estimated error. The norm of a stress field is the square root of the integral of stress times strain; that of
+   !> a solution is the root of twice its strain energy.
    type :: error_estimate_t
       real(dp), allocatable :: element(:) !! norm of the error of each element (n_elements) [sqrt(F L)]
       real(dp) :: norm = 0.0_dp !! norm of the error of the body [sqrt(F L)]
@@ -104,7 +104,7 @@ contains
       field%force(3, :) = twist%force(1, :)
    end subroutine new_stress_field
 
-   !> Stresses with those of a twist, see `materials_take_twist`, behind them (6, any) [F/L^2].
+   !> Stresses extended by those of a twist, see `materials_take_twist` (6, any) [F/L^2].
    pure function with_twist(stress, twist) result(whole)
       real(dp), intent(in) :: stress(:, :) !! stresses xx, yy, xy, zz (4, any) [F/L^2]
       real(dp), intent(in) :: twist(:, :) !! those of the field around the axis (4, any) [F/L^2]
@@ -116,7 +116,7 @@ contains
       whole(6, :) = twist(3, :)
    end function with_twist
 
-   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
+   !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
    subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -131,8 +131,8 @@ contains
       forces = field%force + spring_forces(mesh%n_nodes, springs, displacement)
    end subroutine internal_forces
 
-   !> Evaluates the stresses at the nodes of several displacement fields: the shape functions of each element serve all
-   !> of them.
+   !> Evaluates the stresses at the nodes under several displacement fields; the shape functions of each element are
+   !> computed once.
    subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
       integer, intent(in) :: n_fields !! number of fields
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -188,7 +188,7 @@ contains
       end do
    end subroutine find_node_stresses
 
-   !> Takes the place of an element.
+   !> Sets nodes and geometry to those of an element.
    pure subroutine place(own, mesh, element, material, is_heated)
       type(element_stress_t), intent(inout) :: own !! the element
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -210,7 +210,7 @@ contains
       end if
    end subroutine place
 
-   !> Finds elastic strains and stresses of a displacement field at the quadrature points.
+   !> Computes elastic strains and stresses of a displacement field at the quadrature points.
    pure subroutine deform(own, material, displacement)
       type(element_stress_t), intent(inout) :: own !! the element; gains them
       type(material_t), intent(in) :: material !! its material
@@ -262,7 +262,7 @@ contains
       end do
    end subroutine integrate
 
-   !> Carries the stresses of an element from its quadrature points to its nodes.
+   !> Adds the stresses of an element, extrapolated from its quadrature points, to its nodes.
    pure subroutine carry_to_nodes(own, to_nodes, at_nodes)
       type(element_stress_t), intent(in) :: own !! the element
       real(dp), intent(in) :: to_nodes(max_nodes, max_points)
@@ -284,8 +284,8 @@ contains
       end do
    end subroutine carry_to_nodes
 
-   !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
-   !> 1, x, y (and x y in a quadrilateral) that fits them with least squares (node, point) [-].
+   !> Weights of the extrapolation from the quadrature points of a kind of element to its nodes, by the least-squares
+   !> fit of the polynomial 1, x, y (and x y in a quadrilateral) (node, point) [-].
    pure function extrapolation(kind, n_points) result(weights)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of quadrature points
@@ -381,8 +381,8 @@ contains
       end associate
    end subroutine fit_polynomial
 
-   !> Sums what the normal equations of a linear polynomial come down to in the coordinates of its patch: their matrix
-   !> is the sum of the weights times the identity.
+   !> Sums the normal equations of a linear polynomial in the coordinates of its patch, where their matrix is the sum of
+   !> the weights times the identity.
    pure subroutine sum_linear_samples(total, right, frame, samples, stress, elements, n_near)
       real(dp), intent(out) :: total !! sum of the weights [-]
       real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
@@ -415,8 +415,8 @@ contains
    end subroutine sum_linear_samples
 
    !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions: at the middle of each
-   !> side, and at the node, where two sides that continue each other smoothly have the mean of their normals. What the
-   !> fit leaves is measured by the norm of the tensor, in which xy counts twice, so that the axes do not matter.
+   !> side, and at the node, where two sides with a smooth transition have the mean of their normals. The remainder is
+   !> measured by the norm of the tensor, in which xy counts twice, so that the axes have no effect.
    pure subroutine fit_tractions(coefficient, frame, normal, right, tractions, node)
       real(dp), intent(inout) :: coefficient(4, max_terms) !! coefficients of the stresses; gains those of these three
       type(frame_t), intent(in) :: frame !! coordinates of the patch
@@ -467,7 +467,7 @@ contains
       coefficient(:3, :n) = transpose(reshape(joint, [n, 3]))
    end subroutine fit_tractions
 
-   !> Adds the known tractions at a place of a side to the normal equations.
+   !> Adds the known tractions at a position on a side to the normal equations.
    pure subroutine add_traction(matrix, right, frame, n_samples, side, place)
       real(dp), intent(inout) :: matrix(:, :) !! normal matrix of the stresses xx, yy, xy
       real(dp), intent(inout) :: right(:) !! its right-hand side
@@ -497,7 +497,7 @@ contains
    end subroutine add_traction
 
    !> Prepares the recovery of the stresses of a displacement field: its stresses where they are most accurate, and the
-   !> sides of known tractions, sorted by the patches of the corners that they begin and end at.
+   !> sides of known tractions, sorted by the patches of their two corners.
    subroutine new_recovered_stress(recovered, patches, mesh, materials, tractions, displacement, thermal_strain)
       type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
@@ -542,7 +542,7 @@ contains
       recovered%tractions = tractions((side + 1)/2)
    end subroutine new_recovered_stress
 
-   !> The stress in the middle of a four-node quadrilateral of a plane body, from what changes along its diagonals
+   !> The stress at the center of a four-node quadrilateral of a plane body, from the differences along its diagonals
    !> [F/L^2].
    pure function middle_stress(mesh, element, material, displacement) result(stress)
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -590,7 +590,7 @@ contains
       estimate%element = sqrt(squares(1, :))
    end subroutine new_error_estimate
 
-   !> Adds the estimate of a field that does no work on the first one.
+   !> Adds the estimated error of a field that does no work on the first one.
    pure subroutine error_estimate_add(self, other)
       class(error_estimate_t), intent(inout) :: self !! the estimate of the first field
       type(error_estimate_t), intent(in) :: other !! that of the other one
@@ -674,7 +674,7 @@ contains
    end function element_squared_norms
 
    !> Integrals like those of `element_squared_norms` over a three-node triangle of a plane body, whose stress is
-   !> uniform; its points weigh alike [F L].
+   !> uniform and whose points have equal weights [F L].
    pure function triangle_squared_norms(mesh, element, material, patches, coefficient, stress, weights) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
@@ -703,8 +703,8 @@ contains
       end do
    end function triangle_squared_norms
 
-   !> Integrals like those of `element_squared_norms` over a four-node quadrilateral of a plane body, its four points
-   !> side by side: in a tenth of the time that the general way takes, which serves every element [F L].
+   !> Integrals like those of `element_squared_norms` over a four-node quadrilateral of a plane body, for its four
+   !> points at once: ten times as fast as the general procedure [F L].
    pure function plain_squared_norms(mesh, element, material, displacement, patches, coefficient) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
@@ -778,7 +778,7 @@ contains
       end do
    end subroutine find_recovered
 
-   !> The estimate of the whole body under its names.
+   !> The estimate of the whole body as named quantities.
    pure function error_estimate_quantities(self) result(list)
       class(error_estimate_t), intent(in) :: self !! the estimate
       type(quantity_t) :: list(2)
