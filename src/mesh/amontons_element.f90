@@ -1,5 +1,5 @@
-!> Reference elements: shape functions, sides and quadrature of triangles and quadrilaterals, linear and quadratic; and
-!> sides of a mesh with shape functions and tangents at their quadrature points, straight or curved.
+!> Reference elements: shape functions, sides and quadrature of linear and quadratic triangles and quadrilaterals; and
+!> sides of a mesh, straight or curved, with shape functions and tangents at their quadrature points.
 !>
 !> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the center.
 module amontons_element
@@ -50,12 +50,13 @@ module amontons_element
 
    !> Number of Gauss points of a side.
    integer, parameter :: n_side_points = 3
-   !> Where they are, from -1 to 1.
+   !> Local coordinates of these points, from -1 to 1.
    real(dp), parameter :: side_abscissa(n_side_points) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
-   !> Their weights.
+   !> Weights of these points.
    real(dp), parameter :: side_weight(n_side_points) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
 
-   !> A side at three Gauss points, exact for products of quadratic functions.
+   !> A side of a mesh with shape functions and tangents at three Gauss points, exact for products of quadratic
+   !> functions.
    type :: side_geometry_t
       real(dp) :: values(3, 3) = 0.0_dp !! shape functions of first corner, second corner, middle (node, point) [-]
       real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the points [L]
@@ -65,8 +66,9 @@ module amontons_element
 contains
 
    !> Number of quadrature points of a kind: full integration, exact for the stiffness of a parallelogram; in the plane
-   !> also for area and patch test of a triangle with curved sides. In a body of revolution exact but for the square of
-   !> the hoop strain, which is a fraction; a single point would leave a linear triangle a motion without energy.
+   !> also for area and patch test of a triangle with curved sides. In a body of revolution it is exact except for the
+   !> square of the hoop strain, which is a rational function; with a single point a linear triangle would have a motion
+   !> without energy.
    elemental integer function n_element_points(kind, is_axisymmetric) result(n_points)
       integer, intent(in) :: kind !! kind of element
       logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
@@ -75,14 +77,14 @@ contains
       n_points = merge(around_axis(kind), in_plane(kind), is_axisymmetric)
    end function n_element_points
 
-   !> Whether a kind is a triangle.
+   !> Whether a kind of element is a triangle.
    elemental logical function is_triangle(kind)
       integer, intent(in) :: kind !! kind of element
 
       is_triangle = kind == tri3 .or. kind == tri6
    end function is_triangle
 
-   !> Reference coordinates of a node.
+   !> Reference coordinates of a node (2) [-].
    pure function node_coordinates(kind, node) result(xi)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: node !! number of the node
@@ -106,7 +108,7 @@ contains
       if (n_element_nodes(kind) > n_corners(kind)) nodes(3) = n_corners(kind) + side
    end function side_nodes
 
-   !> A quadrature point of a reference element.
+   !> Reference coordinates and weight of a quadrature point.
    pure subroutine quadrature_point(kind, n_points, point, xi, weight)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of points, by `n_element_points` or `n_sampling_points`
@@ -215,7 +217,7 @@ contains
       end select
    end subroutine shape_functions
 
-   !> Evaluates a side, or a part of it.
+   !> Evaluates shape functions and tangents of a side, or of a part of it.
    pure subroutine new_side_geometry(geometry, side, coordinates, range)
       type(side_geometry_t), intent(out) :: geometry !! the side at its quadrature points
       integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0

@@ -1,6 +1,6 @@
-!> Meshes that the program makes: of a rectangle, by quadrilaterals or by triangles that halve each cell; quadratic
-!> meshes from linear ones; and uniform refinement of any mesh: every element in four, its sides halved where its shape
-!> functions put their middles, so that curved sides keep their curve.
+!> Meshes that the program makes: a rectangle of quadrilaterals, or of triangles that halve each cell; quadratic meshes
+!> from linear ones; and uniform refinement of any mesh. Refinement divides every element into four; the middles of
+!> sides lie where the shape functions put them, so that curved sides keep their shape.
 module amontons_generated_mesh
    use amontons_element, only: element_names, is_triangle, max_nodes, n_corners, n_element_nodes, node_coordinates, &
       quad4, quad8, quad9, shape_functions, tri3, tri6
@@ -22,10 +22,10 @@ module amontons_generated_mesh
    integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], &
       [4, n_parts])
 
-   !> Ways to halve a cell, as a deck writes them.
+   !> Ways to divide a cell into two triangles, as a deck writes them.
    character(11), parameter :: diagonal_names(3) = [character(11) :: 'right', 'left', 'alternating']
 
-   !> A rectangle with its lower left corner at the origin, and how to cut it into cells.
+   !> A rectangle with its lower left corner at the origin, and its division into cells.
    type :: rectangle_t
       real(dp) :: size(2) = [1.0_dp, 1.0_dp] !! width and height [L]
       integer :: cells(2) = [1, 1] !! number of cells along x and along y
@@ -36,9 +36,9 @@ module amontons_generated_mesh
 
 contains
 
-   !> Refines a mesh several times, cutting every element in four. The nodes keep their numbers, the new ones come
-   !> behind them; element e becomes the elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts,
-   !> sets of nodes stay as they are.
+   !> Refines a mesh several times, dividing every element into four. The nodes keep their numbers, new ones follow
+   !> them; element e becomes the elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, node
+   !> sets do not change.
    subroutine refine_mesh(mesh, n_times, error)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
       integer, intent(in) :: n_times !! how often every element is cut in four
@@ -78,8 +78,8 @@ contains
       end do
    end subroutine refine_mesh
 
-   !> Replaces the elements of a mesh by the linear ones that its quadratic ones are cut into. The centers of eight-node
-   !> elements become nodes, which are not placed yet.
+   !> Replaces quadratic elements by the four linear ones into which each is divided. The centers of eight-node elements
+   !> become nodes, whose coordinates are not set yet.
    pure subroutine cut_elements(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains nodes and elements
       type(mesh_t), intent(in) :: parent !! the same mesh, of quadratic elements
@@ -113,7 +113,7 @@ contains
       mesh%coordinates = reshape(parent%coordinates, [2, mesh%n_nodes], pad=[0.0_dp])
    end subroutine cut_elements
 
-   !> The nodes of a quadratic element, as the nine-node one numbers them, that are the corners of a part of it.
+   !> The nodes of a quadratic element, in the numbering of the nine-node one, that are the corners of a part of it.
    pure function part_corners(kind, part) result(corners)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: part !! the part, 1 to 4
@@ -126,7 +126,7 @@ contains
       end if
    end function part_corners
 
-   !> Puts the nodes that are new where the shape functions of the elements before have them, and notes their parents.
+   !> Sets the coordinates of the new nodes by the shape functions of the elements before, and their parents.
    pure subroutine place_new_nodes(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the refined mesh, its new nodes anywhere
       type(mesh_t), intent(in) :: parent !! the mesh before
@@ -327,7 +327,7 @@ contains
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
 
-   !> Places the nodes row by row, from the lower left corner.
+   !> Sets the coordinates of the nodes row by row, from the lower left corner.
    pure subroutine place_nodes(mesh, rectangle)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(rectangle_t), intent(in) :: rectangle !! the rectangle
@@ -384,7 +384,8 @@ contains
       end do
    end subroutine connect_cells
 
-   !> Names the four sides; the sides of a set follow each other counter-clockwise around the rectangle.
+   !> Makes the boundary sets of the four sides; the sides in a set follow each other counter-clockwise around the
+   !> rectangle.
    pure subroutine name_sides(mesh, cells)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected
       integer, intent(in) :: cells(2) !! number of cells along x and y

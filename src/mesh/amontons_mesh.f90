@@ -1,10 +1,9 @@
-!> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass; and how its
-!> elements hang together: which elements meet at each corner node, which lie on either side of each side, pieces that
-!> share no nodes, and colors of elements that can be worked on in parallel.
+!> The mesh: nodes, elements, named sets of sides, nodes and elements, with the checks that every mesh must pass; and
+!> its topology: elements at each corner node, elements on both sides of each side, connected pieces, and colors of
+!> elements that can be processed in parallel.
 !>
-!> Chunks of one color share no node. Elements in a row are a chunk, since what they have in common stays in the cache.
-!> Where the elements of a mesh are numbered at random, so that all chunks touch each other, every element is a chunk of
-!> its own.
+!> Chunks of one color share no node. A chunk consists of consecutive elements, so that their common data stays in the
+!> cache. If the elements are numbered at random, so that all chunks share nodes, every element is a chunk of its own.
 module amontons_mesh
    use amontons_element, only: max_nodes, n_corners, n_element_nodes, n_element_points, node_coordinates, &
       quadrature_point, shape_functions, side_nodes
@@ -27,7 +26,7 @@ module amontons_mesh
       integer, allocatable :: node(:) !! the nodes of a set of nodes
    end type named_set_t
 
-   !> The nodes that a node of refinement has its place from: it is their weighted mean.
+   !> The nodes from which the position of a node of refinement follows as a weighted mean.
    type :: parents_t
       integer, allocatable :: start(:) !! where the parents of a node begin in `node` (n_nodes + 1)
       integer, allocatable :: node(:) !! the parents, of lower numbers than the node
@@ -70,7 +69,7 @@ module amontons_mesh
       integer, allocatable :: corner(:) !! place of each corner in `node` of the mesh
    end type incidence_t
 
-   !> Every element has this many numbers for its sides, used or not.
+   !> Number of side numbers that every element has, used or not.
    integer, parameter :: sides_per_element = 4
 
    !> A side between two elements or at the boundary.
@@ -81,8 +80,8 @@ module amontons_mesh
       integer :: right !! number of the element's side that runs the other way, 0 for none
    end type side_t
 
-   !> The sides of all elements. Each is filed under that of its two corners where fewer elements meet, which keeps
-   !> every search short, even around the hub of a wheel.
+   !> The sides of all elements. Each is stored under that one of its two corners where fewer elements meet, which keeps
+   !> every search short, even around a node with very many elements.
    type :: side_table_t
       integer :: n_sides = 0 !! number of sides
       type(side_t), allocatable :: sides(:) !! the sides, and room for more
@@ -93,7 +92,7 @@ module amontons_mesh
       procedure :: find => side_table_find
    end type side_table_t
 
-   !> Fewest elements whose work outweighs waking other threads, which takes up to some ten milliseconds.
+   !> Smallest number of elements for which threads are worth their start, which takes up to some ten milliseconds.
    integer, parameter :: worth_threads = 10000
 
    !> Chunks sorted by color. Sums over the elements of a mesh taken color by color are the same for any number of
@@ -107,7 +106,7 @@ module amontons_mesh
 
 contains
 
-   !> Checks that the mesh can carry a computation: positive Jacobians, every node used.
+   !> Checks that the mesh is valid: positive Jacobians, every node used.
    subroutine mesh_check(self, error)
       class(mesh_t), intent(in) :: self !! the mesh
       type(error_t), allocatable, intent(out) :: error !! the first element or node at fault
@@ -138,7 +137,7 @@ contains
       end do
    end subroutine mesh_check
 
-   !> Whether the Jacobian of an element fails to be positive at a corner or a quadrature point, of either rule.
+   !> Whether the Jacobian of an element is not positive at a corner or a quadrature point of either rule.
    pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
@@ -181,7 +180,7 @@ contains
       determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
    end function jacobian_determinant
 
-   !> Number of the set of a name, 0 where there is none.
+   !> Index of the set with a given name, 0 if there is none.
    pure integer function find_named(sets, name) result(set)
       type(named_set_t), intent(in), optional :: sets(:) !! the sets; may be not allocated
       character(*), intent(in) :: name !! the name
@@ -194,7 +193,7 @@ contains
       set = 0
    end function find_named
 
-   !> Whether a node came with a refinement of the mesh.
+   !> Whether a node was made by a refinement of the mesh.
    pure logical function mesh_is_of_refinement(self, node) result(is_of_refinement)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: node !! the node
@@ -299,7 +298,7 @@ contains
       where (nodes > 0) nodes = self%node(self%node_start(element) - 1 + nodes)
    end function mesh_side
 
-   !> The node at given coordinates, within a thousandth of the distance to the next node; 0 where there is none.
+   !> The node at given coordinates, within a thousandth of the distance to the next node; 0 if there is none.
    pure integer function mesh_nearest_node(self, point) result(nearest)
       class(mesh_t), intent(in) :: self !! the mesh
       real(dp), intent(in) :: point(2) !! coordinates [L]
@@ -340,7 +339,7 @@ contains
       incidence%element = element_of(incidence%corner)
    end subroutine new_incidence
 
-   !> Numbers the pieces in the order of their first nodes.
+   !> Finds the connected pieces of a mesh and numbers them in the order of their first nodes.
    pure subroutine number_pieces(mesh, piece, n_pieces, bonds)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable, intent(out) :: piece(:) !! the piece that each node belongs to (n_nodes)
@@ -381,7 +380,7 @@ contains
       end do
    end subroutine number_pieces
 
-   !> Follows the parents of a node to the one that points to itself, and shortens the way.
+   !> Finds the root of a node in a union-find forest, the node that is its own parent, and shortens the path to it.
    pure subroutine find_root(parent, node)
       integer, intent(inout) :: parent(:) !! the parent of each node
       integer, intent(inout) :: node !! the node; its root on return
@@ -400,21 +399,21 @@ contains
       side_number = sides_per_element*(element - 1) + place
    end function side_number
 
-   !> The element of a numbered side, 0 for number 0.
+   !> The element that a numbered side belongs to, 0 for number 0.
    elemental integer function side_element(number)
       integer, intent(in) :: number !! number of the side, or 0
 
       side_element = (number + sides_per_element - 1)/sides_per_element
    end function side_element
 
-   !> The place of a numbered side in its element.
+   !> The local number of a numbered side in its element.
    elemental integer function side_place(number)
       integer, intent(in) :: number !! number of the side
 
       side_place = mod(number - 1, sides_per_element) + 1
    end function side_place
 
-   !> Files the sides of a mesh; stops at the first side that has two elements on the same side of it.
+   !> Makes the table of a mesh's sides; stops at the first side that has two elements on the same side of it.
    pure subroutine new_side_table(table, mesh, overlapping)
       type(side_table_t), intent(out) :: table !! the sides
       type(mesh_t), intent(in) :: mesh !! the mesh, its elements counter-clockwise
@@ -458,7 +457,7 @@ contains
       end do
    end subroutine new_side_table
 
-   !> The node that a side is filed under: that of its corners where fewer elements meet.
+   !> The node under which a side is stored: that one of its corners where fewer elements meet.
    pure integer function home_of(table, a, b) result(home)
       type(side_table_t), intent(in) :: table !! the sides
       integer, intent(in) :: a !! one corner
@@ -471,7 +470,7 @@ contains
       end if
    end function home_of
 
-   !> Place in the table of a side, 0 where no element has it.
+   !> Place of a side in the table, 0 if no element has it.
    pure integer function place_of(table, home, other) result(side)
       type(side_table_t), intent(in) :: table !! the sides
       integer, intent(in) :: home !! the corner it would be filed under
@@ -484,7 +483,7 @@ contains
       end do
    end function place_of
 
-   !> Finds the elements' sides on both sides of the way from one corner to another.
+   !> Finds the numbers of the element sides to the left and to the right of the line from one corner to another.
    pure subroutine side_table_find(self, a, b, left, right)
       class(side_table_t), intent(in) :: self !! the sides
       integer, intent(in) :: a !! the corner to come from
@@ -502,7 +501,7 @@ contains
       right = merge(self%sides(side)%right, self%sides(side)%left, home == a)
    end subroutine side_table_find
 
-   !> Number of the element's side at a side of the boundary, 0 at a side between two elements.
+   !> Number of the element side of a side on the boundary, 0 for a side between two elements.
    pure integer function side_table_boundary(self, side) result(number)
       class(side_table_t), intent(in) :: self !! the sides
       integer, intent(in) :: side !! place in the table
@@ -512,7 +511,7 @@ contains
       end associate
    end function side_table_boundary
 
-   !> Numbers of the elements' sides on the boundary of a mesh, ascending.
+   !> Numbers of the element sides on the boundary of a mesh, in ascending order.
    pure function outer_sides(mesh) result(numbers)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable :: numbers(:)
@@ -524,7 +523,7 @@ contains
       numbers = pack(numbers, numbers > 0)
    end function outer_sides
 
-   !> Colors the elements of a mesh greedily, in their own order.
+   !> Colors the elements of a mesh greedily, in the order of their numbers.
    subroutine new_coloring(coloring, mesh)
       type(coloring_t), intent(out) :: coloring !! the colors
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -545,7 +544,7 @@ contains
       coloring%last = min(mesh%n_elements, chunk*chunk_size)
    end subroutine new_coloring
 
-   !> The color of each chunk: the first that none of its neighbors took before it.
+   !> The color of each chunk: the first that none of its neighbors with smaller numbers has.
    pure function greedy_colors(mesh, chunk_size) result(color)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: chunk_size !! number of elements of a chunk

@@ -1,6 +1,6 @@
 !> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets; and on demand the model:
-!> materials, the sections that put them into sets of elements, the temperatures of nodes (those at which nothing is
-!> strained, and those of the step), supports and loads. Everything else is ignored, with a warning where it matters.
+!> materials, sections, which assign them to sets of elements, initial temperatures of nodes (without strain) and those
+!> of the step, supports and loads. Everything else is ignored, with a warning where it affects results.
 module amontons_abaqus
    use amontons_abaqus_lines, only: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, &
       insert_included, is_at_line_end, name_instance_sets, named_group, next_data_line, next_keyword, place_of_name, &
@@ -22,12 +22,12 @@ module amontons_abaqus
 
    public :: read_abaqus
 
-   !> Keywords of what may be read beside the mesh.
+   !> Keywords that may be read in addition to the mesh.
    character(12), parameter :: model_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
       'orientation', 'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
-   !> What each of them is part of: materials, supports or loads.
+   !> The part of the model to which each of these keywords belongs: materials, supports or loads.
    integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4)]
-   !> Other keywords that change what a computation gives.
+   !> Other keywords that affect the result of a computation.
    character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
       'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
@@ -39,9 +39,9 @@ module amontons_abaqus
       'changesurfacebehavior', 'changematerial', 'changesolidsection', 'cyclicsymmetrymodel', 'dynamic', 'frequency', &
       'complexfrequency', 'buckle', 'visco', 'modaldynamic', 'steadystatedynamics', 'heattransfer', &
       'coupledtemperature-displacement', 'uncoupledtemperature-displacement']
-   !> Names of keywords are cut in messages.
+   !> Names of keywords are cut to this length in messages.
    integer, parameter :: longest_shown = 40
-   !> Most keywords that are named.
+   !> Largest number of keywords that are named in a message.
    integer, parameter :: most_named = 40
 
    !> The keywords that are ignored.
@@ -58,15 +58,15 @@ module amontons_abaqus
       procedure :: tell => ignored_keywords_tell
    end type ignored_keywords_t
 
-   !> Most fields of a data line that is read here; the temperatures of a shell follow that of its first point.
+   !> Largest number of fields of a data line; the temperatures of a shell follow that of its first point.
    integer, parameter :: most_fields = 9
    !> Number of constants of an orthotropic material: three moduli, ratios of Poisson and shear moduli.
    integer, parameter :: n_engineering_constants = 9
 
 contains
 
-   !> Reads nodes, elements and sets. Faults go to the input. The text of a part is read once for each of its instances,
-   !> and where the file has none, at the end.
+   !> Reads nodes, elements and sets; faults are recorded in the input. The text of a part is read once for each of its
+   !> instances, at the end of the file if there are none.
    subroutine read_abaqus(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
@@ -125,7 +125,7 @@ contains
       if (.not. allocated(input%error)) call finish_model(raw, input)
    end subroutine read_abaqus
 
-   !> Reads nodes: number and up to three coordinates, absent ones being 0.
+   !> Reads nodes: number and up to three coordinates; missing ones are 0.
    pure subroutine read_nodes(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -163,8 +163,8 @@ contains
       end do
    end subroutine read_nodes
 
-   !> Reads elements of one type, and notes the hypothesis that they are of; lines are of none. A comma at the end of a
-   !> line continues it on the next one.
+   !> Reads elements of one type with its hypothesis; lines have none. A comma at the end of a line continues it on the
+   !> next one.
    pure subroutine read_elements(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -214,7 +214,7 @@ contains
       end do
    end subroutine read_elements
 
-   !> Finds the kind of elements of a type.
+   !> Finds the kind of cell of an element type.
    pure subroutine find_kind(input, type, kind)
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
@@ -270,7 +270,7 @@ contains
       if (place > 0 .or. any(other_keywords == keyword)) self%warned = self%warned//name
    end subroutine ignored_keywords_add
 
-   !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
+   !> Adds a note on the ignored keywords to a raw mesh, and a warning on those that affect results.
    pure subroutine ignored_keywords_tell(self, raw)
       class(ignored_keywords_t), intent(in) :: self !! the keywords
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
@@ -288,7 +288,7 @@ contains
       if (words /= '') raw%warning = raw%warning//'; give them in the deck, or &mesh use = '//words(3:)
    end subroutine ignored_keywords_tell
 
-   !> A text with capital letters in the place of small ones.
+   !> A text in capital letters.
    pure function capitals(text) result(upper)
       character(*), intent(in) :: text !! the text
       character(len(text)) :: upper
@@ -300,7 +300,7 @@ contains
       end do
    end function capitals
 
-   !> Reads a keyword of a material, whose constants must not depend on the temperature.
+   !> Reads a keyword of a material. Constants that depend on the temperature are refused.
    pure subroutine read_material_keyword(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -360,7 +360,7 @@ contains
       end select
    end subroutine read_material_keyword
 
-   !> Reads a section: which region a material fills, its thickness there, and where its axes are.
+   !> Reads a section: the element set of a material, the thickness there, and the orientation of its axes.
    pure subroutine read_section(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -398,7 +398,7 @@ contains
    end subroutine read_section
 
    !> Reads the axes of an orthotropic material: a point on the first axis and one in the plane of the first two; then,
-   !> on a line of its own, the axis about which they are turned once more, and the angle. They turn with the instance.
+   !> on a separate line, the axis and the angle of a further rotation. They turn with the instance.
    pure subroutine read_orientation(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -422,8 +422,8 @@ contains
       raw%model%orientations = [raw%model%orientations, orientation]
    end subroutine read_orientation
 
-   !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. Of
-   !> two lines for one node the later one counts.
+   !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. If a
+   !> node occurs twice, the later line counts.
    pure subroutine read_temperatures(raw, input, keyword, line, is_read)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the temperatures of its nodes
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -472,7 +472,7 @@ contains
       end associate
    end subroutine read_temperatures
 
-   !> Makes room for the temperatures of the nodes so far. They are 0 before anything is read.
+   !> Allocates temperatures for the nodes read so far, with the initial value 0.
    pure subroutine expect_nodes(temperatures, tags)
       type(file_temperatures_t), intent(inout) :: temperatures !! the temperatures
       integer, intent(in) :: tags(:) !! numbers of the nodes in the file
@@ -488,8 +488,8 @@ contains
       call new_tag_map(temperatures%map, tags)
    end subroutine expect_nodes
 
-   !> Completes the model once the file is read: makes the material of each section, and a load of the temperatures of
-   !> the step: their difference from the initial ones, which nodes without a temperature keep.
+   !> Completes the model after the last line: makes the material of each section, and a load of the temperatures of the
+   !> step, as differences from the initial ones. Nodes without a temperature in the step keep the initial one.
    pure subroutine finish_model(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its end
@@ -551,7 +551,7 @@ contains
       end associate
    end subroutine finish_model
 
-   !> Reads a keyword with its data lines if it is one of those that are to be used.
+   !> Reads a keyword with its data lines if the deck uses this part of the model.
    pure subroutine read_model_keyword(raw, input, keyword, line, is_read)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains materials, supports, loads and their sets
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -597,7 +597,7 @@ contains
       end select
    end subroutine read_model_keyword
 
-   !> Reads prescribed displacements: nodes, first and last component or a word for them, value.
+   !> Reads prescribed displacements: nodes, first and last component (or a word for the components), value.
    pure subroutine read_boundary(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -685,8 +685,8 @@ contains
       end do
    end subroutine read_cload
 
-   !> Takes the nodes of a line: those of a set, or one by its number, which goes into a set of the line or into that of
-   !> the line before.
+   !> Finds the nodes of a data line: those of a set, or one by its number. Such a node is put into a new set, or into
+   !> the set of the line before if both have the same values.
    pure subroutine take_nodes(raw, input, keyword, field, label, is_same, set_before, set)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
@@ -712,7 +712,7 @@ contains
       end if
    end subroutine take_nodes
 
-   !> Reads distributed loads: elements or a surface, kind, value. The sides that a pressure acts on make a set.
+   !> Reads distributed loads: elements or a surface, kind, value. A set is made of the sides under pressure.
    pure subroutine read_dload(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -762,7 +762,7 @@ contains
       end do
    end subroutine read_dload
 
-   !> Finds what a line of distributed loads on a region means.
+   !> Makes a load of a line of distributed loads on a region.
    pure subroutine interpret_dload(raw, input, keyword, group, fields, values, load)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
@@ -814,7 +814,7 @@ contains
       end select
    end subroutine interpret_dload
 
-   !> Finds the line of a place in the file.
+   !> Finds file and line of a position in the text.
    pure subroutine locate(input, place, origin, label)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: place !! the place

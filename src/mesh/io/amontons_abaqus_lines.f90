@@ -1,5 +1,5 @@
-!> Lines of the input format of Abaqus and CalculiX, keywords with parameters and data lines with fields; files that a
-!> file includes; parts and their instances; and what lines define first: sets of nodes and elements, and surfaces.
+!> Lines of the input format of Abaqus and CalculiX: keywords with parameters, and data lines with fields; included
+!> files; parts and their instances; sets of nodes and elements, and surfaces.
 module amontons_abaqus_lines
    use amontons_element, only: n_corners
    use amontons_error, only: error_t
@@ -17,17 +17,17 @@ module amontons_abaqus_lines
       take_fields, take_line_of_numbers, take_number
 
    character, parameter :: line_feed = achar(10)
-   !> Longer keyword lines are refused.
+   !> Largest length of a keyword line.
    integer, parameter :: longest_line = 2000
 
-   !> What precedes the name of a set of the assembly when an instance has a set of that name.
+   !> Prefix of the name of an assembly's set if an instance has a set of that name.
    character(*), parameter :: assembly_scope = 'assembly.'
-   !> More included files are refused.
+   !> Largest number of included files.
    integer, parameter :: most_included = 300
-   !> Most numbers of a line on axes and places.
+   !> Largest number of numbers in a line that defines axes or a translation.
    integer, parameter :: most_numbers = 9
-   !> An axis counts as normal to the plane if it leaves the normal by no more than this part of its length: the digits
-   !> of a file.
+   !> Largest component of an axis in the plane, over its length, at which it counts as normal to the plane: mesh files
+   !> round numbers.
    real(dp), parameter :: straightness = 1.0e-6_dp
    !> A degree [rad].
    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
@@ -36,7 +36,7 @@ module amontons_abaqus_lines
 
 contains
 
-   !> Puts the files that a file includes where it includes them. Faults go to the input.
+   !> Replaces each `*INCLUDE` by the text of the included file. Faults are recorded in the input.
    subroutine insert_included(input)
       type(input_file_t), intent(inout) :: input !! the file; its text gains the others
       type(error_t), allocatable :: error
@@ -70,7 +70,7 @@ contains
       input%position = start
    end subroutine insert_included
 
-   !> Place of the next `*INCLUDE`, 0 for none.
+   !> Position of the next `*INCLUDE`, 0 if there is none.
    pure integer function next_include(input) result(place)
       type(input_file_t), intent(in) :: input !! the file
       integer :: step
@@ -88,7 +88,7 @@ contains
       place = 0
    end function next_include
 
-   !> Whether nothing but blanks is left on the line.
+   !> Whether only blanks are left on the line.
    pure logical function is_at_line_end(input)
       type(input_file_t), intent(in) :: input !! the file, behind blanks
 
@@ -96,7 +96,7 @@ contains
       if (.not. is_at_line_end) is_at_line_end = input%text(input%position:input%position) == line_feed
    end function is_at_line_end
 
-   !> Whether a text begins at the position.
+   !> Whether a given text begins at the position.
    pure logical function stands_here(input, text)
       type(input_file_t), intent(in) :: input !! the file
       character(*), intent(in) :: text !! the text
@@ -115,7 +115,7 @@ contains
       input%position = input%position + 1
    end subroutine skip_line
 
-   !> Moves to the next data line; there is none where a keyword or the end of the file follows.
+   !> Moves to the next data line, if there is one before the next keyword or the end of the file.
    pure subroutine next_data_line(input, is_there)
       type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       logical, intent(out) :: is_there !! whether there is a data line
@@ -129,7 +129,7 @@ contains
          .and. .not. allocated(input%error)
    end subroutine next_data_line
 
-   !> Moves over data lines to the next keyword and takes its line and those that continue it.
+   !> Moves to the next keyword and reads its line with the continuation lines.
    pure subroutine next_keyword(input, keyword, line)
       type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       character(:), allocatable, intent(out) :: keyword
@@ -198,7 +198,7 @@ contains
       if (text(1:1) == '"' .and. text(len(text):) == '"') inside = trim(text(2:len(text) - 1))
    end function unquoted
 
-   !> Moves over a comma and the blanks around it.
+   !> Skips a comma and the blanks around it, if there is one.
    pure subroutine take_comma(input, is_there)
       type(input_file_t), intent(inout) :: input !! the file
       logical, intent(out) :: is_there !! whether there is a comma
@@ -210,7 +210,7 @@ contains
       call input%skip_blanks()
    end subroutine take_comma
 
-   !> Takes a field of a data line as a text.
+   !> Reads a field of a data line as a text.
    pure subroutine take_field(input, field)
       type(input_file_t), intent(inout) :: input !! the file
       character(:), allocatable, intent(out) :: field !! the text, without quotes, blanks and the comma behind it
@@ -227,7 +227,7 @@ contains
       field = unquoted(trim(field))
    end subroutine take_field
 
-   !> Takes all fields of a data line.
+   !> Reads all fields of a data line.
    pure subroutine take_fields(input, fields, n)
       type(input_file_t), intent(inout) :: input !! the file, at the beginning of the line
       character(longest_name), intent(out) :: fields(:) !! the fields, empty behind the last
@@ -251,7 +251,7 @@ contains
       call input%end_line()
    end subroutine take_fields
 
-   !> Takes a field as a number.
+   !> Converts a field to a number.
    pure subroutine take_number(input, field, value)
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: field !! the field
@@ -289,7 +289,7 @@ contains
       end do
    end subroutine refuse_parameters
 
-   !> Notes where the text of a part begins, and moves behind it.
+   !> Records where the text of a part begins, and skips it.
    pure subroutine start_part(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -308,7 +308,7 @@ contains
       end do
    end subroutine start_part
 
-   !> What precedes the names of the sets of an instance.
+   !> Prefix of the names of an instance's sets.
    pure function scope_of(instance) result(scope)
       type(file_part_t), intent(in) :: instance !! the instance
       character(:), allocatable :: scope
@@ -317,7 +317,7 @@ contains
       if (instance%name /= '') scope = trim(instance%name)//'.'
    end function scope_of
 
-   !> Starts an instance at its keyword line: finds how it is moved, and goes to the text of its part.
+   !> Starts an instance at its keyword line: reads its translation and rotation, and moves to the text of its part.
    pure subroutine start_instance(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -353,7 +353,7 @@ contains
       input%position = raw%parts(i)%place
    end subroutine start_instance
 
-   !> Ends an instance, if one has begun: moves its nodes, and numbers nodes and elements behind all others.
+   !> Ends an instance, if one has begun: moves its nodes, and gives nodes and elements numbers above all others.
    subroutine end_instance(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
       type(input_file_t), intent(inout) :: input !! the file
@@ -382,7 +382,7 @@ contains
 
    contains
 
-      !> Adds the shift to the numbers that the instance has put into a list.
+      !> Adds the instance's shift to the numbers that it has appended to a list.
       subroutine shift_items(list, n_before)
          type(integer_list_t), intent(inout) :: list !! the list
          integer, intent(in) :: n_before !! number of items that were there before
@@ -397,7 +397,7 @@ contains
 
    end subroutine end_instance
 
-   !> A vector that is turned with the x axis.
+   !> A vector rotated by the angle of a turned x axis.
    pure function turned(axis, x)
       real(dp), intent(in) :: axis(2) !! direction of the turned x axis, of length 1
       real(dp), intent(in) :: x(2) !! the vector
@@ -406,7 +406,7 @@ contains
       turned = [axis(1)*x(1) - axis(2)*x(2), axis(2)*x(1) + axis(1)*x(2)]
    end function turned
 
-   !> Takes the numbers of a data line, zeros where there is none.
+   !> Reads the numbers of a data line; all are zero if there is no data line.
    pure subroutine take_line_of_numbers(input, first, second, third)
       type(input_file_t), intent(inout) :: input !! the file
       real(dp), intent(out) :: first(:) !! the first numbers
@@ -430,7 +430,7 @@ contains
       if (present(third)) third = values(n + size(second) + 1:n + size(second) + size(third))
    end subroutine take_line_of_numbers
 
-   !> Place of a name in a list, whatever its case; 0 where it is not there.
+   !> Index of a name in a list, irrespective of upper and lower case; 0 if it is not there.
    pure integer function place_of_name(names, name) result(place)
       character(*), intent(in) :: names(:) !! the list
       character(*), intent(in) :: name !! the name
@@ -440,7 +440,7 @@ contains
       end do
    end function place_of_name
 
-   !> By how much numbers of nodes and elements are greater in a scope than in its text.
+   !> The number added to node and element numbers of an instance, given the prefix of its sets; 0 outside of instances.
    pure integer function shift_of(raw, scope) result(shift)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: scope !! what precedes the names of its sets
@@ -451,7 +451,7 @@ contains
       if (instance > 0) shift = raw%instances(instance)%shift
    end function shift_of
 
-   !> Reads a field that is the number of a node or element, perhaps with the name of its instance and a point before.
+   !> Reads a field that is the number of a node or element, possibly preceded by the name of its instance and a point.
    pure subroutine read_tag(raw, field, tag, is_number)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: field !! the field
@@ -465,7 +465,7 @@ contains
       if (is_number) tag = tag + shift_of(raw, scope)
    end subroutine read_tag
 
-   !> The set that a keyword line names, a new one if need be.
+   !> Finds the set that a keyword line names, or makes a new one.
    pure subroutine get_set(raw, input, line, parameter, group)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -482,8 +482,8 @@ contains
       raw%groups(group)%n_scope = len(raw%scope)
    end subroutine get_set
 
-   !> Reads a set of nodes or elements: numbers and names of sets above; or ranges, each a first number, a last one and
-   !> an increment that is 1 where it is absent.
+   !> Reads a set of nodes or elements: numbers and names of earlier sets; or ranges, each with a first number, a last
+   !> one and an increment, which is 1 if missing.
    pure subroutine read_set(raw, input, line, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -540,7 +540,7 @@ contains
       end if
    end subroutine read_set
 
-   !> Takes a range: its first number, its last one and an increment.
+   !> Reads a range: its first number, its last one and an increment.
    pure subroutine take_range(input, first, last, increment)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: first !! the first number
@@ -559,8 +559,8 @@ contains
          'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
    end subroutine take_range
 
-   !> The set that a field names, 0 for none: that of this name here or in the instance named; else that of the
-   !> assembly; else that of the only instance.
+   !> Index of the set that a field names, 0 if there is none: the set of this name in the present instance, or in the
+   !> named one; otherwise that of the assembly; otherwise that of the only instance.
    pure integer function named_group(raw, field) result(group)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
@@ -575,8 +575,8 @@ contains
       end associate
    end function named_group
 
-   !> Gives sets that only one instance has, and sets of the assembly that none has, their names alone, in the place of
-   !> `instance.name`; supports, loads and sections follow.
+   !> Removes the prefix from the names of sets that only one instance has, and of sets of the assembly whose name no
+   !> instance has; renames the sets of supports, loads and sections accordingly.
    pure subroutine name_instance_sets(raw)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       character(:), allocatable :: name
@@ -604,7 +604,7 @@ contains
 
    contains
 
-      !> The name that a set has now.
+      !> The new name of a set.
       pure function final_name(before) result(name)
          character(*), intent(in) :: before !! its name before
          character(:), allocatable :: name
@@ -617,7 +617,7 @@ contains
 
    end subroutine name_instance_sets
 
-   !> Adds what a field names: one thing by its number, or the things of a set.
+   !> Adds the members that a field names: a node or element by its number, or all members of a set.
    pure subroutine add_members(raw, input, refusal, of_nodes, field, members)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the field
@@ -648,8 +648,8 @@ contains
       end if
    end subroutine add_members
 
-   !> Reads a surface: lines of an element, or a set, and a side of it; of a surface of nodes, nodes. One that names
-   !> anything else is left out.
+   !> Reads a surface: each line has an element or a set, and a side of it; for a surface of nodes, nodes. A surface
+   !> with anything else is left out.
    pure subroutine read_surface(raw, input, line)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
@@ -689,7 +689,7 @@ contains
       if (.not. of_nodes) call raw%groups(group)%cell%append_all(members%items())
    end subroutine read_surface
 
-   !> Replaces the numbers of elements in the sets by places in the list of cells.
+   !> Replaces element numbers in the sets by indices in the list of cells.
    pure subroutine resolve_elements(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file

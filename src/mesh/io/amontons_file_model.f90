@@ -1,5 +1,4 @@
-!> The contents of a mesh file before they are checked: nodes and cells by their numbers in the file, and beside the
-!> mesh materials, supports and loads.
+!> The raw contents of a mesh file: nodes and cells with their numbers in the file, and materials, supports and loads.
 module amontons_file_model
    use amontons_constraints, only: support_t
    use amontons_element, only: n_element_nodes
@@ -15,19 +14,19 @@ module amontons_file_model
    public :: file_material_t, file_model_t, file_part_t, file_temperatures_t, line2, line3, longest_name, &
       n_cell_nodes, no_cell, point1, raw_mesh_t
 
-   !> What may be read of it, as a deck names it.
+   !> Parts of the model that may be read, as a deck names them.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
-   !> Which of these are the materials.
+   !> Index of the materials in `use_names`.
    integer, parameter, public :: use_materials = 1
-   !> Which of these are the supports.
+   !> Index of the supports in `use_names`.
    integer, parameter, public :: use_supports = 2
-   !> Which of these are the loads.
+   !> Index of the loads in `use_names`.
    integer, parameter, public :: use_loads = 3
 
-   !> Longest name of a set or material, as Abaqus has it.
+   !> Largest length of the name of a set or material, as in Abaqus.
    integer, parameter :: longest_name = 80
 
-   !> A material that a file defines, and the section that puts it into a region.
+   !> A material that a file defines, and the section that assigns it to a region.
    type :: file_material_t
       character(longest_name) :: name = '' !! its name
       character(longest_name) :: region = '' !! region that it fills; empty before a section says it
@@ -41,7 +40,7 @@ module amontons_file_model
       integer :: place = 0 !! where the file gives the section
    end type file_material_t
 
-   !> Temperatures of the nodes. Arrays have a place for each node of the file, in its order, as far as it is read.
+   !> Temperatures of the nodes. Arrays have an entry for each node of the file read so far, in its order.
    type :: file_temperatures_t
       type(tag_map_t) :: map !! places of the nodes by their numbers in the file
       real(dp), allocatable :: initial(:) !! temperatures at which nothing is strained [K]
@@ -51,7 +50,7 @@ module amontons_file_model
       integer :: place = 0 !! where the file gives those of the step; 0 if it does not
    end type file_temperatures_t
 
-   !> All that is read beside the mesh.
+   !> Materials, supports and loads of a mesh file.
    type :: file_model_t
       logical :: is_used(size(use_names)) = .false. !! what is read
       type(file_material_t), allocatable :: definitions(:) !! the materials that the file defines
@@ -69,7 +68,7 @@ module amontons_file_model
       procedure :: add_support => file_model_add_support
    end type file_model_t
 
-   !> Kind of a cell that is left out.
+   !> Kind of a cell that is ignored.
    integer, parameter :: no_cell = 0
    !> Kind of a cell that is a point; elements have the kinds of `amontons_element`, which are positive.
    integer, parameter :: point1 = -1
@@ -78,13 +77,13 @@ module amontons_file_model
    !> Kind of a cell that is a line between two nodes over a third.
    integer, parameter :: line3 = -3
 
-   !> More named sets are refused: they would only slow down every search for one.
+   !> Largest number of named sets; more would slow down every search for one.
    integer, parameter :: most_groups = 10000
-   !> A file may put this many things into sets, and one more for each of its bytes: ranges and sets of sets could
-   !> otherwise name more than any memory holds.
+   !> A file may put as many members into sets as this plus its number of bytes: ranges and sets of sets could otherwise
+   !> exceed any memory.
    integer, parameter :: free_members = 1000000
 
-   !> How many notes are told; the first ones say enough.
+   !> Largest number of notes that are kept.
    integer, parameter :: most_notes = 100
 
    !> A named set: of elements, of lines and sides, of nodes.
@@ -98,7 +97,7 @@ module amontons_file_model
       type(integer_list_t) :: node !! numbers of its nodes in the file
    end type raw_group_t
 
-   !> A part of an Abaqus file, or an instance of one, whose sets and numbers are its own.
+   !> A part of an Abaqus file, or an instance of one, with its own sets and numbers.
    type :: file_part_t
       character(longest_name) :: name = '' !! its name
       integer :: place = 0 !! where the text of a part begins
@@ -174,7 +173,7 @@ contains
       if (kind > 0) n_cell_nodes = n_element_nodes(kind)
    end function n_cell_nodes
 
-   !> Adds a note; the same note again is not another one.
+   !> Adds a note, unless it is there already.
    pure subroutine raw_mesh_add_note(self, sentence)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       character(*), intent(in) :: sentence !! what was put right or left out
@@ -228,7 +227,7 @@ contains
       call self%node%append_all(nodes)
    end subroutine raw_mesh_add_cell
 
-   !> What tells a name from others.
+   !> The key by which named sets are sorted and found: the name, in lower case if the format ignores case.
    pure function key_of(raw, name) result(key)
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       character(*), intent(in) :: name !! the name
@@ -238,7 +237,7 @@ contains
       if (raw%ignores_case) key = lower_case(name)
    end function key_of
 
-   !> Place in the sorted list of the first named set whose key is not before a given one.
+   !> Place in the sorted list of the first named set whose key is not less than a given one.
    pure integer function place_of(raw, key) result(place)
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       character(*), intent(in) :: key !! the key
@@ -256,7 +255,7 @@ contains
       end do
    end function place_of
 
-   !> The named set of a name, 0 where there is none.
+   !> Index of the named set with a given name, 0 if there is none.
    pure integer function raw_mesh_find_group(self, name) result(group)
       class(raw_mesh_t), intent(in) :: self !! the raw mesh
       character(*), intent(in) :: name !! the name
@@ -270,7 +269,7 @@ contains
       if (self%groups(self%sorted(place))%key == key) group = self%sorted(place)
    end function raw_mesh_find_group
 
-   !> The named set of a name; a new one where there is none.
+   !> Finds the named set with a given name, or makes a new one.
    pure subroutine raw_mesh_get_group(self, input, name, group)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
@@ -298,8 +297,8 @@ contains
       self%groups(group)%place = input%position - 1
    end subroutine raw_mesh_get_group
 
-   !> Must be asked before sets get things that are not all written out: a range or another set. Refuses more than a
-   !> file of this length may name.
+   !> Refuses more members of sets than a file of this length may name. To be called before members are added that are
+   !> not written one by one: those of a range or of another set.
    pure subroutine raw_mesh_expect_members(self, input, n_more)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file

@@ -1,5 +1,5 @@
-!> Meshes in Gmsh's MSH format, versions 2.2, 4.0 and 4.1, text and binary: types of elements, and which of them are
-!> read; physical groups, which cells belong to which and their names; entities, nodes and elements.
+!> Meshes in Gmsh's MSH format, versions 2.2, 4.0 and 4.1, text and binary: types of elements and which of them are
+!> supported; physical groups with their cells and names; entities, nodes and elements.
 module amontons_gmsh
    use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
    use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
@@ -12,13 +12,13 @@ module amontons_gmsh
 
    public :: read_gmsh
 
-   !> Versions of the format, ten times the number that a file gives.
+   !> Versions of the format, times ten.
    integer, parameter :: msh_22 = 22, msh_40 = 40, msh_41 = 41
-   !> Kind of cell of each of Gmsh's first types, `no_cell` where it is not read.
+   !> Kind of cell for each of Gmsh's first element types; `no_cell` for those that are not supported.
    integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, no_cell, no_cell, no_cell, no_cell, line3, tri6, &
       quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
 
-   !> The groups of one dimension.
+   !> The physical groups of one dimension.
    type :: dimension_t
       type(integer_list_t) :: named_tag !! number of each physical group that has a name, positive
       type(integer_list_t) :: named_group !! its set in the raw mesh; a name without members is still a set
@@ -29,30 +29,30 @@ module amontons_gmsh
       type(integer_list_t) :: run_last !! last cell of the run
    end type dimension_t
 
-   !> What a file says about its physical groups, dimension by dimension: points, curves, surfaces.
+   !> The physical groups of a file by dimension: points, curves, surfaces.
    type :: gmsh_groups_t
       logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
       type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
    end type gmsh_groups_t
 
-   !> Bytes that a number of version 4.1 takes at least: in text a digit and a blank, in a binary file more.
+   !> Smallest number of bytes for a number of version 4.1: in text a digit and a blank, in a binary file more.
    integer, parameter :: least_bytes = 2
-   !> A node has three coordinates and up to three parameters.
+   !> Largest number of reals of a node: three coordinates and three parameters.
    integer, parameter :: most_numbers = 6
 
-   !> Bytes that a node of a text of version 2.2 takes at least: `1 0 0 0` and the end of the line.
+   !> Smallest number of bytes for a node in a text of version 2.2: `1 0 0 0` and the end of the line.
    integer, parameter :: least_node_text = 8
-   !> Bytes that a node of a binary file of version 2.2 takes: an integer and three reals.
+   !> Number of bytes of a node in a binary file of version 2.2: an integer and three reals.
    integer, parameter :: least_node_bytes = 28
-   !> Bytes that an element of version 2.2 takes at least: in text `1 15 0 1` and the end of the line; in binary two
+   !> Smallest number of bytes for an element of version 2.2: in text `1 15 0 1` and the end of the line; in binary two
    !> integers.
    integer, parameter :: least_element = 8
-   !> More tags of an element are refused: physical group, entity and partitions are a few.
+   !> Largest number of tags of an element; physical group, entity and partitions need a few.
    integer, parameter :: most_tags = 1000
 
 contains
 
-   !> Notes that consecutive cells belong to an entity or a group.
+   !> Records that consecutive cells belong to an entity or a group.
    pure subroutine add_run(groups, owner, first, last)
       type(dimension_t), intent(inout) :: groups !! the groups of the dimension of the cells
       integer, intent(in) :: owner !! number of the entity or of the physical group
@@ -72,8 +72,8 @@ contains
       call groups%run_last%append(last)
    end subroutine add_run
 
-   !> Makes the groups sets of a raw mesh. Where there are physical surfaces, the body consists of them: the elements
-   !> that belong to none are taken out.
+   !> Makes named sets of a raw mesh from the physical groups. If there are physical surfaces, the body consists of
+   !> their elements, and all others are removed.
    pure subroutine put_groups(groups, raw, input)
       type(gmsh_groups_t), intent(in) :: groups !! the groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
@@ -92,7 +92,7 @@ contains
       call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
    end subroutine put_groups
 
-   !> Makes the groups of one dimension sets of a raw mesh.
+   !> Makes named sets of a raw mesh from the physical groups of one dimension.
    pure subroutine put_dimension(groups, has_entities, raw, input, is_kept, has_any)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
@@ -143,7 +143,7 @@ contains
       end do
    end subroutine put_dimension
 
-   !> Takes the type of an element; refuses those that are not read.
+   !> Reads the type of an element; refuses types that are not supported.
    pure subroutine take_cell_kind(input, kind)
       type(input_file_t), intent(inout) :: input !! the file, at the type
       integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
@@ -181,7 +181,7 @@ contains
       if (kind > 0) dimension_of = 2
    end function dimension_of
 
-   !> Reads the section of the entities, of which only their physical groups matter.
+   !> Reads the section of the entities, of which only the physical groups are used.
    pure subroutine read_entities_4(groups, input, version)
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
@@ -229,8 +229,8 @@ contains
       end do
    end subroutine read_entities_4
 
-   !> Reads the section of the nodes: blocks of their numbers, then of their coordinates and the parameters on their
-   !> entity. In version 4.0 each number is followed by the coordinates of its node.
+   !> Reads the section of the nodes: blocks of numbers, followed by coordinates and parameters on the entity. In
+   !> version 4.0 each number is followed by the coordinates of its node.
    pure subroutine read_nodes_4(raw, input, version)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
@@ -274,7 +274,7 @@ contains
          input%position - 1)
    end subroutine read_nodes_4
 
-   !> Takes dimension and number of the entity that a block belongs to; version 4.0 has them the other way round.
+   !> Reads dimension and number of the entity of a block; version 4.0 has them in the other order.
    pure subroutine take_entity(input, version, dimension, entity)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: version !! `msh_40` or `msh_41`
@@ -287,8 +287,8 @@ contains
       if (version == msh_41) call input%take_integer(entity, 'the number of an entity')
    end subroutine take_entity
 
-   !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things, which
-   !> version 4.0 has not.
+   !> Reads the header of a section: the numbers of blocks and of items and, except in version 4.0, the smallest and the
+   !> largest number of an item.
    pure subroutine take_section_header(input, version, n_blocks, n, things)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: version !! `msh_40` or `msh_41`
@@ -309,7 +309,7 @@ contains
       call input%end_record()
    end subroutine take_section_header
 
-   !> Takes the number of things in a block, the last of its header.
+   !> Reads the number of items in a block, the last entry of its header.
    pure subroutine take_block_size(input, n, n_left, things)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n !! number of things in the block
@@ -323,7 +323,7 @@ contains
       n_left = n_left - n
    end subroutine take_block_size
 
-   !> Takes the number of a node or element.
+   !> Reads the number of a node or element.
    pure subroutine take_tag(input, version, tag, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: version !! `msh_40` or `msh_41`
@@ -372,7 +372,7 @@ contains
          input%position - 1)
    end subroutine read_elements_4
 
-   !> Reads the section of the nodes.
+   !> Reads the section of the nodes in version 2.2.
    pure subroutine read_nodes_2(raw, input, is_parametric)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of nodes
@@ -405,7 +405,7 @@ contains
       end do
    end subroutine read_nodes_2
 
-   !> Reads the section of the elements.
+   !> Reads the section of the elements in version 2.2.
    pure subroutine read_elements_2(raw, groups, input)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
@@ -463,7 +463,7 @@ contains
       end do
    end subroutine read_elements_2
 
-   !> Whether an element is the one before once more: the format repeats it for every physical group it belongs to.
+   !> Whether an element repeats the one before: the format lists it once for every physical group it belongs to.
    pure logical function is_twin(raw, cell, kind, nodes)
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       integer, intent(in) :: cell !! the element before, 0 for none
@@ -482,7 +482,7 @@ contains
       is_twin = .true.
    end function is_twin
 
-   !> Reads a mesh section by section. Faults go to the input.
+   !> Reads a mesh section by section. Faults are recorded in the input.
    pure subroutine read_gmsh(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first section
@@ -545,7 +545,7 @@ contains
       if (.not. allocated(input%error)) call put_groups(groups, raw, input)
    end subroutine read_gmsh
 
-   !> Moves behind the end of a section.
+   !> Skips the end marker of a section.
    pure subroutine end_section(input, name)
       type(input_file_t), intent(inout) :: input !! the file, behind the contents of the section
       character(*), intent(in) :: name !! name of the section
@@ -562,7 +562,7 @@ contains
       end if
    end subroutine end_section
 
-   !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
+   !> Reads the version, whether the file is binary, and its byte order.
    pure subroutine read_format(input, version)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: version !! `msh_22`, `msh_40` or `msh_41`

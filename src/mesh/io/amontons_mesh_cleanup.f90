@@ -1,9 +1,10 @@
-!> Makes a mesh of a raw mesh: harmless defects are repaired, with a note; the rest is refused. The file's groups become
-!> its named sets: boundary sets, sets of nodes, regions.
+!> Makes a mesh of a raw mesh: harmless defects are repaired, with a note; other defects are refused. The file's groups
+!> become named sets: boundary sets, node sets, regions.
 !>
-!> A mesh comes apart at slits and at hanging nodes, which lie in the side of an element without belonging to it. At a
-!> hanging node the elements on both sides have the ends of the long side in common, and nothing holds the nodes
-!> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
+!> The topology of a mesh is interrupted at slits and at hanging nodes, which lie on the side of an element without
+!> belonging to it. At a hanging node the elements on both sides share the ends of the long side, but not the nodes
+!> between them. The sides on both faces of a slit, and those at hanging nodes, are then boundary sides, so that only
+!> these are searched.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_file_model, only: n_cell_nodes, raw_mesh_t
@@ -18,14 +19,14 @@ module amontons_mesh_cleanup
 
    public :: new_clean_mesh
 
-   !> Sides of the boundary by the corner they lead to.
+   !> Sides of the boundary, sorted by their end corner.
    type :: incoming_sides_t
       integer, allocatable :: start(:) !! corner that each side comes from (sides)
       integer, allocatable :: before(:) !! side filed before it at the corner it leads to, 0 for none (sides)
       integer, allocatable :: last(:) !! last side filed at each corner, 0 for none (nodes)
    end type incoming_sides_t
 
-   !> From the things of a raw mesh to those of a mesh.
+   !> Maps from nodes and cells of a raw mesh to nodes and elements of the mesh.
    type :: renumbering_t
       type(tag_map_t) :: place !! from the number of a node in the file to its place in the raw mesh
       integer, allocatable :: node(:) !! node of the mesh of each node of the raw mesh, 0 for none
@@ -33,7 +34,7 @@ module amontons_mesh_cleanup
       logical, allocatable :: is_turned(:) !! whether an element runs round the other way than its cell (n_elements)
    end type renumbering_t
 
-   !> Things of a set that is being collected: every one once, in the order found.
+   !> Members of a set that is being collected: each once, in the order found.
    type :: collection_t
       integer, allocatable :: stamp(:) !! last set that each thing was put into
       type(integer_list_t) :: list !! the things
@@ -41,7 +42,7 @@ module amontons_mesh_cleanup
       procedure :: put => collection_put
    end type collection_t
 
-   !> What a group of a raw mesh has in the mesh.
+   !> The members of a raw group in the mesh.
    type :: group_members_t
       type(collection_t) :: sides !! sides of the boundary
       type(collection_t) :: nodes !! nodes
@@ -53,15 +54,15 @@ module amontons_mesh_cleanup
       integer :: n_unused = 0 !! number of its nodes without an element
    end type group_members_t
 
-   !> The body may leave its plane by this much of its size, as rounding does.
+   !> Largest deviation of nodes from the plane of the body, over the body's size: coordinates are rounded.
    real(dp), parameter :: flatness = 1.0e-9_dp
-   !> Larger coordinates are refused: their products overflow.
+   !> Largest magnitude of a coordinate: products of larger ones may overflow.
    real(dp), parameter :: largest_coordinate = 1.0e100_dp
 
 contains
 
-   !> Warns of the ends of slits: nodes from which on two sides of the boundary run along each other, the body left and
-   !> right of them. A crack is a slit; so is the line between parts that touch without having their nodes in common.
+   !> Warns of the ends of slits: nodes at which two boundary sides with the body on opposite sides coincide in
+   !> direction. A crack is a slit; so is the line between parts that touch without common nodes.
    pure subroutine warn_of_slits(mesh, table, incoming)
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
       type(side_table_t), intent(in) :: table !! the sides of its elements
@@ -91,7 +92,7 @@ contains
          ': from there on, elements touch without sharing their nodes')
    end subroutine warn_of_slits
 
-   !> Goes from one corner of a side to the other along shorter sides of the elements opposite, against their
+   !> Follows shorter sides of the elements on the other face from one corner of a side to the other, against their
    !> direction.
    pure subroutine follow(incoming, coordinates, from, to, node)
       type(incoming_sides_t), intent(in) :: incoming !! the sides of the boundary
@@ -128,7 +129,7 @@ contains
       node = 0
    end subroutine follow
 
-   !> Makes a mesh of a raw mesh. Faults go to the input, notes to the raw mesh.
+   !> Makes a mesh of a raw mesh. Faults are recorded in the input, notes in the raw mesh.
    subroutine new_clean_mesh(mesh, raw, input)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; its cells name their nodes by place on return
@@ -202,7 +203,8 @@ contains
       call input%refuse('element '//to_text(raw%cell_tag%item(cell))//' '//sentence, raw%cell_place%item(cell))
    end subroutine refuse_cell
 
-   !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
+   !> Makes elements of the cells that are neither points nor lines; their nodes are still indices in the list of the
+   !> raw mesh.
    pure subroutine connect_elements(mesh, raw, input, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
@@ -234,8 +236,8 @@ contains
       end do
    end subroutine connect_elements
 
-   !> Keeps the nodes that elements have. Refuses those that are out of range or out of the plane z = constant of the
-   !> first.
+   !> Keeps the nodes of elements. Refuses coordinates that are out of range or outside of the plane z = constant of the
+   !> first node.
    pure subroutine place_nodes(mesh, raw, input, node_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
@@ -274,7 +276,7 @@ contains
          raw%node_place%item(kept(node)))
    end subroutine place_nodes
 
-   !> Turns the clockwise elements round; refuses those whose map from the reference element is not one to one.
+   !> Reverses elements with clockwise nodes; refuses those whose map from the reference element is not one to one.
    pure subroutine turn_elements(mesh, raw, input, cell_of, is_turned)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
@@ -318,7 +320,7 @@ contains
       if (any(is_turned)) call raw%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
    end subroutine turn_elements
 
-   !> Twice the area that corners go round, negative where they go clockwise [L^2].
+   !> Twice the area of a polygon, negative if its corners are in clockwise order [L^2].
    pure real(dp) function doubled_area(x)
       real(dp), intent(in) :: x(:, :) !! coordinates of three or four corners (2, corners) [L]
 
@@ -329,7 +331,7 @@ contains
       end if
    end function doubled_area
 
-   !> The component of a cross product that is normal to the plane.
+   !> The out-of-plane component of a cross product.
    pure real(dp) function cross(a, b)
       real(dp), intent(in) :: a(2) !! one vector
       real(dp), intent(in) :: b(2) !! the other vector
@@ -337,9 +339,9 @@ contains
       cross = a(1)*b(2) - a(2)*b(1)
    end function cross
 
-   !> Refuses elements that lie one over the other, hanging nodes, and neighbors that differ about the middle of their
+   !> Refuses overlapping elements, hanging nodes, and neighbors with different nodes in the middle of their common
    !> side. At a hanging node shorter sides lead from one end of an element's side to the other along it; a slit, with
-   !> nodes on both faces, is none, nor is its tip.
+   !> nodes on both faces, is no hanging node, nor is its tip.
    pure subroutine check_neighbors(mesh, raw, input, cell_of, table, incoming)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
@@ -390,7 +392,8 @@ contains
       end do
    end subroutine check_neighbors
 
-   !> Gives a mesh the named sets of a raw mesh. Faults go to the input, notes to the raw mesh.
+   !> Makes the named sets of a mesh from the groups of a raw mesh. Faults are recorded in the input, notes in the raw
+   !> mesh.
    subroutine name_sets(mesh, raw, input, table, renumbering)
       type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for its sets
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
@@ -456,7 +459,7 @@ contains
       if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
    end subroutine name_sets
 
-   !> Collects what the cells of a group, and sides of cells, are in the mesh.
+   !> Collects the mesh entities of a group's cells and sides of cells.
    subroutine collect_cells(members, mesh, raw, input, table, renumbering, group)
       type(group_members_t), intent(inout) :: members !! the members of the group; gains those
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -507,7 +510,7 @@ contains
 
    contains
 
-      !> Counts a line or point that lies where another one of the group does.
+      !> Counts a line or point that duplicates another one of the group.
       subroutine count_doubled(place)
          integer, intent(in) :: place !! number of its side, or that of its node with a minus; 0 for none
 
@@ -517,7 +520,7 @@ contains
 
    end subroutine collect_cells
 
-   !> Collects the nodes of a group and, if nothing else names sides, the sides of the boundary between them.
+   !> Collects the nodes of a group and, if the group names no sides otherwise, the boundary sides between these nodes.
    subroutine collect_nodes(members, mesh, raw, input, table, renumbering, group)
       type(group_members_t), intent(inout) :: members !! the members of the group, its cells taken; gains those
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -549,7 +552,7 @@ contains
       end do
    end subroutine collect_nodes
 
-   !> Puts a node into a group, if elements have it.
+   !> Adds a node to a group, if the node belongs to an element.
    subroutine put_node(members, node, group)
       type(group_members_t), intent(inout) :: members !! the members of the group
       integer, intent(in) :: node !! the node, 0 for one that no element has
@@ -559,7 +562,7 @@ contains
       if (node == 0) members%n_unused = members%n_unused + 1
    end subroutine put_node
 
-   !> Puts a thing into a set that is being collected, unless it is there already.
+   !> Adds a member to a set that is being collected, unless it is there already.
    pure subroutine collection_put(self, thing, set)
       class(collection_t), intent(inout) :: self !! the things of the set
       integer, intent(in) :: thing !! the thing

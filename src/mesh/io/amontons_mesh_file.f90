@@ -1,6 +1,6 @@
-!> The parts of a mesh, a body each: a generated rectangle or a file, where it is put and how its sets are named; and
-!> how the parts are joined to one mesh, without merging nodes. Files are Gmsh's MSH or in the input format of Abaqus
-!> and CalculiX, told apart by their first character.
+!> The parts of a mesh, one for each body: a generated rectangle or a file, with its position and a prefix for the names
+!> of its sets; and the union of the parts, without merging nodes. Files are Gmsh's MSH or in the input format of Abaqus
+!> and CalculiX, distinguished by their first character.
 module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
    use amontons_error, only: error_t, input_refused, new_error
@@ -30,7 +30,7 @@ module amontons_mesh_file
 
 contains
 
-   !> Puts a name and a point before the names of all sets and regions of a mesh; the whole mesh becomes the region of
+   !> Prefixes the names of all sets and regions of a mesh with a name and a point; the whole mesh becomes the region of
    !> that name.
    pure subroutine name_mesh(mesh, name)
       type(mesh_t), intent(inout) :: mesh !! the mesh
@@ -51,7 +51,7 @@ contains
       mesh%source = name//': '//mesh%source
    end subroutine name_mesh
 
-   !> Puts a name and a point before the names of sets.
+   !> Prefixes the names of sets with a name and a point.
    pure subroutine put_name_before(sets, name)
       type(named_set_t), intent(inout), optional :: sets(:) !! the sets; may be not allocated
       character(*), intent(in) :: name !! the name
@@ -63,8 +63,8 @@ contains
       end do
    end subroutine put_name_before
 
-   !> Puts a mesh behind another one, whose nodes and elements keep their numbers. The numbers that nodes have in files
-   !> go on behind the largest one before.
+   !> Appends a mesh to another one, whose nodes and elements keep their numbers. The file numbers of the appended nodes
+   !> continue after the largest one before.
    subroutine append_mesh(mesh, other, error)
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
@@ -112,7 +112,7 @@ contains
 
    contains
 
-      !> Refuses names that the first mesh has, too.
+      !> Refuses names of sets that the first mesh has as well.
       subroutine refuse_doubles(noun, sets)
          character(*), intent(in) :: noun !! what they are the names of, 'set' or 'region'
          type(named_set_t), intent(in), optional :: sets(:) !! sets of the other mesh; may be not allocated
@@ -127,7 +127,7 @@ contains
          end do
       end subroutine refuse_doubles
 
-      !> Puts sets of the other mesh behind those of the first.
+      !> Appends the sets of another mesh.
       subroutine join_sets(sets, others)
          type(named_set_t), allocatable, intent(inout) :: sets(:) !! sets of the first mesh, not allocated for none
          type(named_set_t), allocatable, intent(in) :: others(:) !! the others, not allocated for none
@@ -149,7 +149,7 @@ contains
 
    end subroutine append_mesh
 
-   !> The parents of the nodes of a mesh, whether refined or not.
+   !> The parents of the nodes of a mesh; empty ones for a mesh that is not refined.
    pure function parents_of(mesh) result(parents)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(parents_t) :: parents
@@ -162,7 +162,7 @@ contains
       end if
    end function parents_of
 
-   !> The numbers that the nodes of a mesh have in its file, 0 for a node of refinement.
+   !> The numbers of the nodes in the mesh file, 0 for a node of refinement.
    pure function tags_of(mesh) result(tags)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable :: tags(:)
@@ -175,8 +175,8 @@ contains
       end if
    end function tags_of
 
-   !> Reads a mesh file; what can be put right is, with a note, and the rest is refused. Where more than the mesh is
-   !> used of the file, the mesh has the sets that `read_file_model` names.
+   !> Reads a mesh file; harmless defects are repaired, with a note, and others are refused. If materials, supports or
+   !> loads of the file are used, the mesh has the sets that `read_file_model` names.
    subroutine read_mesh_file(mesh, file, notes, error, is_used)
       type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
       character(*), intent(in) :: file !! name of the file
@@ -197,7 +197,7 @@ contains
       if (allocated(raw%notes)) notes = raw%notes
    end subroutine read_mesh_file
 
-   !> Reads what a mesh file says beside the mesh.
+   !> Reads materials, supports and loads of a mesh file.
    subroutine read_file_model(model, file, is_used, error)
       type(file_model_t), intent(out) :: model !! materials, supports and loads
       character(*), intent(in) :: file !! name of the file
@@ -212,7 +212,7 @@ contains
       model = raw%model
    end subroutine read_file_model
 
-   !> Reads a mesh file as it is.
+   !> Reads a mesh file without changes.
    subroutine read_raw_mesh(raw, input, file, error, is_used)
       type(raw_mesh_t), intent(out) :: raw !! what it says
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
@@ -237,8 +237,8 @@ contains
       end select
    end subroutine read_raw_mesh
 
-   !> Makes or reads the parts of a mesh. Refinements that all have in common come last, so that a mesh that is refined
-   !> once more keeps the numbers of its nodes.
+   !> Makes or reads the parts of a mesh. Refinements common to all parts are done last, so that refining the mesh once
+   !> more does not change the numbers of its nodes.
    subroutine new_mesh(mesh, parts, notes, error)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_part_t), intent(in) :: parts(:) !! its parts, one at the least
