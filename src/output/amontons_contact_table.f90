@@ -1,6 +1,6 @@
-!> Columns of the contact points, made of a result: NAME.contact.csv writes all columns, the listing and the grids those
-!> that are for them. Behind them, in the grid of the contact line, the lines of the masters of contact pairs; and how
-!> the displacements of contact points are made up of those of either side.
+!> Columns of the table of contact points: NAME.contact.csv has all columns, listing and grids the ones selected for
+!> them. Also, for the grid of the contact line, the lines of the masters of contact pairs; and the contributions of
+!> either side to the displacements of the contact points.
 module amontons_contact_table
    use amontons_body, only: body_t
    use amontons_contact_rows, only: contact_rows_t
@@ -28,7 +28,7 @@ module amontons_contact_table
       procedure :: forces => master_line_forces
    end type master_line_t
 
-   !> A number of every contact point, a node or a cell of constant multipliers.
+   !> A column: a number of every contact point, which is a node or a cell of constant multipliers.
    type :: column_t
       character(32) :: key = '' !! its name in files
       character(12) :: label = '' !! its heading in the listing; blank for what this leaves out
@@ -76,7 +76,7 @@ contains
       line%n_nodes = size(line%node)
    end subroutine new_master_line
 
-   !> Adds a segment, and its ends where they are new.
+   !> Adds a segment and those of its ends that are new.
    pure subroutine add_segment(line, set, ends, normals)
       type(master_line_t), intent(inout) :: line !! the lines
       integer, intent(in) :: set !! number of the contact set
@@ -117,8 +117,8 @@ contains
       end do
    end function master_line_forces
 
-   !> The rows of the contact points without the nodes of their masters, or of these alone. All nodes are those of the
-   !> slave where the obstacle is rigid.
+   !> The rows of the contact points without the nodes of their masters, or the rows with these alone. With a rigid
+   !> obstacle all nodes belong to the slave.
    pure function side_rows(zone, of_master) result(rows)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: of_master !! whether the nodes of the masters are wanted
@@ -142,7 +142,7 @@ contains
       rows%around = pack(zone%rows%around, is_wanted)
    end function side_rows
 
-   !> Gathers the columns, in the order of the table.
+   !> Makes the columns, in the order of the table.
    subroutine contact_columns(list, body, result)
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
@@ -215,8 +215,8 @@ contains
 
    end subroutine contact_columns
 
-   !> A quantity of the contact points at nodes: 0 at those that no point is made of, and the mean of several points by
-   !> their shares in the node (nodes).
+   !> A quantity of the contact points at nodes: the mean over the points that a node contributes to, weighted by their
+   !> shares in it; 0 at other nodes (nodes).
    pure function at_nodes(body, values, nodes) result(means)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: values(:) !! the quantity (m)
@@ -242,8 +242,8 @@ contains
       means = means(nodes)
    end function at_nodes
 
-   !> Names of the pairs of the contact points, SLAVE/MASTER, or SET where the obstacle is rigid; no names where all are
-   !> rigid. Commas become semicolons, since a comma would end the field.
+   !> Names of the pairs of the contact points, SLAVE/MASTER, or SET with a rigid obstacle; empty if all obstacles are
+   !> rigid. Commas are replaced by semicolons, since a comma would end the field.
    pure function pair_names(zone, contacts) result(names)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -292,7 +292,7 @@ contains
       call document%add(text, [0.0_dp, list%scale, 0.0_dp])
    end subroutine add_point_table
 
-   !> The table of points in a listing; a line below its headings has the units, where the case names them.
+   !> The table of points for a listing; a line below its headings has the units, if the case names them.
    pure function points_text(title, list, status, units) result(text)
       character(*), intent(in) :: title !! its heading
       type(column_t), intent(in) :: list(:) !! the columns of numbers

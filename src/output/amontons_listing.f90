@@ -1,6 +1,6 @@
-!> NAME.lst: the listing, which an engineer reads top to bottom and needs nothing else; and what the listings of decks,
-!> sweeps and reduced problems have in common: the head, the model, the method and its outcome, uniqueness and all
-!> solutions (NAME.solutions.csv, too), the verdict, the times.
+!> NAME.lst: the listing, which is complete without the other files; and the sections that the listings of decks, sweeps
+!> and reduced problems share: head, model, method and outcome, uniqueness and all solutions (with NAME.solutions.csv),
+!> verdict, times.
 module amontons_listing
    use amontons_all_solutions, only: all_solutions_t
    use amontons_body, only: body_t
@@ -39,7 +39,7 @@ module amontons_listing
       new_listing, outcome_text, quantities_text, residual_text, solutions_table_text, solutions_text, &
       status_counts, times_text, uniqueness_text, violations_text, warnings_text
 
-   !> The phases that lie behind a deck when its listing is written.
+   !> The phases that are complete when the listing of a deck is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &
       phase_recover]
 
@@ -199,7 +199,7 @@ contains
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
-   !> A rigid set or preload: where it is, and how much of its motion is prescribed or what drives it.
+   !> A rigid set or preload: its position, and the prescribed part of its motion or the force that drives it.
    pure function motion_text(body, load_case, number, units) result(text)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its supports and what drives them
@@ -280,7 +280,7 @@ contains
       if (contact%wear > 0.0_dp) text = text//', wear '//with_unit(short_text(contact%wear), units, 'L^2/F')
    end function contact_text
 
-   !> Mean lengths of the sides of slave and master, by which their roles should be chosen.
+   !> Mean lengths of the sides of slave and master, on which the choice of the roles should depend.
    pure function roles_text(pair, units) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       character(*), intent(in) :: units !! names of the units of the case
@@ -291,7 +291,7 @@ contains
          ' on average; forces are resolved on the slave, which should be the finer one'
    end function roles_text
 
-   !> A quantity along a contact line; nothing where it is zero.
+   !> A quantity along a contact line; empty if it is zero.
    pure function field_text(name, field, units) result(text)
       character(*), intent(in) :: name !! name of the quantity
       type(line_field_t), intent(in) :: field !! the quantity
@@ -309,7 +309,7 @@ contains
       end if
    end function field_text
 
-   !> Notes on the contact points: those that supports take over, overlap, rigid motions left free.
+   !> Notes on the contact points: those that supports hold, overlap, free rigid motions.
    pure function notes_text(body, load_case, units) result(text)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
@@ -381,7 +381,7 @@ contains
          ' are not contact points: they belong to slave and master', units)
    end function joined_text
 
-   !> Notes on places that a statement holds for: one for each or, where there are many, one for all.
+   !> Notes on the positions where a statement holds: one for each or, if there are many, one for all.
    pure function places_text(places, noun, singular, plural, units) result(text)
       real(dp), intent(in) :: places(:, :) !! where they are (2, n) [L]
       character(*), intent(in) :: noun !! what they are called
@@ -403,7 +403,7 @@ contains
       end do
    end function places_text
 
-   !> A load: its place, and tractions, forces, temperature or volume forces.
+   !> A load: its target, and tractions, forces, temperature or body forces.
    pure function load_text(load, mesh, units) result(text)
       type(load_t), intent(in) :: load !! the load
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
@@ -524,7 +524,7 @@ contains
       call listing%record(times_text(result%timings, listed_phases))
    end subroutine new_listing
 
-   !> The contact points by status; nothing where there are none.
+   !> The contact points by status; empty if there are none.
    pure function counts_text(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       integer, intent(in) :: dimension !! components of their displacements, 2 or 3
@@ -535,14 +535,14 @@ contains
          dimension))
    end function counts_text
 
-   !> The scale of sums of forces and of energies.
+   !> The scale of sums of forces and of energies, for rounding to 0.
    pure real(dp) function force_scale(result) result(scale)
       type(result_t), intent(in) :: result !! the result
 
       scale = max(sum(abs(result%load_case%force)), sum(abs(result%solution%force)), result%certificate%strain_energy)
    end function force_scale
 
-   !> The factorization in use, its size, and the case it was made for.
+   !> The factorization in use, its size, and the case for which it was made.
    pure function factorization_text(result) result(text)
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
@@ -552,7 +552,7 @@ contains
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text
 
-   !> Parts of the contact line, a line each.
+   !> Parts of the contact line, one line each.
    pure function intervals_text(label, intervals, units) result(text)
       character(*), intent(in) :: label !! what they are
       type(interval_t), intent(in) :: intervals(:) !! the parts
@@ -607,7 +607,7 @@ contains
       end select
    end function method_text
 
-   !> Whether the method converged, and what its answer is worth if it did not.
+   !> Whether the method converged, and if not, how large the residual is.
    pure function outcome_text(solution) result(text)
       type(contact_solution_t), intent(in) :: solution !! the solution and its record
       character(:), allocatable :: text
@@ -622,7 +622,7 @@ contains
          labeled('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
    end function outcome_text
 
-   !> The residual, at the end and after each iteration; of many iterations about twenty.
+   !> The residual at the end and after each iteration; of many iterations about twenty are shown.
    pure function residual_text(solution, tolerance) result(text)
       type(contact_solution_t), intent(in) :: solution !! the solution and its record
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
@@ -639,7 +639,7 @@ contains
       end do
    end function residual_text
 
-   !> How many points have each status.
+   !> Number of points with each status.
    pure function status_counts(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       integer, intent(in), optional :: dimension !! of the problem; 2 if it is not given
@@ -656,7 +656,7 @@ contains
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts
 
-   !> How many points are closed.
+   !> Number of closed points.
    pure function closed_text(status) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       character(:), allocatable :: text
@@ -664,7 +664,7 @@ contains
       text = to_text(count(status /= open_point))//' of '//to_text(size(status))//' points closed'
    end function closed_text
 
-   !> The violations of a solution, a line each, and the verdict.
+   !> The violations of a solution, one line each, and the verdict.
    pure function violations_text(violations, limit) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]
@@ -680,7 +680,7 @@ contains
          ': every violation must be at most '//scientific(limit))
    end function violations_text
 
-   !> The warnings, a line each.
+   !> The warnings, one line each.
    pure function warnings_text(warnings) result(text)
       type(warning_list_t), intent(in) :: warnings !! the warnings
       character(:), allocatable :: text
@@ -693,7 +693,7 @@ contains
       end do
    end function warnings_text
 
-   !> Quantities, a line each.
+   !> Quantities, one line each.
    pure function quantities_text(quantities, units) result(text)
       type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(*), intent(in) :: units !! names of the units of the case
@@ -710,7 +710,7 @@ contains
       end do
    end function quantities_text
 
-   !> Where the time went, and the end of the listing.
+   !> The times of the phases, and the end of the listing.
    pure function times_text(timings, phases) result(text)
       type(timings_t), intent(in) :: timings !! the times
       integer, intent(in) :: phases(:) !! the phases to be listed

@@ -1,15 +1,14 @@
 !> The manifest of a summary: sizes and checksums of the files that were written with it and of those that were read,
-!> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident,
-!> even where no number follows from the others. `cksum FILE` prints the same numbers.
+!> and, as its last member, the checksum of the summary itself. With it `--verify` finds accidental changes, also of
+!> numbers that do not follow from others. `cksum FILE` prints the same numbers.
 !>
 !> Files that an earlier run of a case left in its directory and that the new one does not write again (grids of other
 !> cases of a sweep or steps of a history, all solutions, a reduced problem) are removed, so that the files of a case
-!> are those of one run. These files are named by its manifest. Whatever else has the name of the case is left alone, as
-!> is a file that is no longer the one that was written, or that the new run has read.
+!> are those of one run. These files are named by the manifest of the earlier run. Other files with the name of the case
+!> are kept, as are files that have changed since, or that the new run has read.
 !>
-!> Collections for ParaView have the grids of several cases in one file, to be stepped through. A case is a step of the
-!> collection, its time the number of the case, or the pseudo-time of a history; body and contact line are parts of the
-!> step.
+!> Collections for ParaView list the grids of several cases as time steps. A case is a step of the collection, its time
+!> is the number of the case, or the pseudo-time of a history; body and contact line are parts of the step.
 module amontons_manifest
    use amontons_contact_set, only: contact_t
    use amontons_document, only: json_string
@@ -27,7 +26,7 @@ module amontons_manifest
    public :: case_entries, collection_head, collection_tail, find_earlier_files, manifest_list_t, manifest_t, &
       read_manifest, read_summary, with_manifest
 
-   !> Text before the checksum of the summary, and behind it.
+   !> Text before and after the checksum of the summary.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
 
    !> Name, size and checksum of a file.
@@ -64,12 +63,12 @@ module amontons_manifest
    !> The lines of a collection before its cases.
    character(*), parameter :: collection_head = '<?xml version="1.0"?>'//newline// &
       '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'//newline//'  <Collection>'//newline
-   !> The lines behind them.
+   !> The lines of a collection after its cases.
    character(*), parameter :: collection_tail = '  </Collection>'//newline//'</VTKFile>'//newline
 
 contains
 
-   !> Adds the files that are finished, under the names that they will have.
+   !> Adds finished files, under their final names.
    subroutine manifest_add_outputs(self, files, folder, error)
       class(manifest_t), intent(inout) :: self !! the manifest
       type(output_file_t), intent(in) :: files(:) !! the files; those not yet begun are passed over
@@ -111,7 +110,8 @@ contains
          '', error)
    end subroutine manifest_add_case
 
-   !> Adds the files that a body was made of; the effective deck holds what its deck said.
+   !> Adds the files that were read for a body; the deck itself is not among them, since the effective deck holds its
+   !> contents.
    subroutine manifest_add_inputs(self, mesh, contacts, loads)
       class(manifest_t), intent(inout) :: self !! the manifest
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
@@ -133,8 +133,7 @@ contains
       end do
    end subroutine manifest_add_inputs
 
-   !> Adds a file that was read, if there is one. A file that cannot be read again, a pipe or one that is gone, is left
-   !> out: the results are worth keeping.
+   !> Adds a file that was read, if there is one. A file that cannot be read again, such as a pipe, is left out.
    subroutine manifest_add_input(self, path)
       class(manifest_t), intent(inout) :: self !! the manifest
       character(*), intent(in) :: path !! its name; empty for none
@@ -143,7 +142,7 @@ contains
       if (len(path) > 0) call self%inputs%append(path, path, unreadable)
    end subroutine manifest_add_input
 
-   !> Appends a file as it is now.
+   !> Appends a file with its present size and checksum.
    subroutine manifest_list_append(self, path, name, error)
       class(manifest_list_t), intent(inout) :: self !! the list
       character(*), intent(in) :: path !! where the file is now
@@ -155,7 +154,7 @@ contains
       if (.not. allocated(error)) call self%append_known(name, checksum%n_bytes, checksum%value())
    end subroutine manifest_list_append
 
-   !> Appends a file whose size and checksum are known. The grids of a sweep are many thousands: a full list grows by
+   !> Appends a file with known size and checksum. Sweeps may have many thousands of grids: a full list grows by
    !> doubling.
    pure subroutine manifest_list_append_known(self, name, n_bytes, checksum)
       class(manifest_list_t), intent(inout) :: self !! the list
@@ -171,7 +170,7 @@ contains
       self%files(self%n)%checksum = checksum
    end subroutine manifest_list_append_known
 
-   !> Why a file is not as it is listed; empty if it is.
+   !> The difference between a file and its entry, as a sentence; empty if there is none.
    function manifest_file_fault(self, path) result(fault)
       class(manifest_file_t), intent(in) :: self !! what is known of it
       character(*), intent(in) :: path !! where it is
@@ -191,7 +190,7 @@ contains
       end if
    end function manifest_file_fault
 
-   !> Reports all files that are not as they are listed.
+   !> Reports all files that differ from their entries.
    subroutine manifest_list_check(self, faults, folder)
       class(manifest_list_t), intent(in) :: self !! the list
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
@@ -205,7 +204,7 @@ contains
       end do
    end subroutine manifest_list_check
 
-   !> A summary with its manifest, lines with their ends.
+   !> A summary extended by its manifest, as lines.
    function with_manifest(text, manifest) result(complete)
       character(*), intent(in) :: text !! the summary, an object with a member on its last line but one
       type(manifest_t), intent(in) :: manifest !! the manifest
@@ -287,7 +286,7 @@ contains
       end if
    end subroutine read_manifest
 
-   !> Reads a list of files, one on a line, from a summary that is as it was written.
+   !> Reads a list of files, one per line, from the unchanged text of a summary.
    pure subroutine read_list(list, text, head)
       type(manifest_list_t), intent(inout) :: list !! the list
       character(*), intent(in) :: text !! the summary
@@ -315,7 +314,7 @@ contains
       end do
    end subroutine read_list
 
-   !> The text that a JSON string stands for, of those that `json_string` makes.
+   !> The text of a JSON string that `json_string` has made.
    pure function unescaped(literal) result(text)
       character(*), intent(in) :: literal !! the string, without the quotes around it
       character(:), allocatable :: text
@@ -334,7 +333,7 @@ contains
       end do
    end function unescaped
 
-   !> Finds the files to remove.
+   !> Finds the files of an earlier run that are to be removed.
    subroutine find_earlier_files(files, directory, name, manifest)
       type(file_name_t), allocatable, intent(out) :: files(:) !! the files, with their directory
       character(*), intent(in) :: directory !! output directory

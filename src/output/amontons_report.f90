@@ -1,6 +1,5 @@
-!> The files of a case: NAME.summary.json, the result in numbers that a script reads, with the members of a JSON object
-!> that the summaries of decks, sweeps and reduced problems have in common; and all files of a solved case, each whole,
-!> or none.
+!> The files of a case: NAME.summary.json, the result for scripts, with the members that the summaries of decks, sweeps
+!> and reduced problems share; and all files of a solved case, which are written as a whole or not at all.
 module amontons_report
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
@@ -38,7 +37,7 @@ module amontons_report
 
 contains
 
-   !> A member with others behind it.
+   !> A member of a JSON object, followed by others.
    pure function member(name, value) result(text)
       character(*), intent(in) :: name !! its name
       character(*), intent(in) :: value !! its value in JSON
@@ -47,7 +46,7 @@ contains
       text = '  "'//name//'": '//value//','//newline
    end function member
 
-   !> Adds the beginning of the object: which case, and whether it was solved.
+   !> Adds the beginning of the object: the case, and whether it was solved.
    pure subroutine add_head(summary, label, method, outcome, warnings)
       type(document_t), intent(inout) :: summary !! gains the members
       class(case_label_t), intent(in) :: label !! what the case is called
@@ -104,7 +103,7 @@ contains
          //', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)
    end function size_counts
 
-   !> How many points are open, stick and slip, for the member `counts`.
+   !> Numbers of points that are open, stick and slip, for the member `counts`.
    pure function status_members(status) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       character(:), allocatable :: text
@@ -122,7 +121,7 @@ contains
       text = member(name, '{'//quantity_members(quantities)//'}')
    end function quantities_member
 
-   !> The certificate as a member: the verdict, the limit, the violations, and numbers that go with them.
+   !> The certificate as a member: the verdict, the limit, the violations, and related numbers.
    pure function certificate_member(violations, limit, others, head) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]
@@ -147,8 +146,7 @@ contains
          //'  "peak_memory_mb": '//json_number(peak_memory_mb())//newline//'}'//newline
    end function last_members
 
-   !> The text of a member's value, in a summary that was read, up to the comma or bracket behind it;
-   !> empty if there is no such member.
+   !> The text of a member's value in a summary, up to the comma or bracket behind it; empty if there is no such member.
    pure function member_value(summary, section, name) result(value)
       character(*), intent(in) :: summary !! the summary
       character(*), intent(in) :: section !! the member that it is in; empty for none
@@ -251,8 +249,8 @@ contains
    end function intervals_member
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
-   !> deck, and NAME.solutions.csv if all solutions are known; without a state to show only listing, deck and summary.
-   !> The files are renamed when all are complete.
+   !> deck, and NAME.solutions.csv if all solutions are known. Without a solution only listing, deck and summary are
+   !> written. The files get their final names when all are complete.
    subroutine write_report(directory, label, body, result, error, study)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       class(case_label_t), intent(in) :: label !! what the case is called: a configuration, or `new_case_label`
@@ -303,8 +301,8 @@ contains
       end do
    end subroutine write_documents
 
-   !> Writes the summary, which comes last, since it has the time of writing, and gives all files their names. Other
-   !> files that an earlier run of the case left are removed.
+   !> Writes the summary last, since it contains the time of writing, and gives all files their final names. Other files
+   !> of an earlier run of the case are removed.
    subroutine commit_case(files, manifest, directory, name, summary, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the last one to become the summary
       type(manifest_t), intent(in) :: manifest !! the manifest of the others, and of what was read
@@ -321,7 +319,7 @@ contains
       call commit_files(files, error, earlier)
    end subroutine commit_case
 
-   !> Makes the text files of a case, but for the summary.
+   !> Makes the text files of a case, except for the summary.
    subroutine case_documents(documents, label, body, result)
       type(document_t), allocatable, intent(out) :: documents(:) !! the files
       class(case_label_t), intent(in) :: label !! what the case is called

@@ -1,8 +1,8 @@
-!> The grids of a case for ParaView and meshio, unstructured grids in VTK's XML format with every array in base64 where
-!> it belongs, the form that all readers of such files know.
+!> The grids of a case for ParaView and meshio: unstructured grids in VTK's XML format with inline arrays in base64, the
+!> form that all readers of such files support.
 !>
 !> NAME.vtu: mesh, displacements, stresses and contact quantities. NAME.contact.vtu: the contact line alone, as a grid
-!> of line segments, and of vertices where a point has no neighbor; behind it the lines of the masters of pairs, with
+!> of line segments, and of vertices for points without a neighbor; followed by the lines of the masters of pairs, with
 !> the forces that are transmitted to them.
 module amontons_vtu
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -23,21 +23,21 @@ module amontons_vtu
    public :: base64_size, bytes_per_length, decode_base64, encode_base64, n_line_points, show_body, &
       show_contact_line, vtk_file_t, write_case_grids, write_grids
 
-   !> The letters of the numbers 0 to 63.
+   !> The base64 letters of the numbers 0 to 63.
    character(*), parameter :: letters = 'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/'
-   !> Letters, pairs of them, and characters there are.
+   !> Numbers of letters, of pairs of letters, and of all characters.
    integer, parameter :: n_letters = len(letters), n_pairs = n_letters**2, n_characters = 256
    integer :: i, j
    !> The two letters of the numbers 0 to 4095.
    character(2), parameter :: pair(0:n_pairs - 1) = &
       [character(2) :: ((letters(i:i)//letters(j:j), j=1, n_letters), i=1, n_letters)]
-   !> The number of each letter; -1 for every other character.
+   !> The number of each base64 letter; -1 for every other character.
    integer, parameter :: number(0:n_characters - 1) = [(index(letters, char(i)) - 1, i=0, n_characters - 1)]
 
-   !> The bytes of an array stand behind their number, an integer of so many bytes.
+   !> Size of the integer before each array that holds the array's number of bytes.
    integer(int64), parameter :: bytes_per_length = 8_int64
 
-   !> Bytes that are encoded at a time, a multiple of three and of the bytes of a number.
+   !> Number of bytes that are encoded at once, a multiple of three and of the size of a number.
    integer(int64), parameter :: piece_size = 49152_int64
 
    !> A grid being written.
@@ -69,14 +69,14 @@ module amontons_vtu
    integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
-   !> Components of vectors as VTK has them, in space: the third one is 0 in the plane.
+   !> Components of vectors in VTK, which are in space; the third one is 0 in the plane.
    integer, parameter :: in_space(*) = [1, 2, 3]
-   !> Components of stresses xx, yy, xy, zz, and of a twist xz, yz, as VTK has them: xx, yy, zz, xy, yz, xz.
+   !> Order of the components of stresses xx, yy, xy, zz, and of a twist xz, yz, in VTK: xx, yy, zz, xy, yz, xz.
    integer, parameter :: as_tensor(*) = [1, 2, 4, 3, 6, 5]
 
 contains
 
-   !> How many letters a number of bytes become, the final `=` signs included.
+   !> Number of base64 letters for a number of bytes, the final `=` signs included.
    pure integer(int64) function base64_size(n_bytes)
       integer(int64), intent(in) :: n_bytes !! number of bytes
 
@@ -133,7 +133,7 @@ contains
       bytes(3*n_whole + 1:) = last(:n_left)
    end subroutine decode_base64
 
-   !> Decodes four letters.
+   !> Decodes four base64 letters to three bytes.
    pure subroutine decode_group(text, bytes, is_valid)
       character(4), intent(in) :: text !! the letters
       character(3), intent(out) :: bytes !! the bytes
@@ -150,7 +150,7 @@ contains
       end do
    end subroutine decode_group
 
-   !> Opens a grid under a temporary name.
+   !> Opens a file for a grid under a temporary name.
    subroutine new_vtk_file(vtk, path, units, error)
       type(vtk_file_t), intent(out) :: vtk !! the grid
       character(*), intent(in) :: path !! name of the file
@@ -210,7 +210,7 @@ contains
       self%markup = self%markup//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline//'</VTKFile>'//newline
    end subroutine vtk_file_end_grid
 
-   !> Leaves the present section for another one; none is named ''.
+   !> Closes the present section and opens another one, or none if its name is empty.
    pure subroutine vtk_file_enter(self, section)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section to enter
@@ -221,7 +221,7 @@ contains
       self%section = section
    end subroutine vtk_file_enter
 
-   !> Hands over an array of reals.
+   !> Passes an array of reals to the file.
    subroutine vtk_file_put_reals(self, section, name, dimension, n_components, values)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
@@ -237,7 +237,7 @@ contains
       call write_array(self, size(values, kind=int64), reals=values)
    end subroutine vtk_file_put_reals
 
-   !> Hands over an array of integers.
+   !> Passes an array of integers to the file.
    subroutine vtk_file_put_integers(self, section, name, values)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
@@ -248,8 +248,8 @@ contains
       call write_array(self, size(values, kind=int64), integers=values)
    end subroutine vtk_file_put_integers
 
-   !> Writes an array with the markup before it: the number of its bytes, then these, piece by piece, since it may be as
-   !> large as anything else that a run holds.
+   !> Writes an array with the markup before it: the number of its bytes, then the bytes in pieces, since an array may
+   !> be as large as the largest object of a run.
    subroutine write_array(vtk, n, reals, integers)
       class(vtk_file_t), intent(inout) :: vtk !! the grid
       integer(int64), intent(in) :: n !! number of numbers
@@ -281,7 +281,7 @@ contains
       call vtk%end_array()
    end subroutine write_array
 
-   !> Hands over an array whose components stand in another order, with zeros between them.
+   !> Passes an array with its components in another order, zeros for missing ones.
    subroutine vtk_file_put_spread(self, section, name, dimension, values, component)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
@@ -302,7 +302,7 @@ contains
       call self%put_reals(section, name, dimension, size(component), spread_out)
    end subroutine vtk_file_put_spread
 
-   !> Hands over the points and the cells.
+   !> Passes points and cells to the file.
    subroutine vtk_file_put_cells(self, coordinates, connectivity, ends, types)
       class(vtk_file_t), intent(inout) :: self !! the grid
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the points (2, n_points) [L]
@@ -316,7 +316,7 @@ contains
       call self%put_integers('Cells', 'types', types)
    end subroutine vtk_file_put_cells
 
-   !> Completes and closes the file; it still has its temporary name.
+   !> Completes and closes the file, which still has its temporary name.
    subroutine vtk_file_finish(self, file, error)
       class(vtk_file_t), intent(inout) :: self !! the grid
       type(output_file_t), intent(out) :: file !! the finished file
@@ -331,7 +331,7 @@ contains
          "the quantity '"//self%not_finite//"' leaves the range of double precision (1.8e308): choose other units")
    end subroutine vtk_file_finish
 
-   !> Writes the two grids of one case or step in a folder of many, and gives them their names.
+   !> Writes the two grids of a case or step to a folder, and gives them their final names.
    subroutine write_grids(manifest, units, directory, stem, body, result, error)
       type(manifest_t), intent(inout) :: manifest !! gains them
       character(*), intent(in) :: units !! names of the units of the case
@@ -347,7 +347,7 @@ contains
       call commit_files(files, error)
    end subroutine write_grids
 
-   !> Writes both grids under their temporary names.
+   !> Writes the two grids of a case under temporary names.
    subroutine write_case_grids(files, stem, units, body, result, error)
       type(output_file_t), intent(inout) :: files(2) !! the finished files
       character(*), intent(in) :: stem !! name of the files without endings
@@ -367,7 +367,7 @@ contains
       call vtk%finish(files(2), error)
    end subroutine write_case_grids
 
-   !> Hands the body and its result over to a file, to be written or to be compared with.
+   !> Passes the body and its result to a file, which writes or compares them.
    subroutine show_body(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
@@ -417,7 +417,7 @@ contains
          vtk_cell_type(body%mesh%element_kind))
    end subroutine show_body
 
-   !> Hands the contact line and its result over to a file, to be written or to be compared with.
+   !> Passes the contact line and its result to a file, which writes or compares them.
    subroutine show_contact_line(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
@@ -470,7 +470,7 @@ contains
       end associate
    end subroutine show_contact_line
 
-   !> Vectors of the contact points, those of the masters' nodes behind them.
+   !> Vectors of the contact points followed by those of the masters' nodes.
    pure function joined(at_points, at_masters)
       real(dp), intent(in) :: at_points(:, :) !! the vectors of the points (components, m)
       real(dp), intent(in) :: at_masters(:, :) !! those of the nodes (components, n_nodes)
@@ -490,7 +490,7 @@ contains
       n = zone%n_points + line%n_nodes
    end function n_line_points
 
-   !> Which points are the end of a segment.
+   !> Whether each point is the end of a segment.
    pure function have_neighbor(zone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical :: have_neighbor(zone%n_points)

@@ -1,8 +1,8 @@
-!> OUTPUT/batch.csv: one row for each deck of a batch, whatever became of it; and the tally of a run.
+!> OUTPUT/batch.csv: one row for each deck of a batch, whatever its outcome; and the tally of a run.
 !>
-!> Several runs may work on one folder at the same time: each replaces the rows of its own decks, and all others stay.
-!> The file is read and written again while the folder is locked, and it is replaced as a whole. A deck is known by its
-!> file, whatever name it is given by.
+!> Several runs may use one folder at the same time: each replaces the rows of its own decks, and all others are kept.
+!> The file is read and rewritten while the folder is locked. A deck is identified by its file, irrespective of the path
+!> by which it is named.
 module amontons_batch_table
    use amontons_document, only: field
    use amontons_error, only: error_t, warning_list_t
@@ -26,17 +26,17 @@ module amontons_batch_table
       character(:), allocatable :: text !! the row, its line end included; empty for one that is removed
    end type row_t
 
-   !> Numbers of a result that the table has, where there is a result.
+   !> Numbers in the table of a deck with a result.
    character(20), parameter :: number_keys(*) = [character(20) :: 'iterations', 'residual', 'max_contact_pressure', &
       'max_von_mises', 'max_displacement', 'normal_force', 'tangential_force']
-   !> Outcomes, as the table has them.
+   !> Outcomes in the words of the table.
    character(17), parameter :: outcome_words(*) = [character(17) :: word_solved, 'checked', 'unchanged', &
       word_no_equilibrium, word_not_converged, word_not_certified, 'refused', 'numerical_failure', 'system_failure', &
       'interrupted']
-   !> Those without files of the case.
+   !> Outcomes without result files.
    character(17), parameter :: words_without_results(*) = [character(17) :: 'refused', 'numerical_failure', &
       'system_failure', 'interrupted']
-   !> Outcomes, as the tally has them.
+   !> Outcomes in the words of the tally.
    character(19), parameter :: outcome_labels(*) = [character(19) :: 'solved', 'OK', 'unchanged', &
       'without equilibrium', 'not converged', 'not certified', 'refused', 'failed numerically', 'not written', &
       'interrupted']
@@ -62,7 +62,7 @@ contains
       if (size(outcomes) < n_decks) text = text//separator//to_text(n_decks - size(outcomes))//' not tried'
    end function tally_text
 
-   !> Puts the rows of decks into the table.
+   !> Inserts the rows of decks into the table.
    subroutine update_batch_table(directory, outcomes, notes, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks
@@ -112,7 +112,7 @@ contains
       text = text//',seconds,message'//newline
    end function header
 
-   !> Reads the rows that are there; none where there is no table, or one of another version.
+   !> Reads the existing rows; none if there is no table, or one of another version.
    subroutine read_rows(path, n_more, rows, n)
       character(*), intent(in) :: path !! name of the table
       integer, intent(in) :: n_more !! how many rows may be added
@@ -138,7 +138,7 @@ contains
       end do
    end subroutine read_rows
 
-   !> Makes a row of its text.
+   !> Makes a row from its line of text.
    pure subroutine new_row(row, line)
       type(row_t), intent(out) :: row !! the row
       character(*), intent(in) :: line !! its text, the line end included
@@ -152,7 +152,7 @@ contains
       row%text = line
    end subroutine new_row
 
-   !> Takes a field off a row.
+   !> Reads the next field of a row.
    pure subroutine take_field(line, next, value)
       character(*), intent(in) :: line !! the row
       integer, intent(inout) :: next !! where the field begins; then where the next one does
@@ -172,8 +172,7 @@ contains
       next = next + 1
    end subroutine take_field
 
-   !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps
-   !> its row.
+   !> Replaces the row of a deck, or appends one. A deck whose results are unchanged keeps its row.
    subroutine put_row(rows, n, outcome, notes)
       type(row_t), intent(inout) :: rows(:) !! the rows, and room for more
       integer, intent(inout) :: n !! number of rows
@@ -232,14 +231,14 @@ contains
       call new_row(rows(at), text)
    end subroutine put_row
 
-   !> Whether a deck of an outcome has files of its case.
+   !> Whether an outcome has result files.
    pure logical function has_results(word)
       character(*), intent(in) :: word !! the outcome
 
       has_results = all(words_without_results /= word)
    end function has_results
 
-   !> Whether two names of decks are names of one file. Only names that end alike are looked at.
+   !> Whether two names of decks refer to one file. Files are compared only if the last parts of their names are equal.
    logical function is_same_file(first, second)
       character(*), intent(in) :: first !! a name
       character(*), intent(in) :: second !! another one
@@ -252,7 +251,7 @@ contains
       if (is_there) is_same_file = absolute_path(first) == absolute_path(second)
    end function is_same_file
 
-   !> A text of several lines as one.
+   !> A text of several lines joined to one line.
    pure function one_line(lines) result(text)
       character(*), intent(in) :: lines !! the lines
       character(:), allocatable :: text

@@ -1,4 +1,4 @@
-!> Which kind of study a deck asks for.
+!> The choice of the kind of study for a deck.
 module amontons_new_study
    use amontons_config, only: config_t
    use amontons_history_study, only: history_study_t
@@ -13,7 +13,7 @@ module amontons_new_study
 
 contains
 
-   !> Makes the study that a deck asks for.
+   !> Makes the study that a deck describes.
    subroutine new_study(study, config)
       class(study_t), allocatable, intent(out) :: study !! the study
       type(config_t), intent(in) :: config !! the deck

@@ -1,5 +1,5 @@
-!> Recognition of results that need no second run (`--skip-unchanged`): those of the same deck, of the same files that
-!> it names, of this version of the program; solved, certified, and every file as it was written.
+!> Recognition of results that need not be computed again (`--skip-unchanged`): those of the same deck, with the same
+!> input files, from this version of the program; solved, certified, and with all files unchanged.
 module amontons_unchanged
    use amontons_batch_table, only: number_keys
    use amontons_config, only: config_t
@@ -18,7 +18,7 @@ module amontons_unchanged
 
 contains
 
-   !> Finds out whether solving a deck again would write what is there already.
+   !> Finds out whether solving a deck again would reproduce the existing files.
    subroutine find_unchanged(is_unchanged, numbers, config, directory)
       logical, intent(out) :: is_unchanged !! whether it would
       type(quantity_t), allocatable, intent(out) :: numbers(:) !! numbers of its result, if it would
@@ -45,7 +45,7 @@ contains
       if (is_unchanged) numbers = numbers_of(summary)
    end subroutine find_unchanged
 
-   !> Numbers of a result from its summary; of a sweep the greatest of its cases.
+   !> Numbers of a result from its summary; for a sweep the largest over its cases.
    pure function numbers_of(summary) result(numbers)
       character(*), intent(in) :: summary !! the summary
       type(quantity_t), allocatable :: numbers(:)
@@ -71,7 +71,7 @@ contains
       end do
    end function numbers_of
 
-   !> The greatest value of a number of a sweep, as its summary has it; empty if it has none.
+   !> The largest value of a number over the cases of a sweep, from its summary; empty if it has none.
    pure function greatest(summary, key) result(value)
       character(*), intent(in) :: summary !! the summary
       character(*), intent(in) :: key !! name of the number
@@ -118,7 +118,7 @@ contains
       end do
    end function lists_inputs
 
-   !> Looks for a file, if there is one, among those that are listed.
+   !> Checks that a file, if one is named, is among those that are listed.
    pure subroutine check(lists_inputs, inputs, path)
       logical, intent(inout) :: lists_inputs !! becomes false if the file is not listed
       type(manifest_list_t), intent(in) :: inputs !! the files that were read

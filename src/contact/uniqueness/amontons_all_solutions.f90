@@ -17,9 +17,9 @@ module amontons_all_solutions
 
    public :: all_solutions_t, eliminate, find_all_solutions, has_extent, loose, most_points
 
-   !> Smaller factors are rounding errors.
+   !> Smaller pivots are rounding errors.
    real(dp), parameter :: no_pivot = 1.0e-11_dp
-   !> What pivots that are not much larger leave of rounding errors in a value.
+   !> Rounding error of a value that was computed with a pivot just above `small_pivot`.
    real(dp), parameter :: loose = 1.0e-7_dp
 
    !> Most points that all combinations of states are tried for: with Coulomb friction, a point has four states.
@@ -27,7 +27,8 @@ module amontons_all_solutions
    !> Most points with a given slip bound: a point has six states then, since open ones may slip or stick.
    integer, parameter :: most_points_with_bound = 9
 
-   !> Smaller pivots are left to points to come; the last point takes any that is not rounding.
+   !> Smallest pivot that is used while further points follow, whose equations may have larger ones; the last point uses
+   !> any that is not a rounding error.
    real(dp), parameter :: small_pivot = 1.0e-7_dp
    !> The largest violation of a solution, all numbers being about 1.
    real(dp), parameter :: strict = 1.0e-9_dp
@@ -43,7 +44,7 @@ module amontons_all_solutions
          !! whether some states hold for a whole family of solutions, of which only corners are among those found
    end type all_solutions_t
 
-   !> A search under way.
+   !> The state of a search.
    type :: search_t
       type(contact_relation_t) :: relation !! the problem without units
       type(all_solutions_t) :: found !! the solutions so far, without units; distances in the place of displacements
@@ -56,7 +57,8 @@ contains
 
    !> Finds all solutions of a contact problem of at most `most_points` points.
    !>
-   !> Where matrices of states are singular, solutions may form families (polyhedra): it is said that there are any.
+   !> If matrices of states are singular, solutions may form families (polyhedra); the result reports whether there are
+   !> any.
    subroutine find_all_solutions(solutions, problem, error, skew_part)
       type(all_solutions_t), intent(out) :: solutions !! the solutions
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -113,8 +115,8 @@ contains
       end do
    end subroutine find_all_solutions
 
-   !> Bounds on x in any solution. Distances and forces do no negative work on each other, x^T y >= 0, hence
-   !> x^T H x <= x^T h: an ellipsoid if H is definite.
+   !> Bounds x over all solutions. Distances and forces do no negative work on each other, x^T y >= 0, hence x^T H x <=
+   !> x^T h: an ellipsoid if H is definite.
    pure subroutine bound_unknowns(search)
       type(search_t), intent(inout) :: search !! gains the bounds
       real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp
@@ -144,7 +146,7 @@ contains
       end if
    end subroutine bound_unknowns
 
-   !> Tries every state of a point, with all states of the points after it settled and of those before it open.
+   !> Tries every state of a point after the states of the points before it are chosen.
    recursive subroutine descend(search, point, rows, n_pending)
       type(search_t), intent(inout) :: search !! the search
       integer, intent(in) :: point !! the point, from m down to 1
@@ -174,7 +176,8 @@ contains
          .or. (search%states%is_closed(point) .and. search%relation%friction(point) > 0.0_dp)
    end function has_slip_bound
 
-   !> Eliminates the unknowns of a point in its present state, and goes on to the next one unless that is vain.
+   !> Eliminates the unknowns of a point in its present state, and continues with the next point unless an inequality
+   !> cannot hold.
    recursive subroutine settle_point(search, point, rows, n_pending)
       type(search_t), intent(inout) :: search !! the search
       integer, intent(in) :: point !! the point
@@ -252,7 +255,7 @@ contains
       end if
    end subroutine point_conditions
 
-   !> Whether an inequality fails whatever the unknowns within their bounds.
+   !> Whether an inequality fails for all unknowns within their bounds.
    pure logical function cannot_hold(search, inequalities, n_unknowns)
       type(search_t), intent(in) :: search !! the search
       real(dp), intent(in) :: inequalities(:, 0:) !! the inequalities
@@ -273,7 +276,8 @@ contains
       cannot_hold = any(most < -loose)
    end function cannot_hold
 
-   !> Solves the present states afresh and keeps the solution, unless it violates an inequality after all or is known.
+   !> Solves the equations of the present states again from the data, and keeps the solution unless it violates an
+   !> inequality or is known.
    pure subroutine keep_solution(search)
       type(search_t), intent(inout) :: search !! the search
       type(active_set_t) :: states
@@ -306,7 +310,7 @@ contains
       end associate
    end subroutine keep_solution
 
-   !> Keeps a pair unless it is known: a point between two states counts as either.
+   !> Keeps a pair of forces and distances unless it is known: a point between two states is found in either.
    pure subroutine keep(search, force, distance, is_isolated)
       type(search_t), intent(inout) :: search !! the search
       real(dp), intent(in) :: force(:) !! lambda (2m) [-]
@@ -328,8 +332,8 @@ contains
       end associate
    end subroutine keep
 
-   !> Eliminates unknowns by the equations in the last rows, the largest pivot first; those without a pivot are left to
-   !> points to come.
+   !> Eliminates unknowns by the equations in the last rows, the largest pivot first; equations without a pivot are kept
+   !> for the points that follow.
    pure subroutine eliminate(rows, n_kept, n_equations, n_left, least_pivot, is_possible, &
       is_singular)
       real(dp), intent(inout) :: rows(:, 0:)
@@ -368,8 +372,8 @@ contains
       end do
    end subroutine eliminate
 
-   !> Whether inequalities hold for more than one point: whether a linear function of the unknowns without any symmetry
-   !> has different values among them. Its extremes are linear programs, their optimality conditions are
+   !> Whether more than one point fulfills the inequalities: whether a linear function of the unknowns with irregular
+   !> coefficients has different values on them. Its extremes are linear programs, whose optimality conditions are
    !> complementarity problems.
    pure logical function has_extent(inequalities)
       real(dp), intent(in) :: inequalities(:, 0:) !! constants and factors of the inequalities (k, 0:n)

@@ -1,9 +1,9 @@
-!> A friction below which a contact problem has one solution, whatever its loads and gaps; section 5 of doc/theory.md
-!> has the proofs. The paper asks for small friction in (P2), where the slip bound is given and none is needed (errata 1
-!> and 2).
+!> A friction coefficient below which a contact problem has one solution, whatever its loads and gaps; section 5 of
+!> doc/theory.md has the proofs. The paper requires small friction in (P2), where the slip bound is given and no
+!> requirement is needed (errata 1 and 2).
 !>
-!> Of few points the exact bound is found: the signs of the determinants that all combinations of states lead to. Of
-!> more points a sufficient one: an estimate of what friction can gain from the coupling of normal and tangential
+!> For few points the bound is exact and found from the signs of the determinants of all combinations of states. For
+!> more points it is sufficient, an estimate of the effect of friction through the coupling of normal and tangential
 !> directions.
 module amontons_uniqueness
    use amontons_contact_problem, only: contact_problem_t
@@ -17,7 +17,7 @@ module amontons_uniqueness
 
    public :: new_uniqueness, uniqueness_t
 
-   !> What is known of the friction below which the solution is unique.
+   !> The friction below which the solution is unique, as far as it is known.
    type :: uniqueness_t
       logical :: has_bound = .false. !! whether a bound was found
       logical :: is_exact = .false. !! whether there are loads with several solutions just above the bound
@@ -30,12 +30,13 @@ module amontons_uniqueness
       logical, allocatable :: has_slip_bound(:) !! whether each point had a given slip bound (m)
    end type uniqueness_t
 
-   !> A bound above this coefficient is none.
+   !> A bound above this coefficient is reported as no bound.
    real(dp), parameter :: any_friction = 1.0e6_dp
 
 contains
 
-   !> Computes the bound of a contact problem. It depends on the body and on the ratios of friction alone.
+   !> Computes the friction bound of a contact problem, which depends only on the body and on the ratios of the friction
+   !> coefficients.
    subroutine new_uniqueness(uniqueness, problem, known)
       type(uniqueness_t), intent(out) :: uniqueness !! the bound
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -66,7 +67,7 @@ contains
          .or. maxval(problem%friction) < uniqueness%friction
    end subroutine new_uniqueness
 
-   !> Finds the exact bound where there are few points in the plane, else the estimate.
+   !> Finds the exact bound for few points in the plane, otherwise the estimate.
    subroutine bound_friction(uniqueness, problem)
       type(uniqueness_t), intent(inout) :: uniqueness !! the ratios; gains the bound
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -98,7 +99,8 @@ contains
       uniqueness%is_for_any = uniqueness%friction >= any_friction
    end subroutine bound_friction
 
-   !> The least multiple of given coefficients at which the determinant of some states is no longer positive.
+   !> The smallest multiple of given coefficients at which the determinant of some combination of states is not
+   !> positive.
    pure real(dp) function exact_bound(a, friction, has_slip_bound) result(bound)
       real(dp), intent(in) :: a(:, :) !! A, positive definite (2m, 2m) [-]
       real(dp), intent(in) :: friction(:) !! phi, the largest of them about 1 (m) [-]
@@ -161,7 +163,7 @@ contains
 
    contains
 
-      !> Eliminates one unknown by one row and asks for the rest.
+      !> Eliminates one unknown by one row and continues with the remaining points.
       pure recursive logical function stays_positive(column, row, pivot, matrix)
          real(dp), intent(in) :: column(:) !! column of the unknown, at least (rest)
          real(dp), intent(in) :: row(:) !! the row (rest)
@@ -236,8 +238,8 @@ contains
          /sqrt(largest_eigenvalue(compliance)*largest_eigenvalue(stiffness))
    end function estimated_bound
 
-   !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue
-   !> is larger. Power iterations tell where to look.
+   !> An upper bound of the largest eigenvalue of a positive semidefinite matrix: a Cholesky factor proves that no
+   !> eigenvalue is larger. Power iterations provide the trial values.
    pure real(dp) function largest_eigenvalue(matrix) result(above)
       real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
       real(dp), parameter :: resolution = 1.0e-4_dp
