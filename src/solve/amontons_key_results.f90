@@ -1,14 +1,14 @@
-!> Key results: from contact points and displacements the largest values with their places, what each contact set
-!> carries, the lengths of the zones, and where these end between contact points.
+!> Key results: the largest values at contact points and nodes with their positions, the force and zones of each contact
+!> set, the lengths of the zones, and the positions of their ends between contact points.
 !>
-!> The sum T of the forces from a place s of a zone to its end a is proportional to (a - s)^(3/2) where the stress falls
-!> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its
-!> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
+!> The sum T of the forces from a position s of a zone to its end a is proportional to (a - s)^(3/2) where the stress
+!> goes to zero like a square root, as the pressure of Hertz or, at the end of a stick zone, the distance of the shear
+!> from its bound; to (a - s)^(1/2) where it is singular, as at the corner of a punch. So T^(2/3), or T^2, is linear in
 !> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
 !>
-!> The gap beyond the end of what is closed, and the slip beyond the end of what sticks, grow with (s - a)^(3/2) there.
-!> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
-!> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
+!> The gap beyond the end of a closed zone, and the slip beyond the end of a stick zone, grow with (s - a)^(3/2). If
+!> enough points beyond the end are open, they are more accurate than the forces, which alternate at the nodes of
+!> quadratic sides: the position is a polynomial of their power 2/3, and its value at 0 is the end.
 module amontons_key_results
    use amontons_body, only: body_t, of_contact
    use amontons_contact_rows, only: turned
@@ -34,7 +34,7 @@ module amontons_key_results
       real(dp) :: ends(2, 2) = 0.0_dp !! its ends, in the order of the points (x and y, first and last) [L]
    end type interval_t
 
-   !> What tells where zones end: forces inside of them, gaps or slips beyond.
+   !> The numbers from which ends of zones are found: forces inside of a zone, gaps or slips beyond.
    type :: trace_t
       real(dp), allocatable :: force(:) !! the forces that vanish outside of the zones (m) [F]
       integer :: n_summed = 1 !! number of points of each of the two sums of forces
@@ -42,15 +42,15 @@ module amontons_key_results
       real(dp), allocatable :: slip(:) !! the slips beyond zones that stick; 0 where they tell nothing (m) [L]
    end type trace_t
 
-   !> Points of a contact set that follow each other.
+   !> Consecutive points of a contact set.
    type :: chain_t
       integer, allocatable :: point(:) !! the points (n)
       real(dp), allocatable :: arc(:) !! where they are along the line, from the first one on (n) [L]
       real(dp), allocatable :: bound(:) !! where their tributary lengths end (0:n) [L]
    end type chain_t
 
-   !> Lengths of the three zones; together the length of the sides between contact points, of a pair
-   !> where they face the master, and of the cells.
+   !> Lengths of the three zones. Their sum is the length of the sides between contact points, for a pair of the parts
+   !> that face the master, and of the cells.
    type :: lengths_t
       real(dp) :: open = 0.0_dp !! where one end of a side at least is open [L]
       real(dp) :: slip = 0.0_dp !! where both ends are closed and one at least slips [L]
@@ -61,7 +61,7 @@ module amontons_key_results
 
 contains
 
-   !> Finds the parts of the contact line that belong to a zone.
+   !> Finds the intervals of the contact line that belong to a zone.
    pure subroutine find_edges(intervals, zone, is_inside, trace)
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -94,7 +94,7 @@ contains
       intervals = intervals(:n_intervals)
    end subroutine find_edges
 
-   !> Takes the next points that follow each other: from one without a predecessor on, of a closed line from any.
+   !> Finds the next chain of consecutive points: from one without a predecessor, of a closed line from any.
    pure subroutine next_chain(chain, zone, is_done)
       type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -150,7 +150,8 @@ contains
       end associate
    end subroutine next_chain
 
-   !> Begins a chain of corners of a slave where the master does, which may be in the middle of a side.
+   !> Moves the beginning of a chain of slave corners to where the master begins to face them, which may be in the
+   !> middle of a side.
    pure subroutine begin_where_covered(begin, pair, point)
       real(dp), intent(inout) :: begin !! where the chain begins, counted from its first point [L]
       type(mortar_pair_t), intent(in) :: pair !! the pair, or none
@@ -172,7 +173,7 @@ contains
       end do
    end subroutine begin_where_covered
 
-   !> Finds the ends of consecutive points inside of a zone.
+   !> Finds the ends of a run of consecutive points inside of a zone.
    pure subroutine set_interval(interval, zone, chain, first, last, trace)
       type(interval_t), intent(out) :: interval !! the part of the line
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -197,10 +198,10 @@ contains
       interval%ends(:, 2) = place_at(zone, chain, end)
    end subroutine set_interval
 
-   !> Where a zone ends that has points beyond it: by its forces; a closed zone rather by three of the gaps beyond it,
-   !> of which the first is the least accurate; a stick zone by two of the slips beyond it. There the first is of no
-   !> use: the points next to the true end often have the other status, so that it may lie beyond the first point that
-   !> slips.
+   !> The position of the end of a zone with points beyond it: from its forces; of a closed zone rather from three of
+   !> the gaps beyond it, of which the first is the least accurate; of a stick zone from two of the slips beyond it.
+   !> There the first slip is not used: the points next to the true end often have the other status, so that the end may
+   !> lie beyond the first point that slips.
    pure real(dp) function edge(arc, bound, force, n_summed, gap, slip)
       real(dp), intent(in) :: arc(0:) !! where its last point and those beyond it lie (0:k) [L]
       real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
@@ -244,7 +245,7 @@ contains
       if (n >= fewest) edge = max(arc(0), min(arc(2), place_of_zero(arc(slips(:, n)), slip(slips(:, n)))))
    end function edge
 
-   !> How many of the first numbers have one sign, each larger than the one before.
+   !> Number of leading values that have one sign and increase in magnitude.
    pure integer function n_growing(values) result(n)
       real(dp), intent(in) :: values(:) !! the numbers
       ! Powers of numbers that differ by less may be equal.
@@ -260,7 +261,8 @@ contains
       end do
    end function n_growing
 
-   !> Where a number is 0 whose power 2/3 the place depends on like a line or, of three, a parabola (Lagrange).
+   !> The position where a quantity is 0 whose power 2/3 is linear in the position, by extrapolation of two values; with
+   !> three values the position is a quadratic polynomial of the power (Lagrange) [L].
    pure real(dp) function place_of_zero(place, values) result(zero)
       real(dp), intent(in) :: place(:) !! the places, two or three [L]
       real(dp), intent(in) :: values(:) !! the numbers there, of one sign, each larger than the one before
@@ -278,7 +280,7 @@ contains
       end do
    end function place_of_zero
 
-   !> The place at a length along a chain, which may lie beyond its ends.
+   !> The position at an arc length along a chain, which may lie beyond its ends [L].
    pure function place_at(zone, chain, arc) result(place)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(chain_t), intent(in) :: chain !! the points that follow each other
@@ -295,7 +297,7 @@ contains
       end associate
    end function place_at
 
-   !> Sums of the contact forces [F].
+   !> The sums of the normal and the tangential contact forces.
    pure function resultants(force, m) result(list)
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       integer, intent(in) :: m !! number of points
@@ -306,8 +308,8 @@ contains
          sum(abs(force)), dimension='F')]
    end function resultants
 
-   !> The largest pressure, shear and slip of the contact points. The slip of a point that is open, or whose tangential
-   !> direction a support holds, is left out. A body without contact points has none of these.
+   !> The largest pressure, shear and slip of the contact points. The slip of open points, and of points whose
+   !> tangential direction a support holds, is left out. A body without contact points has no such results.
    pure function contact_peaks(body, slip, force, status, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: slip(:) !! slip of the points (n_rows - m) [L]
@@ -335,7 +337,7 @@ contains
       end associate
    end function contact_peaks
 
-   !> The largest depth worn, and the volume that each contact by name has lost; nothing where nothing wears.
+   !> The largest depth worn, and the worn volume of each contact by name; nothing if there is no wear.
    pure function wear_results(body, contacts, depth) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -356,7 +358,7 @@ contains
       end do
    end function wear_results
 
-   !> Finds the parts of the contact line that are closed, and those that stick.
+   !> Finds the intervals of the contact line that are closed, and those that stick.
    pure subroutine find_zones(closed, stuck, body, force, status, bound, motion, displacement)
       type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
       type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
@@ -392,7 +394,7 @@ contains
       call find_edges(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
    end subroutine find_zones
 
-   !> What each contact set carries.
+   !> The results of each contact set: forces, largest pressure, and ends of its zones.
    pure function set_results(body, force, closed, stuck) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
@@ -449,7 +451,7 @@ contains
       end do
    end function set_results
 
-   !> The largest displacement and von Mises stress of a node.
+   !> The largest displacement and the largest von Mises stress of the nodes.
    pure function body_peaks(mesh, displacement, stress) result(list)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
@@ -461,7 +463,7 @@ contains
       call find_peak(list(2), norm2(displacement, dim=1), mesh%coordinates)
    end function body_peaks
 
-   !> Von Mises stresses [F/L^2].
+   !> Von Mises stresses of the nodes [F/L^2].
    pure function all_von_mises(stress) result(mises)
       real(dp), intent(in) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, any) [F/L^2]
       real(dp) :: mises(size(stress, 2))
@@ -472,7 +474,7 @@ contains
       end do
    end function all_von_mises
 
-   !> What `body_peaks` finds of a body that nothing loads.
+   !> The results of `body_peaks` for a body without loads.
    pure function body_peaks_at_rest() result(list)
       type(quantity_t) :: list(2)
       real(dp), parameter :: origin(2) = 0.0_dp
@@ -481,7 +483,7 @@ contains
          at_place('max_displacement', 'Max. displacement', 0.0_dp, origin, 0.0_dp, 'L')]
    end function body_peaks_at_rest
 
-   !> The largest of some values, with its place.
+   !> The largest of some values, with its position.
    pure function peak(key, label, values, places, scale, dimension) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
@@ -495,7 +497,7 @@ contains
       call find_peak(quantity, values, places)
    end function peak
 
-   !> Finds the largest of some values, the first of those that are equal but for rounding; 0 stays where all are
+   !> Finds the largest of some values, of those that differ by rounding only the first; the result is 0 if all are
    !> rounding errors.
    pure subroutine find_peak(quantity, values, places)
       type(quantity_t), intent(inout) :: quantity !! 0, with its scale; gains value and place
@@ -510,9 +512,9 @@ contains
       quantity%place = places(:, i)
    end subroutine find_peak
 
-   !> Measures the zones side by side, as Table 1 of the paper reads its separated, sliding and sticking parts: the open
-   !> zone ends at the first closed node, the slip zone at the first sticking node. A cell of constant multipliers
-   !> belongs to one zone as a whole.
+   !> Measures the zones along the sides, with the convention of Table 1 of the paper for its separated, sliding and
+   !> sticking parts: the open zone ends at the first closed node, the slip zone at the first sticking node. A cell of
+   !> constant multipliers belongs to one zone as a whole.
    pure subroutine new_lengths(lengths, zone, status, set)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -543,7 +545,8 @@ contains
       end do
    end subroutine new_lengths
 
-   !> The share of the side that follows a contact point that may come into contact: of a pair what faces the master.
+   !> The share of the side after a contact point that may come into contact: for a pair the share that faces the master
+   !> [-].
    pure real(dp) function covered_share(zone, p)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: p !! number of the point

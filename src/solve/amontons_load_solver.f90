@@ -1,18 +1,17 @@
-!> The one way from a start to a solution, for a case, a row of a sweep and a step of a history.
+!> The solution of a contact problem from a start, in the same way for a case, a row of a sweep and a step of a history.
 !>
-!> Newton's method from the start, where the method is left to the program; where that does not end well, whether
-!> contact and friction can balance the loads, and then the deck's method, with displacements counted from where the
-!> body meets its obstacles; at last what friction cannot hold. Parts of the contact problem that do not act on each
-!> other are solved each by itself.
+!> First Newton's method from the start, if the method is left to the program. If that does not end well, it is checked
+!> whether contact and friction can balance the loads, and then the deck's method is used, with displacements counted
+!> from the body's position on its obstacles. At last motions that friction cannot hold are looked for. Components of
+!> the contact problem are solved each by itself.
 !>
-!> Bodies that turn without end on a round contact line, or slide along a flat one, although friction holds them back:
-!>
-!> `check_balance` lets normal forces be as large as they like, and friction with them: that of forces on opposite sides
-!> of a hole bears any moment. How large they are follows from the solution alone. A free rigid motion that the normals
-!> of the round line do no work on is opposed by friction alone; where the loads' work on it is more than all that
-!> friction can take at the normal forces found, unequal facets of the mesh bear the rest, or the method finds no
-!> equilibrium. Where it finds none, or all friction is used up, a weak spring against the motion shows what the normal
-!> forces are while the body turns, before facets have wedged it.
+!> Such motions are a body that turns without end on a round contact line, or slides along a flat one, against friction.
+!> `check_balance` assumes unlimited normal forces, and friction with them: friction on opposite sides of a hole bears
+!> any moment. Only the solution gives the normal forces. A free rigid motion on which the normals of the round line do
+!> no work is opposed by friction alone. If the work of the loads on it is more than friction can take at the normal
+!> forces found, the unequal facets of the mesh bear the rest, or the method finds no equilibrium. In the latter case,
+!> or if all friction is used up, a weak spring against the motion shows the normal forces while the body turns, before
+!> facets have wedged it.
 module amontons_load_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_auto, only: auto_t
@@ -41,13 +40,13 @@ module amontons_load_solver
 
    public :: forget_start, load_solver_t, new_load_solver
 
-   !> Most steps of Newton's method from a start, and how many of them without a better pair end it.
+   !> Largest number of Newton steps from a start, and of those without a better pair.
    integer, parameter :: n_newton_steps = 20, patience = 4
    real(dp), parameter :: decrease = 0.9_dp
    !> What rounding leaves of normals that agree.
    real(dp), parameter :: same = 1.0e-9_dp
 
-   !> What all members of a family of loads share.
+   !> The data that all members of a family of loads share.
    type :: load_solver_t
       type(load_family_t) :: loads !! what acts
       class(contact_method_t), allocatable :: method !! the deck's method
@@ -62,7 +61,7 @@ module amontons_load_solver
 
 contains
 
-   !> Makes the solver of a load case in parts. The family of its loads is still to be condensed.
+   !> Makes the solver of a load case in parts. The loads of the family are not condensed yet.
    subroutine new_load_solver(solver, body, load_case, parting, options, error)
       type(load_solver_t), intent(out) :: solver !! the solver
       type(body_t), intent(in) :: body !! the body
@@ -79,7 +78,7 @@ contains
       call solver%note_motions(body)
    end subroutine new_load_solver
 
-   !> Notes which free motions of the body there are to be looked at.
+   !> Finds the free motions of the body that only friction may oppose.
    subroutine load_solver_note_motions(self, body)
       class(load_solver_t), intent(inout) :: self !! the solver
       type(body_t), intent(in) :: body !! the body
@@ -171,7 +170,7 @@ contains
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
 
-   !> Whether a body has a place to start from: it has none before it meets its obstacles.
+   !> Whether a solution has a position of the body to start from: there is none before it meets its obstacles.
    pure logical function has_place(solution)
       type(contact_solution_t), intent(in) :: solution !! the start
 
@@ -179,7 +178,8 @@ contains
          any(abs(solution%displacement(:size(solution%status))) > 0.0_dp)
    end function has_place
 
-   !> Starts from rest where nothing acts: where the loads of another case left the body is no place of it without them.
+   !> Resets the start to rest if nothing loads the body, whose position under the loads of another case is no
+   !> equilibrium position then.
    pure subroutine forget_start(problem, solution)
       type(contact_problem_t), intent(in) :: problem !! the contact problem, posed
       type(contact_solution_t), intent(inout) :: solution !! the start
@@ -188,8 +188,8 @@ contains
          problem%matrix%n_tangents)
    end subroutine forget_start
 
-   !> Ends all forces and displacements of a body that nothing loads and that is back where it was: rounding errors of a
-   !> state before, when loads acted, are all there is.
+   !> Sets all forces and displacements to 0 if nothing loads the body and it is back at its initial position: what
+   !> remains are rounding errors of an earlier state with loads.
    pure subroutine come_to_rest(solution, problem, size_of_body)
       type(contact_solution_t), intent(inout) :: solution !! the solution
       type(contact_problem_t), intent(in) :: problem !! the contact problem
@@ -203,8 +203,8 @@ contains
       call solution%measure(problem)
    end subroutine come_to_rest
 
-   !> Solves a contact problem from a start. Of a loose body displacements are counted from the rigid motion that the
-   !> start is, if it is little else.
+   !> Solves a contact problem from a start. The displacements of a loose body are counted from the rigid motion of the
+   !> start, if the start is hardly anything else.
    subroutine solve_from_start(method, body, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
@@ -221,8 +221,8 @@ contains
       end if
    end subroutine solve_from_start
 
-   !> Solves a contact problem, its displacements counted from a rigid motion. Where they turn out to be little else
-   !> than another one, solves it once more, counted from this one, too.
+   !> Solves a contact problem, with displacements counted from a rigid motion. If the displacements found are mostly
+   !> another rigid motion, solves it again with displacements counted from the sum of both.
    subroutine solve_from_motion(motion, method, body, problem, solution, error)
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       class(contact_method_t), intent(in) :: method !! the contact method
@@ -252,9 +252,9 @@ contains
       solution%displacement = solution%displacement + motion
    end subroutine solve_from_motion
 
-   !> Finds the rigid motion that displacements are counted from: none at rest where nothing acts; that which comes
-   !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
-   !> obstacles, where loads or overlaps move it.
+   !> Finds the rigid motion from which displacements are counted: none if nothing acts on a body at rest; the one
+   !> closest to the gaps, if it is close and, without loads, leaves no overlap; otherwise that of a rigid body pressed
+   !> onto its obstacles, if loads or overlaps move it.
    subroutine find_origin(motion, body, load_case, problem, is_at_rest)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -277,8 +277,8 @@ contains
       if (any(abs(laid) > 0.0_dp)) motion = laid
    end subroutine find_origin
 
-   !> Solves a contact problem for the displacements from a rigid motion, which takes no force unless it strains ties:
-   !> what S makes of it is rounding then.
+   !> Solves a contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
+   !> strains ties: its product with S is rounding.
    subroutine solve_from(motion, body, method, problem, solution, error)
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
@@ -298,8 +298,8 @@ contains
       call solve_components(method, counted, solution, error)
    end subroutine solve_from
 
-   !> Refuses a solution whose numbers have left the finite range, or whose points move so far that the rounding of
-   !> their displacements alone makes forces as large as those that act.
+   !> Refuses a solution whose numbers are not finite, or whose displacements are so large that their rounding errors
+   !> cause forces as large as the loads.
    subroutine check_numbers(solver, problem, solution, fault)
       type(load_solver_t), intent(in) :: solver !! the solver, for the size of the body
       type(contact_problem_t), intent(in) :: problem !! the contact problem
@@ -326,7 +326,7 @@ contains
       !$omp end critical (texts_of_solver)
    end subroutine check_numbers
 
-   !> Refuses the solution of a contact problem that friction cannot hold.
+   !> Refuses the solution of a contact problem if friction cannot hold the body.
    subroutine check_spin(body, is_in_reach, problem, solution, size_of_body, error)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
@@ -412,9 +412,9 @@ contains
       end associate
    end function is_unbalanced
 
-   !> Whether all friction acts against the spin that the loads drive on a round line. It then still turns, and what its
-   !> facets leave of a normal displacement wedges it in the end: normal forces, and friction with them, grow until they
-   !> bear the loads.
+   !> Whether all friction acts against the spin that the loads drive on a round line. A body with such a line still
+   !> turns, until the remaining normal displacements of the facets wedge it: normal forces, and friction with them, grow
+   !> until they bear the loads.
    pure logical function is_exhausted(problem, force, spins, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: force(:) !! contact forces that a method found (n_rows) [F]
@@ -434,8 +434,8 @@ contains
       end associate
    end function is_exhausted
 
-   !> Displacements of the contact points under the free motions, along the normals and tangents of the round line that
-   !> they lie on (n_rows, motions) [-].
+   !> Displacements of the contact points under the free motions, along the normals and tangents of the round line on
+   !> which the points lie (n_rows, motions) [-].
    pure function on_round_line(zone, motions) result(on_round)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece

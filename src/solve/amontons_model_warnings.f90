@@ -21,14 +21,14 @@ module amontons_model_warnings
 
    public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, mean_length, percent
 
-   !> Initial overlap from which on it is warned about, as a share of the body's size [-].
+   !> Smallest initial overlap with a warning, as a share of the body's size [-].
    real(dp), parameter :: large_overlap = 0.01_dp
-   !> Friction from which on it is warned about [-].
+   !> Smallest friction coefficient with a warning [-].
    real(dp), parameter :: large_friction = 2.0_dp
 
 contains
 
-   !> The larger side of the box around the mesh of a body [L].
+   !> The larger side of the bounding box of a body [L].
    pure real(dp) function body_size(body)
       type(body_t), intent(in) :: body !! the body
 
@@ -158,7 +158,7 @@ contains
          'temperature has no effect: no material has a coefficient of thermal expansion')
    end subroutine add_material_warnings
 
-   !> Warns of a support or load at a point where bodies that are not joined both have a node.
+   !> Warns of a support or load at a point where several bodies that are not joined have a node.
    pure subroutine add_shared_place(warnings, what, coordinates, point)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       character(*), intent(in) :: what !! support or load
@@ -175,7 +175,7 @@ contains
          to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
    end subroutine add_shared_place
 
-   !> Warns of what is doubtful about a contact set.
+   !> Adds the warnings on a contact set.
    pure subroutine add_contact_warnings(warnings, body, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -217,7 +217,7 @@ contains
       end associate
    end subroutine add_contact_warnings
 
-   !> Warns of a table along the line that has no station on it.
+   !> Warns of a table along the line that has no abscissa within the line.
    pure subroutine add_table_warning(warnings, name, field, zone, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       character(*), intent(in) :: name !! what the table is called
@@ -240,7 +240,7 @@ contains
          warnings%number(length, 'L')//': it gives one value')
    end subroutine add_table_warning
 
-   !> Warns of friction that is rarely meant.
+   !> Warns of a friction coefficient that is probably an error.
    pure subroutine add_large_friction(warnings, name, friction)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       character(*), intent(in) :: name !! how the warning begins
@@ -329,7 +329,7 @@ contains
          'are those of the slave')
    end subroutine add_pair_warnings
 
-   !> Warns of sides that earlier sets leave without a point.
+   !> Warns of sides without contact points, because earlier sets have both ends.
    pure subroutine add_idle_sides(warnings, name, places)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       character(*), intent(in) :: name !! how the warning begins
@@ -375,8 +375,8 @@ contains
       mean_length = sum(norm2(surface%corner(:, 2, :) - surface%corner(:, 1, :), dim=1))/surface%n_sides
    end function mean_length
 
-   !> How far the curve that straight sides stand for bulges out of them at most: their length times the angle between
-   !> the normals at both ends, over 8. Curved sides follow it [L].
+   !> Largest distance of straight sides from the curve that they approximate: their length times the angle between the
+   !> normals at both ends, over 8. Curved sides have none [L].
    pure real(dp) function largest_bulge(surface) result(bulge)
       type(surface_t), intent(in) :: surface !! the surface
       integer :: i

@@ -1,5 +1,4 @@
-!> The numbers of a result on one mesh after the other, each refined from the one before: which they are, and how each
-!> is judged.
+!> The numbers of a result on successively refined meshes: their selection, and their convergence.
 module amontons_refined_meshes
    use amontons_body, only: body_t
    use amontons_contact_zone, only: contact_zone_t
@@ -16,7 +15,7 @@ module amontons_refined_meshes
 
 contains
 
-   !> The numbers of a result that are followed over refined meshes.
+   !> The numbers of a result that are compared over refined meshes.
    pure function refined_quantities(result) result(list)
       type(result_t), intent(in) :: result !! the result on one of the meshes
       type(quantity_t), allocatable :: list(:)
@@ -27,8 +26,8 @@ contains
       if (allocated(result%history_results)) list = [list, result%history_results]
    end function refined_quantities
 
-   !> Judges how each number changes from mesh to mesh. Where a point force acts, a continuum has neither stress nor
-   !> displacement: what is largest there grows with every mesh.
+   !> Judges the convergence of each number over the meshes. At a point force a continuum has neither a finite stress
+   !> nor a finite displacement: the largest one there grows with every mesh.
    subroutine judge_meshes(result, body, values)
       type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments, and a warning
       type(body_t), intent(in) :: body !! its body
@@ -71,8 +70,8 @@ contains
          'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')
    end subroutine judge_meshes
 
-   !> The longest side beside an end of a zone, where one status follows another; of the whole line, if none does [L].
-   !> Points within a quadratic side count for their share of it.
+   !> The longest side at an end of a zone, where the status changes; of the whole line if there is no end [L]. A part
+   !> of a quadratic side between two points counts as its share of the side.
    pure real(dp) function side_at_ends(zone, status) result(side)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! their statuses (m)

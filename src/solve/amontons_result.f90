@@ -1,8 +1,8 @@
-!> The result of a case: what became of it, in a word that all files have, and everything that the reports tell; and how
-!> its numbers change from mesh to mesh: observed order, extrapolated value and error bar.
+!> The result of a case: its outcome, with the word that all files use, and everything that the reports contain; and the
+!> convergence of its numbers over refined meshes: observed order, extrapolated value and error bar.
 !>
-!> The bar is the grid convergence index of Roache (J. Fluids Eng. 116, 1994; ASME V&V 20) with his factors of safety,
-!> not as a ratio: 1.25 where three meshes show an order of convergence, 3 where they do not.
+!> The bar is the grid convergence index of Roache (J. Fluids Eng. 116, 1994; ASME V&V 20), not as a ratio, with his
+!> factors of safety: 1.25 if three meshes show an order of convergence, otherwise 3.
 module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
@@ -23,12 +23,12 @@ module amontons_result
    public :: certificate_limit, convergence_t, factor_t, has_bar, has_converged, has_limit, new_convergence, &
       outcome_names, outcome_word, refined_quantity_t, result_t, solution_word, status_not_converged, verdict_names
 
-   !> What the values on the last three meshes do.
+   !> Behavior of the values on the last three meshes.
    character(11), parameter :: verdict_names(*) = [character(11) :: 'converging', 'slow', 'oscillating', 'diverging', &
       'unchanged', 'absent']
    integer, parameter :: converging = 1, slow = 2, oscillating = 3, diverging = 4, unchanged = 5, absent = 6
 
-   !> A number on meshes of which each halves the sides of the one before.
+   !> A number on meshes each of which halves the sides of the one before.
    type :: convergence_t
       real(dp), allocatable :: value(:) !! its values, on the coarsest mesh first
       integer :: verdict = unchanged !! place in `verdict_names`
@@ -49,22 +49,22 @@ module amontons_result
    integer, parameter, public :: outcome_not_converged = 2
    !> Outcome of a load case: contact and friction cannot balance the loads.
    integer, parameter, public :: outcome_no_equilibrium = 3
-   !> Outcome of a load case: its numbers left the range of numbers, or have no digit.
+   !> Outcome of a load case: its numbers are not finite, or have no correct digit.
    integer, parameter, public :: outcome_numbers = 4
 
-   !> Solved: the residual is at most the tolerance, and the certificate, where there is one, passes.
+   !> Word for a solution: the residual is at most the tolerance, and the certificate, if there is one, passes.
    character(*), parameter, public :: word_solved = 'solved'
-   !> Contact and friction cannot balance the loads.
+   !> Word for no equilibrium: contact and friction cannot balance the loads.
    character(*), parameter, public :: word_no_equilibrium = 'no_equilibrium'
-   !> The residual is above the tolerance, or a step of a history cannot be taken.
+   !> Word for no convergence: the residual is above the tolerance, or a step of a history cannot be taken.
    character(*), parameter, public :: word_not_converged = 'not_converged'
-   !> Converged, but a violation of the certificate is above its limit.
+   !> Word for a failed certificate: the method converged, but a violation is above its limit.
    character(*), parameter, public :: word_not_certified = 'not_certified'
 
-   !> Its numbers left the range of numbers, or have no digit.
+   !> Word for a numerical failure: numbers are not finite, or have no correct digit.
    character(*), parameter, public :: word_numerical_failure = 'numerical_failure'
 
-   !> Words for the outcomes that result files have.
+   !> Words for the outcomes in result files.
    character(17), parameter :: outcome_names(4) = [character(17) :: word_solved, word_not_converged, &
       word_no_equilibrium, word_numerical_failure]
 
@@ -72,7 +72,7 @@ module amontons_result
    !> `amontons_error`.
    integer, parameter :: status_not_converged = 4
 
-   !> Place of the depth worn among the columns of `slip_record`.
+   !> Index of the depth worn among the columns of `slip_record`.
    integer, parameter, public :: depth_worn = 5
 
    !> The factorization of the body.
@@ -130,12 +130,13 @@ contains
 
    !> Judges the last three of the values of a number.
    !>
-   !> Differences of mesh to mesh that fall by 2^p have the order p. The bar believes no order above 1, that of the
-   !> stresses at the end of a contact: where an end lies between two nodes makes a small last difference a matter of
-   !> chance, and the one before it counts besides. An order below 0.5 is that of a singular solution: the number may
-   !> have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is not
-   !> smaller. A size that is rounding on all three meshes, as a slip where no point slips, says nothing of what a finer
-   !> mesh shows: it is absent and has no bar. A sum that cancels, as a force across an axis of symmetry, is unchanged.
+   !> Differences between successive meshes that fall by 2^p have the order p. The error bar assumes no order above 1,
+   !> that of the stresses at the end of a contact: as an end lies anywhere between two nodes, a small last difference
+   !> may be chance, and the one before it counts as well. An order below 0.5 is that of a singular solution: the number
+   !> may have no limit. A number that a mesh cannot resolve, such as a length between nodes, changes by at least a
+   !> side; the bar is not smaller. A magnitude that is rounding on all three meshes, such as a slip if no point slips,
+   !> says nothing about a finer mesh: it is absent and has no bar. A sum that cancels, such as a force across an axis
+   !> of symmetry, is unchanged.
    pure subroutine new_convergence(convergence, value, resolution, rounding, is_size)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first
@@ -182,14 +183,14 @@ contains
       has_bar = convergence%verdict /= absent
    end function has_bar
 
-   !> Whether the number seems to have a limit.
+   !> Whether the number appears to have a limit.
    elemental logical function has_limit(convergence)
       type(convergence_t), intent(in) :: convergence !! the judgment
 
       has_limit = convergence%verdict /= slow .and. convergence%verdict /= diverging
    end function has_limit
 
-   !> What two changes one after the other mean; slow convergence counts as convergence.
+   !> The behavior that two successive changes indicate; slow convergence counts as convergence.
    pure integer function verdict(before, last, rounding)
       real(dp), intent(in) :: before !! change from the last mesh but two to the last but one
       real(dp), intent(in) :: last !! change from the last mesh but one to the last
@@ -221,24 +222,24 @@ contains
       end if
    end function solution_word
 
-   !> Whether a word says that the residual is at most the tolerance.
+   !> Whether a word means that the residual is at most the tolerance.
    pure logical function has_converged(word)
       character(*), intent(in) :: word !! the word
 
       has_converged = word == word_solved .or. word == word_not_certified
    end function has_converged
 
-   !> What every violation of a certificate must stay below, for a tolerance of the contact method [-].
+   !> The limit of all violations of a certificate, for a tolerance of the contact method [-].
    !>
-   !> A hundred times the tolerance leaves room for what a residual of the small problem becomes on the full model;
-   !> below 1e-8 rounding of a large model would speak.
+   !> It is a hundred times the tolerance, since a residual of the small problem may be larger on the full model, and at
+   !> least 1e-8, the rounding of a large model.
    pure real(dp) function certificate_limit(tolerance)
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
 
       certificate_limit = max(1.0e-8_dp, 100.0_dp*tolerance)
    end function certificate_limit
 
-   !> What became of a case in a word.
+   !> The outcome of a case in a word.
    pure function outcome_word(result) result(word)
       type(result_t), intent(in) :: result !! its result
       character(:), allocatable :: word

@@ -1,5 +1,5 @@
 !> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds; among those on the mesh,
-!> zones of the contact line of few sides, and ends of zones that most of the estimated error comes from.
+!> zones of the contact line with few sides, and ends of zones that contribute most of the estimated error.
 module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
@@ -23,10 +23,10 @@ module amontons_result_warnings
    public :: add_conditioning, add_mesh_warnings, add_result_warnings, case_warning_sentence, error_clause, &
       find_case_warnings, lacks_points
 
-   !> What is doubtful about a case of a sweep, as its row names it.
+   !> Names of the warnings on a case of a sweep, as its row has them.
    character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &
       'few_points', 'pressure_jump', 'large_strain', 'end_of_set']
-   !> The same as a sentence, on rigid obstacles.
+   !> Sentences of these warnings, for rigid obstacles.
    character(99), parameter :: case_warning_sentences(size(case_warning_names)) = [character(99) :: &
       "displacement of contact points above 5 % of the body's size; the theory is for small displacements", &
       'nothing touches the obstacle', &
@@ -35,19 +35,19 @@ module amontons_result_warnings
       "contact pressure above 2 % of Young's modulus; the theory is for small strains", &
       'the contact reaches an end of its set and the boundary goes on: enlarge the set']
 
-   !> Their number.
+   !> Number of these warnings.
    integer, parameter, public :: n_case_warnings = size(case_warning_names)
-   !> Which of them say that theory or model do not hold: displacements or strains that are too large, or a set that is
-   !> too small.
+   !> Whether each of them says that theory or model are not valid: displacements or strains that are too large, or a
+   !> set that is too small.
    logical, parameter, public :: is_limit_of_model(n_case_warnings) = [.true., .false., .false., .false., .true., &
       .true.]
 
-   !> Number of the one that nothing touches.
+   !> Index of the warning that there is no contact.
    integer, parameter :: no_contact = 2
-   !> Number of the one that contact reaches the end of a set.
+   !> Index of the warning that contact reaches the end of a set.
    integer, parameter, public :: end_of_set = 6
 
-   !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
+   !> Largest displacement, as a share of the body's size, and largest strain that are considered small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
 
 contains
@@ -118,7 +118,7 @@ contains
       call add_couples(result, body)
    end subroutine add_result_warnings
 
-   !> The largest pressure that rounding of displacements makes [F/L^2].
+   !> The largest pressure caused by rounding errors of the displacements [F/L^2].
    pure real(dp) function rounding_pressure(body, displacement, size_of_body) result(pressure)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement !! size of the displacements [L]
@@ -130,7 +130,7 @@ contains
       pressure = rounding*maxval(body%materials%list%young(1))*displacement/size_of_body
    end function rounding_pressure
 
-   !> Warns of contact that reaches an end of its set beyond which body and obstacle go on.
+   !> Warns of contact that reaches an end of its set beyond which body and obstacle continue.
    subroutine add_reached_ends(result, body, reached)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -155,7 +155,7 @@ contains
          'contain all that may touch, or end the obstacle')
    end subroutine add_reached_ends
 
-   !> What is doubtful about a case of a sweep as a sentence.
+   !> The sentence of a warning on a case of a sweep.
    pure function case_warning_sentence(kind, zone) result(sentence)
       integer, intent(in) :: kind !! which of `case_warning_names`
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -165,7 +165,7 @@ contains
       if (kind == no_contact .and. all(zone%pairs%is_set())) sentence = 'the bodies do not touch each other'
    end function case_warning_sentence
 
-   !> Warns that nothing touches, and says how far the nearest point is from its obstacle or the other body.
+   !> Warns that no point is closed, with the distance of the nearest point from its obstacle or the other body.
    subroutine add_no_contact(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warning
       type(body_t), intent(in) :: body !! the body
@@ -190,7 +190,7 @@ contains
       end associate
    end subroutine add_no_contact
 
-   !> Warns of pairs that slide so far that what faces each other at the start does no longer.
+   !> Warns of pairs that slide so far that points no longer face the positions which they faced initially.
    pure subroutine add_far_slips(warnings, zone, displacement, status)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -215,7 +215,7 @@ contains
       end associate
    end subroutine add_far_slips
 
-   !> Warns of contact sets part of whose normal force slides without friction, since supports prescribe the slip there:
+   !> Warns of contact sets with a part of their normal force without friction, since supports prescribe the slip there:
    !> that of a body on its obstacle, or those of both bodies.
    pure subroutine add_lost_friction(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
@@ -268,7 +268,7 @@ contains
       end associate
    end subroutine add_lost_friction
 
-   !> Warns of contact pairs and ties whose forces make a couple across the gap between them that is not small.
+   !> Warns of contact pairs and ties whose forces form a considerable couple across the gap between them.
    pure subroutine add_couples(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -292,7 +292,7 @@ contains
       end associate
    end subroutine add_couples
 
-   !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
+   !> Finds the warnings on the solution of a contact problem that do not depend on the displacements of the body.
    pure subroutine find_case_warnings(is_raised, body, size_of_body, contacts, gap, solution)
       logical, intent(out) :: is_raised(size(case_warning_names)) !! which of the warnings it deserves
       type(body_t), intent(in) :: body !! the body
@@ -320,7 +320,7 @@ contains
          > rounding_pressure(body, max(maxval(abs(solution%displacement)), maxval(abs(gap))), size_of_body)
    end subroutine find_case_warnings
 
-   !> Whether a point is next to an end of a set that contact reaches, or beside such a point.
+   !> Whether a point is at an end of a set that contact reaches, or next to such a point.
    pure logical function is_at_end(body, reached, point)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: reached(:) !! these ends, places in the body's free boundary
@@ -333,7 +333,7 @@ contains
       end associate
    end function is_at_end
 
-   !> Whether of contact points none is closed, and whether too few of them are for a pressure.
+   !> Whether no contact point is closed (1), and whether one or two are, too few for a pressure distribution (2).
    pure function lacks_points(status) result(lacks)
       integer, intent(in) :: status(:) !! their statuses (m)
       logical :: lacks(2)
@@ -344,7 +344,7 @@ contains
       end associate
    end function lacks_points
 
-   !> Warns of a stiffness so ill-conditioned that rounding shows in the certificate.
+   !> Warns of a stiffness so ill-conditioned that rounding affects the certificate.
    pure subroutine add_conditioning(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warning
       type(body_t), intent(in) :: body !! the body
@@ -393,7 +393,7 @@ contains
          percent(large_strain)//')')
    end subroutine add_size_warnings
 
-   !> The largest elongation or shortening of the distance between two corners of an element.
+   !> Finds the largest change of distance between two corners of an element, over the distance.
    pure subroutine find_strain(mesh, displacement, strain, at)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
@@ -425,7 +425,7 @@ contains
       end do
    end subroutine find_strain
 
-   !> The point of the largest pressure, if that is more than twice that of each of its neighbors; else 0.
+   !> The point of the largest pressure, if this is more than twice the pressure of each neighbor; otherwise 0.
    pure integer function jump_at(zone, pressure) result(peak)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
@@ -438,7 +438,7 @@ contains
       if (.not. pressure(peak) > large_jump*max(neighbor, 0.0_dp)) peak = 0
    end function jump_at
 
-   !> Warns of points out of reach that end up in the obstacle.
+   !> Warns of points out of reach of the obstacle that the displacements move into it.
    subroutine add_passed_points(warnings, body, load_case, displacement)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       type(body_t), intent(in) :: body !! the body
@@ -466,7 +466,7 @@ contains
          counted(n_passed, 'contact point')//' out of reach')
    end subroutine add_passed_points
 
-   !> Adds the first of the warnings on the mesh that there is reason for.
+   !> Adds the first warning on the mesh that applies.
    pure subroutine add_mesh_warnings(result, body, status)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -498,8 +498,8 @@ contains
       end if
    end subroutine add_mesh_warnings
 
-   !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
-   !> as where a line of symmetry meets the line, is no zone.
+   !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. A single point, as
+   !> where a line of symmetry meets the line, is no zone.
    pure subroutine add_short_zones(result, body, is_end, name, is_inside, n_per_side)
       type(result_t), intent(inout) :: result !! the result; gains the warning
       type(body_t), intent(in) :: body !! the body
@@ -539,7 +539,7 @@ contains
       end associate
    end subroutine add_short_zones
 
-   !> Whether there is such a point, and it belongs to the zone.
+   !> Whether a point exists and belongs to the zone.
    pure logical function is_in(is_inside, point)
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
       integer, intent(in) :: point !! the point, 0 for none
@@ -548,7 +548,7 @@ contains
       if (is_in) is_in = is_inside(point)
    end function is_in
 
-   !> What the estimated error says of some contact points, as a clause behind a sentence; nothing without an estimate.
+   !> A clause on the estimated error at some contact points, for the end of a sentence; empty without an estimate.
    pure function error_clause(result, body, is_there) result(clause)
       type(result_t), intent(in) :: result !! the result
       type(body_t), intent(in) :: body !! the body
@@ -562,8 +562,8 @@ contains
          percent(result%error_estimate%relative)//', is in the elements there'
    end function error_clause
 
-   !> The share of the elements at some contact points in the square of the estimated error; 0 where there is no
-   !> estimate, and for cells, whose ends are no nodes [-].
+   !> The share of the elements at some contact points in the square of the estimated error; 0 without an estimate, and
+   !> for cells, whose ends are no nodes [-].
    pure real(dp) function share_at(result, body, is_there) result(share)
       type(result_t), intent(in) :: result !! the result
       type(body_t), intent(in) :: body !! the body

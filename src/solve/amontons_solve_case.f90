@@ -1,8 +1,9 @@
-!> The way of a case from its configuration to its result: body, load case, solution, certificate and error estimate.
+!> The solution of a case from its configuration to its result: body, load case, solution, certificate and error
+!> estimate.
 !>
-!> Cases that share a body share its factorization, and one hands the state of its contact points to the next, one mesh
-!> to a finer one. Bodies made in code are solved, and cases of sweeps, steps of histories and the results that
-!> `--verify` reads certified by the same procedures.
+!> Cases that share a body share its factorization, and each starts from the contact state of the one before, or of the
+!> coarser mesh. The same procedures solve bodies made in code, and certify cases of sweeps, steps of histories and the
+!> results that `--verify` reads.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: around_axis, measure_terms
@@ -45,7 +46,7 @@ module amontons_solve_case
    public :: cache_t, certify, condense_case, estimate_error, evaluate, prepare_case, prepare_single_case, set_factor, &
       solve_body, solve_case
 
-   !> Where a case ended: where the next case of the same body starts.
+   !> The contact state at the end of a case, from which the next case of the same body starts.
    type :: state_t
       character(:), allocatable :: case_name !! name of the case whose state it is
       type(contact_solution_t) :: solution !! its solution
@@ -57,7 +58,7 @@ module amontons_solve_case
       procedure :: prolong => state_prolong
    end type state_t
 
-   !> The body at hand, for the cases of a run that share it.
+   !> The present body, which cases of a run share.
    type :: cache_t
       character(:), allocatable :: key !! the deck text that the body was made from
       type(body_t), allocatable :: body !! the body
@@ -70,7 +71,7 @@ module amontons_solve_case
 
 contains
 
-   !> Makes the body, the obstacles and the loads of a case ready, everything that its deck can get wrong.
+   !> Makes body and load case of a case, and so checks everything that its deck may get wrong.
    subroutine prepare_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
@@ -120,7 +121,8 @@ contains
       if (allocated(cache%state) .and. .not. cache%is_refining) deallocate (cache%state)
    end subroutine make_body
 
-   !> Makes a single case ready, and finds out whether its loads have an equilibrium before anything is factorized.
+   !> Makes body and load case of a single case, and checks before the factorization whether its loads have an
+   !> equilibrium.
    subroutine prepare_single_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
@@ -136,7 +138,7 @@ contains
       result%answer = lack%message
    end subroutine prepare_single_case
 
-   !> Solves a single case. That there is no equilibrium is its outcome, not an error.
+   !> Solves a single case. A missing equilibrium is its outcome, not an error.
    subroutine solve_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
@@ -172,7 +174,7 @@ contains
       end associate
    end subroutine solve_case
 
-   !> Factorizes and condenses the body, and makes what estimates of its error share, unless an earlier case did.
+   !> Factorizes and condenses the body, and makes the tables of its error estimates, unless an earlier case did.
    subroutine condense_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand
       type(config_t), intent(in) :: config !! the case
@@ -191,8 +193,8 @@ contains
       call result%timings%begin(phase_condense)
    end subroutine condense_case
 
-   !> A solution that starts from this state on another mesh of the same body: stresses and displacements of a point are
-   !> linear between the two points of the state that are nearest in its set.
+   !> Interpolates a state to another mesh of the same body, as a starting point: stresses and displacements of a point
+   !> are linear between the two nearest points of the state in its set.
    pure subroutine state_prolong(self, solution, zone)
       class(state_t), intent(in) :: self !! the state
       type(contact_solution_t), intent(out) :: solution !! the solution
@@ -225,7 +227,7 @@ contains
       end do
    end subroutine state_prolong
 
-   !> Solves a load case of a body and certifies the result. That there is no equilibrium is its outcome, not an error.
+   !> Solves a load case of a body and certifies the result. A missing equilibrium is its outcome, not an error.
    subroutine solve_load_case(result, body, problem, error)
       type(result_t), intent(inout) :: result
          !! the result: with its load case and method, times begun, a solution to start from, and what is known of its
@@ -276,7 +278,7 @@ contains
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
 
-   !> Notes which factorization is in use.
+   !> Describes the factorization in use.
    pure subroutine set_factor(factor, body)
       type(factor_t), intent(out) :: factor !! the factorization
       type(body_t), intent(in) :: body !! the body, condensed
@@ -325,8 +327,8 @@ contains
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
-   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
-   !> error estimate.
+   !> Computes all results that follow from displacements, contact forces and statuses: certificate, lengths, key
+   !> results, error estimate.
    subroutine evaluate(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
@@ -365,8 +367,9 @@ contains
       end if
    end subroutine evaluate
 
-   !> Solves a body made in code under loads: what a deck describes, in arguments. It is factorized once: solve it again
-   !> with the same contact problem for other loads, prescribed displacements, obstacles or friction.
+   !> Solves a body made in code, with supports, contact sets and loads as arguments. The body is factorized by the
+   !> first call; later calls with the same contact problem may have other loads, prescribed displacements, obstacles or
+   !> friction.
    subroutine solve_body(body, problem, supports, contacts, loads, options, result, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`; gains its factorization with the first load case
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; a new one for the first load case
@@ -409,7 +412,7 @@ contains
          numerical_failure, result%answer)
    end subroutine solve_body
 
-   !> Makes the tables that estimates of a body share, unless it has them.
+   !> Makes the tables for the error estimates of a body, unless it has them.
    subroutine prepare_estimates(body)
       type(body_t), intent(inout) :: body !! the body; gains the tables
 
@@ -418,7 +421,7 @@ contains
       call new_recovery_tables(body%recovery, body%mesh, body%outer, body%materials, body%constraints, body%springs)
    end subroutine prepare_estimates
 
-   !> Estimates the error of the stresses of a load case's solution, with the tables of the body where it has them.
+   !> Estimates the error of the stresses of a load case's solution, with the tables of the body if it has them.
    subroutine estimate_error(estimate, body, load_case, displacement, force)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(body_t), intent(in), target :: body !! the body
@@ -456,8 +459,8 @@ contains
       call estimate%add(of_twist)
    end subroutine estimate_error
 
-   !> Sets the tractions on the sides of the contact sets: the force of the points of each on its nodes over their
-   !> areas. What a master bears and what ties transmit is not known side by side.
+   !> Sets the tractions on the sides of the contact sets: the forces of the points of each set on its nodes, over their
+   !> areas. The tractions on masters and ties are not known side by side.
    subroutine set_contact_tractions(tractions, body, load_case, force)
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(body_t), intent(in) :: body !! the body
