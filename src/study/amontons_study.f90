@@ -1,5 +1,5 @@
-!> A study: what a deck asks for, from its checked configuration to its files;
-!> its outcome, and the monitor that may stop it.
+!> A study: the task that a deck describes, from its checked configuration to its files; its outcome, and the monitor
+!> that may stop it.
 !>
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
@@ -20,10 +20,10 @@ module amontons_study
       study_monitor_t, study_options_t, study_t, word_no_equilibrium, word_not_certified, word_not_converged, &
       word_solved
 
-   !> Exit status of a study that was interrupted; the same command goes on with it.
+   !> Exit status of an interrupted study; the same command continues it.
    integer, parameter, public :: status_interrupted = 5
 
-   !> What became of a deck.
+   !> The outcome of a deck.
    type :: outcome_t
       character(:), allocatable :: deck !! name of the deck
       character(:), allocatable :: name !! name of its case; empty where the deck could not be read
@@ -43,14 +43,14 @@ module amontons_study
       procedure :: judge => outcome_judge
    end type outcome_t
 
-   !> A monitor that says nothing and never stops a study; programs extend it.
+   !> A monitor without output that never stops a study; programs extend it.
    type :: study_monitor_t
    contains
       procedure :: is_stopped => study_monitor_is_stopped
       procedure :: report => study_monitor_report
    end type study_monitor_t
 
-   !> What is asked for besides the deck.
+   !> The options of a study that are not in the deck.
    type :: study_options_t
       character(:), allocatable :: directory !! output directory, made if it is not there
       logical :: writes_reduced = .false. !! whether the reduced problem is written
@@ -92,7 +92,7 @@ module amontons_study
 
 contains
 
-   !> Begins the outcome of a deck: nothing happened yet.
+   !> Begins the outcome of a deck, without any result yet.
    subroutine outcome_begin(self, deck, name)
       class(outcome_t), intent(out) :: self !! the outcome
       character(*), intent(in) :: deck !! name of the deck
@@ -105,7 +105,7 @@ contains
       self%message = ''
    end subroutine outcome_begin
 
-   !> Takes over an error.
+   !> Records an error.
    pure subroutine outcome_fail(self, error)
       class(outcome_t), intent(inout) :: self !! the outcome
       type(error_t), intent(in) :: error !! the error
@@ -116,7 +116,7 @@ contains
       self%message = error%message
    end subroutine outcome_fail
 
-   !> Notes that the study was interrupted.
+   !> Records that the study was interrupted.
    pure subroutine outcome_interrupt(self, place)
       class(outcome_t), intent(inout) :: self !! the outcome
       character(*), intent(in) :: place !! what it had come to: 'step 3'
@@ -126,7 +126,7 @@ contains
       self%message = 'interrupted after '//place//'; the same command goes on from there'
    end subroutine outcome_interrupt
 
-   !> Notes that there is no solution, or none of every step or row: status 4 without convergence, otherwise 2.
+   !> Records that there is no solution, or not of every step or row: status 4 without convergence, otherwise 2.
    pure subroutine outcome_lack(self, word, message)
       class(outcome_t), intent(inout) :: self !! the outcome
       character(*), intent(in) :: word !! `word_no_equilibrium`, `word_not_converged` or `word_numerical_failure`
@@ -137,7 +137,7 @@ contains
       self%message = message
    end subroutine outcome_lack
 
-   !> Takes over the judgment of a solution.
+   !> Records whether a solution converged and is certified.
    pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
       class(outcome_t), intent(inout) :: self !! the outcome
       logical, intent(in) :: is_converged !! whether the method converged
@@ -149,7 +149,7 @@ contains
       if (self%status /= 0) self%word = solution_word(is_converged, .false.)
    end subroutine outcome_judge
 
-   !> Iterations and residual of a solution.
+   !> Iterations and residual of a solution, as named numbers.
    pure function method_numbers(solution) result(numbers)
       type(contact_solution_t), intent(in) :: solution !! the solution
       type(quantity_t) :: numbers(2)
@@ -158,7 +158,7 @@ contains
          quantity_t('residual', '', solution%residual)]
    end function method_numbers
 
-   !> The beginning of the line on the result of a case: whether it was solved, and how.
+   !> The beginning of the result line of a case: whether it was solved, and how.
    pure function solution_line(name, solution) result(text)
       character(*), intent(in) :: name !! name of the case
       type(contact_solution_t), intent(in) :: solution !! the solution
@@ -168,8 +168,8 @@ contains
          counted(solution%n_iterations, 'iteration')//', residual '//scientific(solution%residual)
    end function solution_line
 
-   !> The exit status of a solution, and what it lacks. That a solution has status 4 is decided
-   !> here; that there is none, by `outcome_lack`.
+   !> Finds the exit status of a solution, and the sentence on what failed. Status 4 of a solution is decided here; that
+   !> there is no solution, by `outcome_lack`.
    pure subroutine find_exit_status(is_converged, residual, violation, tolerance, status, fault)
       logical, intent(in) :: is_converged !! whether the method converged
       real(dp), intent(in) :: residual !! its residual [-]
@@ -193,7 +193,7 @@ contains
       end if
    end subroutine find_exit_status
 
-   !> Whether the study is to stop. Asked from any thread, at any time.
+   !> Whether the study is to stop. May be called from any thread at any time.
    logical function study_monitor_is_stopped(self) result(is_stopped)
       class(study_monitor_t), intent(in) :: self !! the monitor
 
@@ -202,7 +202,7 @@ contains
       end associate
    end function study_monitor_is_stopped
 
-   !> Reports how far the study is: before the first batch of cases and after each, and after each batch of fields.
+   !> Reports the progress of the study: before the first batch of cases and after each, and after each batch of fields.
    subroutine study_monitor_report(self, n_done, n_cases, things)
       class(study_monitor_t), intent(inout) :: self !! the monitor
       integer, intent(in) :: n_done !! cases done, those of an earlier run included
@@ -243,7 +243,7 @@ contains
       call conclude(outcome, error)
    end subroutine solve_study
 
-   !> Reports the size of a deck with a body that is ready to be condensed.
+   !> Reports the size of the problem for a body that is ready to be condensed.
    subroutine report_size(config, cases, cache, result, outcome, error)
       type(config_t), intent(in) :: config !! the deck, on its finest mesh
       character(*), intent(in) :: cases !! the cases it has, as they are reported: ', 12 cases'; empty for one
@@ -290,7 +290,7 @@ contains
       outcome%text = config%name//': deck OK; '//size_text//cases//'; '//text
    end subroutine report_size
 
-   !> Puts the name of the deck before what went wrong with its body, its solution or its files.
+   !> Prefixes the message of an error in body, solution or files with the name of the deck.
    pure subroutine conclude(outcome, error)
       type(outcome_t), intent(inout) :: outcome !! the outcome
       type(error_t), allocatable, intent(in) :: error !! what went wrong, where anything did
@@ -300,14 +300,14 @@ contains
       outcome%message = outcome%deck//': '//outcome%message
    end subroutine conclude
 
-   !> Whether the study leaves grids NAME.vtu and NAME.contact.vtu.
+   !> Whether the study writes grids NAME.vtu and NAME.contact.vtu.
    pure logical function study_has_grids(self) result(has_grids)
       class(study_t), intent(in) :: self !! the study
 
       has_grids = .not. (self%config%reduced%is_given .or. self%config%sweep%is_given())
    end function study_has_grids
 
-   !> Refuses what is asked for besides a deck of many cases or steps, and is there for single cases only.
+   !> Refuses options that exist for single cases only, for a deck with many cases or steps.
    pure subroutine refuse_options(config, options, error)
       type(config_t), intent(in) :: config !! the deck
       type(study_options_t), intent(in) :: options !! what is asked for

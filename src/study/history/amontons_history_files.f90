@@ -1,9 +1,9 @@
-!> The files that grow with the steps of a history: NAME.history.csv has a row for each step, NAME.points.csv one for
-!> each contact point of some, NAME.states.csv one with all that a history needs to go on behind a step,
-!> NAME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
+!> The files of a history, which grow with its steps: NAME.history.csv has a row for each step, NAME.points.csv one for
+!> each contact point of selected steps, NAME.states.csv one with everything that is needed to continue after a step,
+!> NAME.history.pvd the grids of selected steps, NAME.cycles.csv a row for each cycle.
 !>
-!> The tables are those of a checkpoint: a history that dies goes on behind the rows that it noted last. How far it is,
-!> is a line of numbers, from which another history can start, too.
+!> The tables are those of a checkpoint: a run that was interrupted is continued after the last rows saved. The progress
+!> is a list of numbers, from which another history may start as well.
 module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
@@ -32,32 +32,32 @@ module amontons_history_files
    public :: history_files_t, history_row, history_table_t, history_tables, open_history_files, read_start, &
       step_numbers, table_rows
 
-   !> What a table has: the steps.
+   !> Content of a table: the steps.
    integer, parameter :: of_steps = 1
-   !> What a table has: the contact points of steps.
+   !> Content of a table: the contact points of steps.
    integer, parameter :: of_points = 2
-   !> What a table has: the states at the end of steps.
+   !> Content of a table: the states at the end of steps.
    integer, parameter, public :: of_states = 3
-   !> What a table has: the grids of steps.
+   !> Content of a table: the grids of steps.
    integer, parameter, public :: of_grids = 4
-   !> What a table has: the cycles.
+   !> Content of a table: the cycles.
    integer, parameter :: of_cycles = 5
 
-   !> A kind of number: one that is measured by itself, or by 1.
+   !> Kind of a column: a number compared by its own size, or by 1.
    integer, parameter, public :: number_alone = 1
-   !> A kind of number: a force.
+   !> Kind of a column: forces.
    integer, parameter, public :: a_force = 2
-   !> A kind of number: a displacement, a slip, a gap.
+   !> Kind of a column: displacements, slips, gaps.
    integer, parameter, public :: a_length = 3
-   !> A kind of number: an energy or a work.
+   !> Kind of a column: energies and works.
    integer, parameter, public :: an_energy = 4
-   !> A kind of number: a moment.
+   !> Kind of a column: moments.
    integer, parameter :: a_moment = 5
-   !> The first of the kinds that are measured by the largest number of their own column.
+   !> The first of the kinds of columns whose scale is their own largest number.
    integer, parameter :: own_scale = 6
    !> Number of kinds.
    integer, parameter, public :: n_kinds = own_scale + 4
-   !> The kinds of the parameters of fretting.
+   !> The kinds of the columns of fretting parameters.
    integer, parameter :: parameter_kinds(n_parameters) = [own_scale + 1, own_scale, own_scale + 2, own_scale + 3, &
       number_alone]
 
@@ -71,7 +71,7 @@ module amontons_history_files
       procedure, private :: add => history_table_add
    end type history_table_t
 
-   !> The files, under names of their own until the history is reported.
+   !> The files of a history, under temporary names until the history is reported.
    type :: history_files_t
       private
       character(:), allocatable :: directory !! output directory, a slash behind it
@@ -90,7 +90,7 @@ module amontons_history_files
 
 contains
 
-   !> Describes the tables that a history has, that of the steps first.
+   !> Describes the tables of a history, that of the steps first.
    pure subroutine history_tables(tables, model, body, n_noted)
       type(history_table_t), allocatable, intent(out) :: tables(:) !! the tables
       type(history_model_t), intent(in) :: model !! the history
@@ -229,14 +229,14 @@ contains
       call table%add('iterations,statuses', number_alone)
    end subroutine describe_steps
 
-   !> For how many contact sets there are numbers of each: a single one has those of all.
+   !> Number of contact sets with columns of their own: none if there is one set, whose numbers are those of all.
    pure integer function several(n_sets)
       integer, intent(in) :: n_sets !! number of contact sets
 
       several = merge(n_sets, 0, n_sets > 1)
    end function several
 
-   !> The rows of a table that the last step adds; none for that of the grids.
+   !> The rows that the last step adds to a table; empty for that of the grids.
    function table_rows(table, model, body, walk) result(rows)
       type(history_table_t), intent(in) :: table !! the table
       type(history_model_t), intent(in) :: model !! the history
@@ -267,7 +267,7 @@ contains
       end select
    end function table_rows
 
-   !> The numbers of a step between its number and its iterations.
+   !> The numbers of a step in its row, between step number and iterations.
    pure function step_numbers(model, body, state) result(numbers)
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
@@ -288,7 +288,8 @@ contains
       numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named, worn%value]
    end function step_numbers
 
-   !> Lengths of the zones and contact forces of all contact sets, or of one.
+   !> Zone lengths and sums of contact forces of all contact sets, or of one: open, slip, stick, normal, tangential (5)
+   !> [L], [F].
    pure function set_numbers(body, state, set) result(numbers)
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at the end of a step
@@ -320,8 +321,8 @@ contains
          to_text(state%solution%n_iterations)//','//runs//newline
    end function history_row
 
-   !> The rows of the contact points of a step. The slip is the way along the tangent that a point has gone on the
-   !> obstacle, the gap what is left of it.
+   !> The rows of the contact points of a step. The slip is the distance that a point has moved on the obstacle along
+   !> its tangent, the gap is the remaining one.
    pure function points_rows(model, body, walk) result(rows)
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
@@ -351,7 +352,7 @@ contains
       rows = as_lines(lines)
    end function points_rows
 
-   !> Opens the files that the deck asks for, behind what an earlier run has left of the same history.
+   !> Opens the files that the deck asks for; they continue those of an interrupted run of the same history.
    ! allow(S902): what the files are of, where they are, and what an earlier run left
    subroutine open_history_files(files, model, body, walk, directory, label, key, progress, error)
       type(history_files_t), intent(out) :: files !! the files
@@ -409,7 +410,8 @@ contains
          self%folder//to_text(number)))
    end subroutine history_files_add_fields
 
-   !> Ends the tables; they still have names of their own. Grids that an earlier run wrote are listed as they are.
+   !> Completes the tables, which still have temporary names. Grids of an interrupted run are listed without being
+   !> written again.
    subroutine history_files_finish(self, model, n_steps, n_resumed, finished, manifest, error)
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
@@ -439,7 +441,7 @@ contains
       end do
    end subroutine history_files_finish
 
-   !> Reads the numbers of the state that a history starts from.
+   !> Reads the state from which a history starts.
    subroutine read_start(numbers, history, error)
       real(dp), allocatable, intent(out) :: numbers(:) !! the numbers
       type(history_t), intent(in) :: history !! the history, with a start
@@ -466,7 +468,7 @@ contains
          ' NAME.states.csv has them')
    end subroutine read_start
 
-   !> The numbers of the steps whose states a file has; of many the first ones and the last.
+   !> Text listing the steps whose states a file has; of many the first ones and the last.
    pure function steps_text(states) result(text)
       character(*), intent(in) :: states !! what the file says
       character(:), allocatable :: text

@@ -1,14 +1,14 @@
-!> One step of a load history: what acts in it, the factors of loads and where obstacles are at a time; the way from the
-!> state at its beginning to the state at its end; and its energies, probes and stresses of the surface.
+!> One step of a load history: what acts on the body at a time, that is, factors of loads and positions of obstacles;
+!> the solution of the step from the state at its beginning; and its energies, probes and surface stresses.
 !>
-!> The step is a contact problem whose slips count from the anchors: where the points were when it began, moved along
-!> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a
-!> step can be given up and taken again with another length.
+!> The step is a contact problem whose slips count from the anchors: the positions of the points at its beginning, moved
+!> along with the obstacle (backward Euler; section 10 of doc/theory.md). The previous state is not changed, so that a
+!> step can be discarded and taken again with another length.
 !>
-!> Energies need no displacements of nodes. Loads and prescribed displacements are sums of parts, f = sum c_i f_i and
-!> u_p = sum c_i u_pi. The field of all nodes is then u = sum c_i u_i + E v: u_i answers part i with v = 0, E extends
-!> the contact displacements v by equilibrium. Any force field G does the work `v . condense(G)` on E v, so that a few
-!> vectors and small matrices, computed once, give every energy of a step in O(m^2) operations.
+!> Energies are computed without the displacements of nodes. Loads and prescribed displacements are sums of parts, f =
+!> sum c_i f_i and u_p = sum c_i u_pi. The field of all nodes is then u = sum c_i u_i + E v: u_i is the response to part
+!> i with v = 0, E extends the contact displacements v by equilibrium. Any force field G does the work `v . condense(G)`
+!> on E v, so that a few vectors and small matrices, computed once, give every energy of a step in O(m^2) operations.
 module amontons_history_model
    use amontons_body, only: body_t, lock_motions
    use amontons_checkpoint, only: archive_t
@@ -51,7 +51,7 @@ module amontons_history_model
       procedure :: strain_energy => energy_form_strain_energy
    end type energy_form_t
 
-   !> What all steps share.
+   !> The data that all steps share.
    type :: history_model_t
       type(history_t) :: history !! times and changes
       type(load_solver_t) :: solver !! loads, obstacles and friction, and the way to the solution of a step
@@ -73,7 +73,7 @@ module amontons_history_model
       procedure :: probed => history_model_probed
    end type history_model_t
 
-   !> What acts at a time.
+   !> What acts on the body at a time.
    type, extends(acting_t) :: instant_t
       real(dp) :: time = 0.0_dp !! the time [-]
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
@@ -81,12 +81,12 @@ module amontons_history_model
          !! what is added to the gaps: by who takes the steps and, once a step is taken, by what was worn before (m) [L]
    end type instant_t
 
-   !> Numbers of a state that are kept besides those of its contact points and locks.
+   !> Number of numbers of a saved state in addition to those of its contact points and locks.
    integer, parameter :: n_single = 6
-   !> Numbers that are kept of each contact point: those that have no direction, and those along normal and tangents.
+   !> Numbers of each contact point in a saved state: those without direction, and those along normal and tangents.
    integer, parameter :: n_scalars = 6, n_normals = 2, n_tangentials = 3
 
-   !> Where a step has led to.
+   !> The state at the end of a step.
    type :: step_state_t
       type(instant_t) :: instant !! what acts
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
@@ -166,7 +166,7 @@ contains
          + 0.5_dp*dot_product(factor, matmul(self%strain, factor))
    end function energy_form_strain_energy
 
-   !> Work of the loads at given factors while the field changes [F L].
+   !> Work of the loads with given factors on a change of the field [F L].
    pure real(dp) function energy_form_load_work(self, factor, change, v_change) result(work)
       class(energy_form_t), intent(in) :: self !! the form
       real(dp), intent(in) :: factor(:) !! factors c of the parts [-]
@@ -176,7 +176,7 @@ contains
       work = dot_product(factor, matmul(self%load, change) + matmul(v_change, self%load_row))
    end function energy_form_load_work
 
-   !> Separates what changes from what does not, and condenses each part.
+   !> Makes the parts of everything that changes in a history, and condenses each of them.
    subroutine new_history_model(model, body, problem, prepared, config, error)
       type(history_model_t), intent(out) :: model !! the model
       type(body_t), intent(in) :: body !! the body, condensed
@@ -226,7 +226,7 @@ contains
       if (.not. allocated(error)) call condense_history(model, body, problem, error)
    end subroutine new_history_model
 
-   !> Condenses the parts, and all that steps need of them.
+   !> Condenses the parts, and computes the data of energies, probes and surface stresses.
    subroutine condense_history(model, body, problem, error)
       type(history_model_t), intent(inout) :: model !! the model
       type(body_t), intent(in) :: body !! the body, condensed
@@ -260,7 +260,7 @@ contains
       end associate
    end subroutine condense_history
 
-   !> Locks the motions of the body that are locked in a state, and lets the others free.
+   !> Locks the motions of the body that are locked in a state, and frees the others.
    subroutine history_model_set_locks(self, body, problem, state, error)
       class(history_model_t), intent(inout) :: self !! the model
       type(body_t), intent(inout) :: body !! the body
@@ -280,8 +280,8 @@ contains
       call condense_history(self, body, problem, error)
    end subroutine history_model_set_locks
 
-   !> Before a step, locks the motions whose time has come where they are. Nothing moves: displacements, forces and
-   !> energies of the state stay.
+   !> Before a step, locks the motions whose lock time is reached at their present values. Nothing moves: displacements,
+   !> forces and energies of the state are unchanged.
    subroutine history_model_enter_step(self, body, problem, state, error)
       class(history_model_t), intent(inout) :: self !! the model
       type(body_t), intent(inout) :: body !! the body
@@ -296,7 +296,7 @@ contains
       call self%set_locks(body, problem, state, error)
    end subroutine history_model_enter_step
 
-   !> Which cycle ends at a time: 0 where the first one begins, -1 where none does.
+   !> Number of the cycle that ends at a time: 0 where the first one begins, -1 if none ends there.
    pure integer function history_model_cycle_at(self, time) result(cycle)
       class(history_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: time !! the time [-]
@@ -328,7 +328,7 @@ contains
       end do
    end subroutine find_probes
 
-   !> What acts at a time.
+   !> Finds what acts on the body at a time.
    subroutine history_model_at(self, body, time, instant, error)
       class(history_model_t), intent(in) :: self !! the model
       type(body_t), intent(in) :: body !! the body
@@ -345,7 +345,7 @@ contains
       call self%acting(body, time, numbers, instant, error)
    end subroutine history_model_at
 
-   !> What acts if the changes have some numbers.
+   !> Finds what acts on the body for given numbers of the changes.
    subroutine history_model_acting(self, body, time, numbers, instant, error)
       class(history_model_t), intent(in) :: self !! the model
       type(body_t), intent(in) :: body !! the body
@@ -392,7 +392,7 @@ contains
       end do
    end function history_model_probed
 
-   !> Text that two models share only if they are the same to the last bit: files that a deck names may have changed
+   !> A text that is equal for two models only if they agree to the last bit: files that a deck names may have changed
    !> although the deck has not.
    pure function history_model_fingerprint(self, body, problem) result(text)
       class(history_model_t), intent(in) :: self !! the model
@@ -410,7 +410,7 @@ contains
       text = self%solver%loads%fingerprint(body, problem)//' '//to_text(checksum%value())
    end function history_model_fingerprint
 
-   !> The state before the first step: unstressed, no load acts, and obstacles that the body overlaps just touch it.
+   !> Makes the state before the first step: without stress and loads; obstacles that the body overlaps just touch it.
    pure subroutine new_step_state(state, model, body)
       type(step_state_t), intent(out) :: state !! the state
       type(history_model_t), intent(in) :: model !! the model
@@ -431,7 +431,7 @@ contains
       state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_shear_fixed)
    end subroutine new_step_state
 
-   !> Takes a step to what acts at its end. The state says what came of it.
+   !> Takes a step to what acts at its end. The outcome is part of the state.
    subroutine take_step(after, model, body, problem, before, instant)
       type(step_state_t), intent(out) :: after !! the state at the end of the step
       type(history_model_t), intent(in) :: model !! the model
@@ -480,7 +480,7 @@ contains
       call add_works(after, model, problem, before)
    end subroutine take_step
 
-   !> Gives a state what follows from its forces and displacements.
+   !> Computes the numbers of a state that follow from its forces and displacements.
    pure subroutine complete(state, model, problem)
       type(step_state_t), intent(inout) :: state !! the state
       type(history_model_t), intent(in) :: model !! the model
@@ -496,7 +496,7 @@ contains
       end associate
    end subroutine complete
 
-   !> How many numbers a state is restored from.
+   !> Number of numbers from which a state is restored.
    pure integer function n_state_numbers(body)
       type(body_t), intent(in) :: body !! the body
 
@@ -504,7 +504,7 @@ contains
          *body%zone%n_points
    end function n_state_numbers
 
-   !> What a state must be restored from, the time first: all else follows.
+   !> The numbers from which a state is restored, the time first; everything else follows.
    pure function step_state_numbers(self) result(numbers)
       class(step_state_t), intent(in) :: self !! the state
       real(dp), allocatable :: numbers(:)
@@ -516,7 +516,7 @@ contains
       numbers = archive%numbers(:archive%n)
    end function step_state_numbers
 
-   !> Writes to an archive what a state must be restored from, or reads it.
+   !> Writes to an archive the numbers from which a state is restored, or reads them.
    pure subroutine visit(state, archive)
       type(step_state_t), intent(inout) :: state !! the state
       type(archive_t), intent(inout) :: archive !! the archive
@@ -583,10 +583,11 @@ contains
       call complete(state, model, problem)
    end subroutine restore_step_state
 
-   !> Adds works and dissipation of a step, and measures how well its energies balance.
+   !> Adds works and dissipation of a step, and measures the error of its energy balance.
    !>
-   !> Over a step the loads do the mean of their work at both ends (they lie on a ramp), and friction takes the mean of
-   !> both bounds times the slip, which is right under reversal, too, where the force jumps but the bound does not.
+   !> In a step the work of the loads is that of their means over both ends (they are linear in time). Friction acts
+   !> with the mean of both bounds on the slip, which is right under reversal as well, where the force jumps but the
+   !> bound does not.
    pure subroutine add_works(after, model, problem, before)
       type(step_state_t), intent(inout) :: after !! the state; gains works and dissipation
       type(history_model_t), intent(in) :: model !! the model
@@ -675,7 +676,7 @@ contains
          self%wear_depth], [size(slip), 5])
    end function step_state_slip_record
 
-   !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].
+   !> The works minus strain energy and dissipation: the error of the time stepping [F L].
    pure real(dp) function step_state_energy_error(self) result(energy_error)
       class(step_state_t), intent(in) :: self !! the state
 

@@ -1,5 +1,5 @@
-!> The study of a load history: from its deck through all steps to the files that grow with it, the result of its last
-!> step, and what listing and summary say of the way there.
+!> The study of a load history: from its deck through all steps to its files, the result of its last step, and the text
+!> of listing and summary on the history.
 module amontons_history_study
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t
@@ -35,10 +35,10 @@ module amontons_history_study
    public :: add_history_results, describe_history, history_result_t, history_study_t, new_step_result, &
       prepare_history, solve_history, start_history, worst_step_t
 
-   !> Numbers that are kept of each time that was reached.
+   !> Number of saved numbers for each time that was reached.
    integer, parameter :: n_reached_numbers = 9
 
-   !> The largest of a number over all steps, and where it was.
+   !> The largest value of a number over all steps, and the step.
    type :: worst_step_t
       real(dp) :: value = 0.0_dp !! the largest [-]
       integer :: step = 0 !! the step; 0 if none had more than 0
@@ -46,17 +46,17 @@ module amontons_history_study
       procedure :: note => worst_step_note
    end type worst_step_t
 
-   !> Numbers of the steps whose largest is kept: the residual of the contact problem.
+   !> Index of a step's largest number: the residual of the contact problem.
    integer, parameter :: of_residual = 1
-   !> The violation of the energy identities.
+   !> Index of a step's largest number: the violation of the energy identities.
    integer, parameter, public :: of_identities = 2
-   !> The energy error of a step over its energies.
+   !> Index of a step's largest number: its energy error over its energies.
    integer, parameter, public :: of_indicator = 3
-   !> The violation of the certificate.
+   !> Index of a step's largest number: the violation of the certificate.
    integer, parameter, public :: of_violation = 4
-   !> The energy error of a step that cannot be made shorter, over its energies.
+   !> Index of a step's largest number: the energy error of a step that cannot be made shorter, over its energies.
    integer, parameter :: of_jump = 5
-   !> The share of a pressure that the depth worn in a step relieves.
+   !> Index of a step's largest number: the share of a pressure that the wear of one step removes.
    integer, parameter :: of_feedback = 6
    !> Names of the first of them in the summary.
    character(17), parameter, public :: worst_names(of_violation) = [character(17) :: 'residual', 'energy_identities', &
@@ -65,7 +65,7 @@ module amontons_history_study
    character(17), parameter :: worst_labels(of_indicator) = [character(17) :: 'Largest residual', 'Energy identities', &
       'Step indicator']
 
-   !> The result of a history. Its steps are on the disk.
+   !> The result of a history. Its steps are in files.
    type :: history_result_t
       type(result_t) :: last !! the last step, certified on the full model; its times are those of the history
       type(history_walk_t) :: walk !! where the way ended
@@ -137,7 +137,7 @@ contains
       end if
    end subroutine solve_history
 
-   !> Begins where the deck starts, or behind the last step that an earlier run has noted.
+   !> Begins a history at its start, or after the last step that an earlier run has saved.
    subroutine begin_history(cache, config, directory, model, files, result, error)
       type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of the last step
       type(config_t), intent(in) :: config !! the deck
@@ -162,8 +162,8 @@ contains
       result%n_resumed = result%walk%n_steps
    end subroutine begin_history
 
-   !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck:
-   !> numbers of another body or of other loads would give or take energy that no load has.
+   !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck: the
+   !> state of another body or under other loads would have energy that no load has supplied.
    subroutine start_history(result, cache, model, numbers, error)
       type(history_result_t), intent(inout) :: result !! gains the way, and no steps
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
@@ -197,7 +197,7 @@ contains
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
    end subroutine start_history
 
-   !> Notes how far the history is.
+   !> Saves the progress of the history.
    subroutine note_progress(files, result, error)
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! the history so far
@@ -212,7 +212,7 @@ contains
       call files%checkpoint%save(progress, error)
    end subroutine note_progress
 
-   !> Writes to an archive what is known of the steps so far, or reads it.
+   !> Writes to an archive the record of the steps so far, or reads it.
    pure subroutine history_result_visit(self, archive)
       class(history_result_t), intent(inout) :: self !! the history so far
       type(archive_t), intent(inout) :: archive !! the archive
@@ -244,7 +244,7 @@ contains
       end do
    end subroutine history_result_visit
 
-   !> Makes what the steps need: the condensed body and the model of the history.
+   !> Prepares the steps: the condensed body and the model of the history.
    subroutine prepare_history(cache, config, model, last, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(config_t), intent(in) :: config !! the deck
@@ -271,7 +271,7 @@ contains
       call set_factor(last%factor, cache%body)
    end subroutine prepare_history
 
-   !> Takes the steps, as far as there is a way and the monitor does not stop it.
+   !> Takes the steps until the end, until no step is possible, or until the monitor stops it.
    subroutine take_steps(cache, model, files, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body
       type(history_model_t), intent(inout) :: model !! the history
@@ -306,7 +306,7 @@ contains
       call note_progress(files, result, error)
    end subroutine take_steps
 
-   !> Notes what is remarkable of the last step.
+   !> Updates the record of the steps with the last one: largest numbers, extremes and warnings.
    pure subroutine history_result_note_step(self, body, model)
       class(history_result_t), intent(inout) :: self !! the history so far
       type(body_t), intent(in) :: body !! the body
@@ -341,8 +341,8 @@ contains
       end associate
    end subroutine history_result_note_step
 
-   !> Gives the last step the numbers of the whole history: works, the largest accumulated slip, what the last cycle
-   !> took, and the extremes of the steps.
+   !> Adds the numbers of the whole history to the result of the last step: works, the largest accumulated slip, the
+   !> numbers of the last cycle, and the extremes of the steps.
    pure subroutine add_history_results(result, model, body)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the numbers
       type(history_model_t), intent(in) :: model !! the history
@@ -380,8 +380,8 @@ contains
       call move_alloc(list, result%last%history_results)
    end subroutine add_history_results
 
-   !> The part of the energy error that the first step has, which loads the body from rest at once: no shorter steps
-   !> make it smaller, only loads that begin with nothing. 0 of a history that starts elsewhere [F L].
+   !> The part of the energy error from the first step, at which loads act at once on the body at rest: shorter steps do
+   !> not reduce it, only loads that begin at zero. 0 for a history that starts from a saved state [F L].
    pure real(dp) function history_result_error_from_rest(self, history) result(energy_error)
       class(history_result_t), intent(in) :: self !! the history so far
       type(history_t), intent(in) :: history !! what the deck says of it
@@ -394,7 +394,7 @@ contains
       end associate
    end function history_result_error_from_rest
 
-   !> Notes the certificate of the last step.
+   !> Records the certificate of the last step.
    pure subroutine history_result_note_certificate(self, violation)
       class(history_result_t), intent(inout) :: self !! the history so far
       real(dp), intent(in) :: violation !! the largest violation of the step [-]
@@ -403,8 +403,8 @@ contains
       self%n_certified = self%n_certified + 1
    end subroutine history_result_note_certificate
 
-   !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory where those of
-   !> the last one are not: the last step has its own warnings.
+   !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory if those of
+   !> the last step are not, which has its own warnings.
    subroutine history_result_add_warnings(self, body)
       class(history_result_t), intent(inout) :: self !! the history; its last step gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -434,8 +434,8 @@ contains
       end associate
    end subroutine history_result_add_warnings
 
-   !> Certifies the present step and writes its grids where they are asked for. Where contact reaches the end of a set,
-   !> the boundary beyond it is looked at.
+   !> Certifies the present step and writes its grids if asked for. If contact reaches the end of a set, penetration
+   !> beyond it is checked.
    subroutine certify_step(cache, model, files, result, error)
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
@@ -469,7 +469,8 @@ contains
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
-   !> Certifies the last step, gives it what its files show, and ends the tables; without a step there are none.
+   !> Certifies the last step, adds to it the results that its files show, and completes the tables; without a step
+   !> there are none.
    subroutine finish_history(cache, model, files, result, error)
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the last step
       type(history_model_t), intent(in) :: model !! the history
@@ -498,7 +499,7 @@ contains
       call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
    end subroutine finish_history
 
-   !> Notes the number of a step.
+   !> Updates the largest value with the number of a step.
    elemental subroutine worst_step_note(self, value, step)
       class(worst_step_t), intent(inout) :: self !! the largest so far
       real(dp), intent(in) :: value !! that of the step [-]
@@ -509,7 +510,7 @@ contains
       self%step = step
    end subroutine worst_step_note
 
-   !> Says in listing and summary of the last step what the history was, and how far its steps are from being solved.
+   !> Adds sections on the history to listing and summary of the last step, with the largest errors of the steps.
    subroutine describe_history(result, config)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
       type(config_t), intent(in) :: config !! the deck
@@ -601,7 +602,7 @@ contains
          [spread(energy, 1, size(energies)), extremes%scale, 0.0_dp])
    end subroutine describe_history
 
-   !> What changes, and between which numbers.
+   !> Text naming a change and its least and largest numbers.
    pure function steps_text(steps) result(text)
       type(steps_t), intent(in) :: steps !! the change
       character(:), allocatable :: text
@@ -614,7 +615,7 @@ contains
       end do
    end function steps_text
 
-   !> The first line of a table and, where there are units, the second.
+   !> The first line of a table and, if the case names units, the second.
    pure function table_head(first, labels, dimensions, units, width) result(text)
       character(*), intent(in) :: first !! what the first column is called, which is measured in nothing
       character(*), intent(in) :: labels(:) !! what the others are called
@@ -637,7 +638,7 @@ contains
       text = trim(text)//newline
    end function table_head
 
-   !> The cycles: of many the last ones, since these are like each other or not.
+   !> The table of the cycles; of many cycles the last ones.
    pure function cycles_table(config, cycles, width) result(text)
       type(config_t), intent(in) :: config !! the deck
       real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
@@ -726,8 +727,8 @@ contains
       end associate
    end subroutine history_study_check
 
-   !> Takes all steps on one mesh after the other, where the deck asks for refined ones, and judges the numbers of the
-   !> last one. The history on a coarser mesh has files of its own, no more than a resumed run needs.
+   !> Takes all steps on one mesh after the other, if the deck asks for refined meshes, and judges the convergence of
+   !> the numbers of the last step. The history on a coarser mesh has only the files that resuming it needs.
    subroutine solve_on_meshes(cache, config, directory, monitor, result, mesh, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced by that of the last mesh
       type(config_t), intent(inout) :: config !! the deck; becomes that of the last mesh
@@ -832,8 +833,7 @@ contains
          result%last%earlier_violation, self%config%method%tolerance)
    end subroutine history_study_solve
 
-   !> Pressure, shear and slip, and the forces, of all contact sets in a state. The slip is that since rest, on the
-   !> obstacle.
+   !> Pressure, shear, slip and forces of all contact sets in a state. The slip is the one since rest, on the obstacle.
    pure function contact_numbers(body, state) result(list)
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state
@@ -845,7 +845,7 @@ contains
       end associate
    end function contact_numbers
 
-   !> Where the work of the history went; the error is that of the size of the steps.
+   !> The energies and works of a history; the error is that of the time stepping.
    pure function energies_of(state) result(list)
       type(step_state_t), intent(in) :: state !! the last state
       type(quantity_t), allocatable :: list(:)
@@ -859,7 +859,7 @@ contains
       list%dimension = 'F L'
    end function energies_of
 
-   !> What the last cycle took, and its largest parameters of fretting where the deck asks for them; nothing without a
+   !> The numbers of the last cycle, with its largest fretting parameters if the deck asks for them; empty without a
    !> cycle.
    pure function cycle_results(history, cycles) result(list)
       type(history_t), intent(in) :: history !! the history

@@ -1,7 +1,7 @@
-!> Steps of a history for another program, which says what acts at the end of each and keeps the states.
+!> Steps of a history for another program, which sets the loads at the end of each step and stores the states.
 !>
-!> A state is an array of numbers that the other program need not understand: nothing but zeros at rest. A step changes
-!> nothing but the state it returns, so that it can be taken again from where it began.
+!> A state is an array of numbers with an internal format; all zeros are the state of rest. A step changes only the
+!> state it returns, so that it can be taken again from its beginning.
 module amontons_load_stepper
    use amontons_config, only: config_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -18,7 +18,7 @@ module amontons_load_stepper
 
    public :: load_stepper_t, new_load_stepper
 
-   !> A body whose loads, supports, obstacles and friction somebody changes.
+   !> A body whose loads, supports, obstacles and friction the calling program changes.
    type :: load_stepper_t
       type(cache_t) :: cache !! the body
       type(history_model_t) :: model !! what changes
@@ -32,7 +32,8 @@ module amontons_load_stepper
 
 contains
 
-   !> Makes a stepper of a deck with `&history`. Its `&steps` say what changes; their values and the times are not used.
+   !> Makes a stepper of a deck with `&history`. Its `&steps` name what changes; their values and the times are not
+   !> used.
    subroutine new_load_stepper(stepper, config, error)
       type(load_stepper_t), intent(out) :: stepper !! the stepper
       type(config_t), intent(in) :: config !! the deck
@@ -61,7 +62,7 @@ contains
       end associate
    end subroutine new_load_stepper
 
-   !> Takes a step. Not converged is a result: `is_converged` says so, and a shorter step may help.
+   !> Takes a step. Not converged is a result, reported in `is_converged`; a shorter step may help.
    ! allow(S902): types for what goes in and what comes out would be made for this call alone
    subroutine load_stepper_step(self, time, changes, before, after, columns, status, is_converged, error, gap)
       class(load_stepper_t), intent(inout) :: self !! the stepper; its contact problem is left with what acts

@@ -1,5 +1,5 @@
-!> The study of a reduced problem that another program, or an earlier run, has written, and its files in the form of
-!> those of a deck with a body: all of them, each whole, or none.
+!> The study of a reduced problem that another program, or an earlier run, has written, and its files, in the form of
+!> those of a deck with a body; they are written as a whole or not at all.
 module amontons_reduced_study
    use amontons_config, only: config_t
    use amontons_contact_table, only: add_point_table, column_t, points_text
@@ -87,7 +87,7 @@ contains
    end subroutine reduced_study_solve
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.deck.nml and NAME.summary.json, and NAME.solutions.csv if all solutions
-   !> are known. Names change hands only after every file is complete.
+   !> are known. The files get their final names when all are complete.
    subroutine write_reduced_report(directory, config, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the case
@@ -114,7 +114,7 @@ contains
       call commit_case(files, manifest, directory, config%name, summary, error)
    end subroutine write_reduced_report
 
-   !> Makes the text files of a reduced problem, but for the summary.
+   !> Makes the text files of a reduced problem, except for the summary.
    subroutine reduced_documents(documents, config, result)
       type(document_t), allocatable, intent(out) :: documents(:) !! the files
       type(config_t), intent(in) :: config !! the case

@@ -1,10 +1,10 @@
-!> Reduced problems as others write them: `u = W r + q`, the forces r in Coulomb's cones.
+!> Reduced problems in the convention of other programs: `u = W r + q`, the forces r in Coulomb's cones.
 !>
-!> The unknowns of a contact stand together, normal before tangential, two of them in the plane and three in space:
+!> The unknowns of a contact are consecutive, normal before tangential, two of them in the plane and three in space:
 !> `u_N >= 0 _|_ r_N >= 0`, `|r_T| <= mu r_N`, and r_T opposes u_T. With lambda = (r_N; -r_T) this is the dual form of
 !> the contact problem: W_NN = A11, W_NT = -A12, W_TT = A22, q_N = -B1, q_T = B2 (theory, section 2); n is the number of
 !> unknowns. W may differ from its transpose by rounding: the contact problem has the mean of both, and
-!> `set_free_displacement` puts what is left over on the other side.
+!> `set_free_displacement` adds the difference to the free displacements.
 module amontons_reduced_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_operator, only: contact_operator_t, new_compliance_operator
@@ -20,15 +20,18 @@ module amontons_reduced_system
 
    public :: entries_t, new_condensed_system, new_dense_system, new_reduced_system, reduced_system_t
 
-   !> Entries of W may be off by this part of the root of their two diagonal entries: files have six digits or more.
+   !> Largest error of an entry of W, over the root of the product of its two diagonal entries: files have six digits or
+   !> more.
    real(dp), parameter :: rounding = 1.0e-3_dp
-   !> The same in space, where turning bodies add a skew part to W that is no rounding.
+   !> Largest difference of an entry from its mirror image in space, on the same scale: rotating bodies add a skew part
+   !> to W that is no rounding error.
    real(dp), parameter :: gyroscopic = 5.0e-2_dp
-   !> Entries of W may be off by this part of its largest diagonal entry: they are differences of numbers as large.
+   !> Largest rounding error of an entry of W, over its largest diagonal entry: entries are differences of numbers of
+   !> this size.
    real(dp), parameter :: noise = 1.0e-12_dp
-   !> A positive diagonal entry of a smaller part of the largest one vanishes in squares beside it.
+   !> Smallest positive diagonal entry over the largest one: the square of a smaller ratio underflows.
    real(dp), parameter :: least_part = sqrt(tiny(1.0_dp))
-   !> A matrix with a larger part of its places filled, or with at most so many rows, is stored as dense.
+   !> Largest share of nonzero entries, and smallest number of rows, of a matrix that is stored as sparse.
    real(dp), parameter :: sparse_fill = 0.25_dp
    integer, parameter :: most_dense_rows = 200
 
@@ -233,7 +236,7 @@ contains
       system%form = 'condensed'
    end subroutine new_condensed_system
 
-   !> Whether W is better stored in full.
+   !> Whether W is to be stored as a dense matrix.
    pure logical function reduced_system_is_dense(self) result(is_dense)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
 
@@ -273,7 +276,7 @@ contains
       end do
    end subroutine reduced_system_multiply
 
-   !> The power of two that displacements are counted in for the methods, so that their numbers are of order one [L].
+   !> The unit of displacements for the methods, a power of two that makes their numbers of order one [L].
    pure real(dp) function reduced_system_length_unit(self) result(unit)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
 
@@ -281,7 +284,7 @@ contains
       if (any(abs(self%q) > 0.0_dp)) unit = scale(1.0_dp, exponent(maxval(abs(self%q))))
    end function reduced_system_length_unit
 
-   !> The power of two that compliances are counted in for the methods [L/F].
+   !> The unit of compliances for the methods, a power of two [L/F].
    pure real(dp) function reduced_system_compliance_unit(self) result(unit)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
 
@@ -289,7 +292,7 @@ contains
       if (self%largest > 0.0_dp) unit = scale(1.0_dp, exponent(self%largest))
    end function reduced_system_compliance_unit
 
-   !> The contact problem in the units above.
+   !> Makes the contact problem in these units.
    subroutine reduced_system_contact_problem(self, matrix, problem, error)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_operator_t), target, intent(inout) :: matrix !! its operator; must outlive the contact problem
@@ -326,7 +329,7 @@ contains
       call self%set_free_displacement(problem, spread(0.0_dp, 1, n))
    end subroutine reduced_system_contact_problem
 
-   !> Place of an unknown in the contact problem, all normal ones before the tangential ones.
+   !> The row of an unknown in the contact problem, where all normal ones precede the tangential ones.
    elemental integer function contact_number(unknown, n_contacts, dimension) result(number)
       integer, intent(in) :: unknown !! number of the unknown here, from 1
       integer, intent(in) :: n_contacts !! number of contacts
@@ -335,8 +338,8 @@ contains
       number = 1 + (unknown - 1)/dimension + modulo(unknown - 1, dimension)*n_contacts
    end function contact_number
 
-   !> Sets the free displacements of the contact problem to those of q and of what the skew part of W adds at given
-   !> forces: a solution that has these forces is one of the problem as it was read.
+   !> Sets the free displacements of the contact problem to q plus the displacements by the skew part of W at
+   !> given forces: a solution with these forces solves the problem with the original W.
    pure subroutine reduced_system_set_free_displacement(self, problem, force)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
@@ -347,7 +350,7 @@ contains
          + self%skew_displacement(force)
    end subroutine reduced_system_set_free_displacement
 
-   !> The displacements that the skew part of W adds at forces of the contact problem, in the units above (2m).
+   !> The displacements by the skew part of W at forces of the contact problem, in the units of the methods (2m).
    pure function reduced_system_skew_displacement(self, force) result(displacement)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       real(dp), intent(in) :: force(:) !! lambda (2m)
@@ -358,7 +361,7 @@ contains
       displacement = self%by_component(0.5_dp*(product - transposed_product)/self%compliance_unit())
    end function reduced_system_skew_displacement
 
-   !> Displacements as the contact problem has them, component by component, the distance to the obstacle negative (n).
+   !> Displacements in the order of the contact problem, component by component, with the normal distance negative (n).
    pure function reduced_system_by_component(self, u) result(v)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       real(dp), intent(in) :: u(:) !! displacements, contact by contact (n)
@@ -369,7 +372,7 @@ contains
       v(:self%n_contacts) = -v(:self%n_contacts)
    end function reduced_system_by_component
 
-   !> Forces of the contact problem as they stand here, contact by contact, the tangential ones turned round (n).
+   !> Forces of the contact problem in the order of W, contact by contact, the tangential ones reversed (n).
    pure function reduced_system_by_contact(self, force) result(r)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       real(dp), intent(in) :: force(:) !! lambda (n)
@@ -382,7 +385,7 @@ contains
       end do
    end function reduced_system_by_contact
 
-   !> The largest normal or tangential part of displacements or forces of the contacts, whatever the axes.
+   !> The largest magnitude of a normal component or a tangential vector among displacements or forces of the contacts.
    pure real(dp) function reduced_system_largest_part(self, values) result(largest)
       class(reduced_system_t), intent(in) :: self !! the reduced problem, with contacts
       real(dp), intent(in) :: values(:) !! displacements or forces, contact by contact (n)
@@ -392,7 +395,7 @@ contains
       end associate
    end function reduced_system_largest_part
 
-   !> Takes the forces of a contact problem as the solution, and computes the displacements that they give.
+   !> Sets the solution from the forces of a contact problem: r and u = W r + q.
    pure subroutine reduced_system_set_solution(self, force, unit)
       class(reduced_system_t), intent(inout) :: self !! the reduced problem, gains u and r
       real(dp), intent(in) :: force(:) !! lambda of the contact problem (2m)
@@ -452,7 +455,7 @@ contains
       system%form = 'arrays'
    end subroutine new_dense_system
 
-   !> Names a number and what was expected in its place.
+   !> Makes the error that a number is not what was expected.
    pure subroutine refuse(name, value, expected, error)
       character(*), intent(in) :: name !! the number's name, counted from 1
       real(dp), intent(in) :: value !! the number

@@ -16,26 +16,26 @@ module amontons_siconos_text
 
    public :: read_reduced_file, write_reduced_file, write_siconos_text
 
-   !> W written in full.
+   !> Storage of W: dense.
    integer, parameter :: storage_dense = 0
-   !> W written as blocks.
+   !> Storage of W: blocks.
    integer, parameter :: storage_blocks = 1
-   !> W as CSparse prints it.
+   !> Storage of W: as CSparse prints it.
    integer, parameter :: storage_csparse = 2
 
    !> The first bytes of every HDF5 file.
    character(*), parameter :: hdf5_signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
 
-   !> The number that stands for triplets.
+   !> CSparse's number for triplets.
    integer, parameter :: origin_triplets = 1
-   !> The number that stands for columns.
+   !> CSparse's number for compressed columns.
    integer, parameter :: origin_columns = 2
-   !> From here on counts with six digits may be rounded.
+   !> Smallest count that may be rounded when printed with six digits.
    integer, parameter :: first_rounded = 1000000
 
 contains
 
-   !> Reads a file that is in memory already; its first fault stays with it.
+   !> Reads a reduced problem from a file in memory; the first fault is recorded there.
    subroutine read_siconos_text(system, input)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       type(input_file_t), intent(inout) :: input !! the file
@@ -172,7 +172,7 @@ contains
       end do
    end subroutine read_blocks
 
-   !> Takes a number of things.
+   !> Reads a count.
    pure subroutine take_count(input, n_things, things, least)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n_things !! the number, at least 0 where there is no fault
@@ -184,7 +184,7 @@ contains
          to_text(least)//', found '//to_text(n_things))
    end subroutine take_count
 
-   !> Takes where the block rows or columns end.
+   !> Reads the ends of the block rows or columns.
    pure subroutine take_ends(ends, input, n_blocks, n, what)
       integer, allocatable, intent(out) :: ends(:) !! number of rows up to the end of each block row (0:n_blocks)
       type(input_file_t), intent(inout) :: input !! the file
@@ -204,7 +204,7 @@ contains
       end do
    end subroutine take_ends
 
-   !> Writes a reduced problem under its temporary name: dense, or as CSparse's columns where W is sparse.
+   !> Writes a reduced problem under a temporary name: dense, or in CSparse's columns if W is sparse.
    subroutine write_siconos_text(file, path, system, error)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! name of the file
@@ -223,7 +223,7 @@ contains
       call file%finish(status, error)
    end subroutine write_siconos_text
 
-   !> Writes numbers, one a line.
+   !> Writes numbers, one per line.
    subroutine write_column(unit, values, status)
       integer, intent(in) :: unit !! the unit to write to
       real(dp), intent(in) :: values(:) !! the numbers
@@ -237,7 +237,7 @@ contains
       end do
    end subroutine write_column
 
-   !> Writes W in full, a column a line.
+   !> Writes W as a dense matrix, one column per line.
    subroutine write_dense(unit, system, status)
       integer, intent(in) :: unit !! the unit to write to
       type(reduced_system_t), intent(in) :: system !! the reduced problem
@@ -261,7 +261,7 @@ contains
       end do
    end subroutine write_dense
 
-   !> Reads a reduced problem.
+   !> Reads a reduced problem from a file.
    subroutine read_reduced_file(system, file, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       character(*), intent(in) :: file !! name of the file
@@ -293,7 +293,7 @@ contains
       call commit_files(files, error)
    end subroutine write_reduced_file
 
-   !> Reads what CSparse prints of a matrix.
+   !> Reads a matrix as CSparse prints it.
    pure subroutine read_csparse(entries, input, n, form)
       type(entries_t), intent(out) :: entries !! the matrix
       type(input_file_t), intent(inout) :: input !! the file
@@ -330,7 +330,7 @@ contains
       end if
    end subroutine read_csparse
 
-   !> Takes a count as CSparse prints it: a number of six digits, followed by text that may touch it.
+   !> Reads a count as CSparse prints it: a number of six digits, possibly followed by text without a blank between.
    pure subroutine take_printed(input, value, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the count; from a million on, about
@@ -359,7 +359,7 @@ contains
       input%position = last + 1
    end subroutine take_printed
 
-   !> Whether a count is the one printed with six digits.
+   !> Whether a count agrees with one printed with six digits.
    pure logical function is_printed(printed, count)
       integer, intent(in) :: printed !! the count as printed
       integer, intent(in) :: count !! the count
@@ -368,7 +368,7 @@ contains
          abs(real(printed, dp) - real(count, dp)) <= 5.0e-6_dp*real(count, dp)
    end function is_printed
 
-   !> Takes `M-by-N, nzmax: a nnz: b`.
+   !> Reads the line `M-by-N, nzmax: a nnz: b`.
    pure subroutine take_head(input, n, n_entries)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
@@ -433,7 +433,7 @@ contains
          ' entries as nnz says, found '//to_text(entries%n), place)
    end subroutine read_compressed
 
-   !> Whether a number of integers and a colon come next: an entry, and not yet the numbers of q.
+   !> Whether the next words are a number of integers and a colon, as in an entry, and not the numbers of q.
    pure logical function is_entry(input, n_integers)
       type(input_file_t), intent(in) :: input !! the file, not at white space
       integer, intent(in) :: n_integers !! number of integers
@@ -452,7 +452,7 @@ contains
       if (is_entry) is_entry = input%text(at:at) == ':'
    end function is_entry
 
-   !> Takes an index that counts from 0.
+   !> Reads an index that counts from 0.
    pure subroutine take_index(input, value, n, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the index, counted from 1
@@ -467,7 +467,7 @@ contains
       end if
    end subroutine take_index
 
-   !> Takes a colon and the value of an entry.
+   !> Reads a colon and the value of an entry.
    pure subroutine take_entry(entries, input, row, column)
       type(entries_t), intent(inout) :: entries !! the matrix
       type(input_file_t), intent(inout) :: input !! the file
@@ -482,7 +482,7 @@ contains
       if (.not. allocated(input%error)) call entries%append(row, column, value, place)
    end subroutine take_entry
 
-   !> Writes W as CSparse prints columns, but with all digits.
+   !> Writes W in CSparse's format of columns, but with all digits.
    subroutine write_csparse(unit, system, status)
       integer, intent(in) :: unit !! the unit to write to
       type(reduced_system_t), intent(in) :: system !! the reduced problem
@@ -507,7 +507,7 @@ contains
       end do
    end subroutine write_csparse
 
-   !> Takes the next integer.
+   !> Reads an integer.
    pure subroutine take_number(input, value, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
@@ -517,7 +517,7 @@ contains
       call input%take_numeral(value, what)
    end subroutine take_number
 
-   !> Takes the next integer, which must be one of a few.
+   !> Reads an integer that must be one of a few.
    pure subroutine take_choice(input, value, what, choices)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the number
@@ -528,7 +528,7 @@ contains
       if (.not. any(choices == value)) call refuse_word(input, 'expected '//what//', found '//to_text(value))
    end subroutine take_choice
 
-   !> Refuses the word just taken.
+   !> Refuses the word just read.
    pure subroutine refuse_word(input, sentence)
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: sentence !! what is wrong
@@ -536,7 +536,7 @@ contains
       call input%refuse(sentence, max(1, input%position - 1))
    end subroutine refuse_word
 
-   !> Takes a given word.
+   !> Reads a word that must be a given one.
    pure subroutine take_word(input, word)
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: word !! the word

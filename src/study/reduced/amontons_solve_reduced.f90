@@ -1,5 +1,5 @@
-!> The way of a reduced problem from its file to its result, and the check of this: every condition of the contact law,
-!> contact by contact, on W as it was read.
+!> The solution of a reduced problem from its file to its result, and the check of the result: every condition of the
+!> contact law, contact by contact, with W as it was read.
 module amontons_solve_reduced
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions, most_points
@@ -24,15 +24,15 @@ module amontons_solve_reduced
       solve_reduced, solve_reduced_system
 
    !> The largest violations, each over its natural scale: displacements over the largest of u and q, forces over the
-   !> largest r. The wrong dissipation is how far the smaller one of u_T and r_T is at most from opposing the other, in
-   !> the plane its size.
+   !> largest r. The wrong dissipation is the smaller one of u_T and r_T times the sine of its angle to the opposite of
+   !> the other, at most; in the plane its magnitude if they do not oppose each other.
    type, extends(point_violations_t) :: reduced_check_t
    contains
       procedure :: largest => reduced_check_largest
       procedure :: violations => reduced_check_violations
    end type reduced_check_t
 
-   !> The result of a reduced problem: everything that the reports tell.
+   !> The result of a reduced problem, with everything that the reports contain.
    type :: reduced_result_t
       type(reduced_system_t) :: system !! the reduced problem, and its solution
       type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
@@ -80,7 +80,7 @@ contains
       call solve_prepared(config%method, result, error)
    end subroutine solve_reduced
 
-   !> Solves a reduced problem that is there already.
+   !> Solves a reduced problem in memory.
    subroutine solve_reduced_system(system, options, result, error)
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(method_options_t), intent(in) :: options !! the contact method
@@ -133,7 +133,7 @@ contains
       call result%timings%begin(phase_write)
    end subroutine solve_prepared
 
-   !> Finds all solutions of a problem of few contacts.
+   !> Finds all solutions of a problem with few contacts.
    subroutine find_reduced_solutions(solutions, system, error)
       type(all_solutions_t), intent(out) :: solutions !! the solutions; their forces are r, all normal ones first
       type(reduced_system_t), intent(in) :: system !! the reduced problem
@@ -163,8 +163,9 @@ contains
       end associate
    end subroutine find_reduced_solutions
 
-   !> Solves the symmetric problem until its forces solve the problem as it was read: what the skew part of W adds at
-   !> the forces found is put on the other side and the problem solved again. Where W is symmetric, once is enough.
+   !> Solves the symmetric problem repeatedly until its forces solve the problem as it was read: the displacements by
+   !> the skew part of W at the forces found are added to the free displacements. If W is symmetric, one solution
+   !> suffices.
    subroutine iterate(method, system, problem, solution, error)
       class(contact_method_t), intent(inout) :: method !! the method
       type(reduced_system_t), intent(in) :: system !! the reduced problem
@@ -246,7 +247,7 @@ contains
       end associate
    end subroutine new_reduced_check
 
-   !> A ratio; 0 where there is nothing to compare with.
+   !> The ratio of two numbers; 0 if the first is 0.
    elemental real(dp) function relative(value, scale)
       real(dp), intent(in) :: value !! the value
       real(dp), intent(in) :: scale !! what to divide by, at least 0
@@ -255,7 +256,7 @@ contains
       if (scale > 0.0_dp) relative = value/scale
    end function relative
 
-   !> The violations: what must stay below a limit [-].
+   !> The violations, each over its natural scale; all must be below the limit [-].
    pure function reduced_check_violations(self) result(list)
       class(reduced_check_t), intent(in) :: self !! the check
       type(quantity_t), allocatable :: list(:)

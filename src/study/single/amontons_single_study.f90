@@ -1,5 +1,5 @@
-!> The study of a single case, on its mesh and on uniformly refined ones where the deck asks for them: the files are
-!> those of the finest mesh, its key results with observed order, extrapolated value and error bar.
+!> The study of a single case, on its mesh and, if the deck asks for it, on uniformly refined ones: the files are those
+!> of the finest mesh, its key results with observed order, extrapolated value and error bar.
 module amontons_single_study
    use amontons_all_solutions, only: find_all_solutions
    use amontons_conditioning, only: rounded
@@ -50,7 +50,7 @@ contains
       if (.not. allocated(error)) call report_size(config, '', cache, result, outcome, error)
    end subroutine single_study_check
 
-   !> Solves the case on every mesh, the coarsest first, and writes the files of the finest.
+   !> Solves the case on every mesh, the coarsest first, and writes the files of the finest one.
    subroutine single_study_solve(self, cache, options, monitor, outcome, error)
       class(single_study_t), intent(in) :: self !! the study
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
@@ -86,7 +86,7 @@ contains
       end associate
    end subroutine single_study_solve
 
-   !> Writes the files of a case and says what became of it.
+   !> Writes the files of a case and sets its outcome.
    subroutine report_case(config, cache, options, result, outcome, error)
       type(config_t), intent(in) :: config !! the case
       type(cache_t), intent(inout) :: cache !! its body; the contact problem may gain its compliance
@@ -118,7 +118,7 @@ contains
          outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
    end subroutine report_case
 
-   !> Adds what the options ask for: the reduced problem in a file, all solutions.
+   !> Computes what the options ask for in addition: the file of the reduced problem, all solutions.
    subroutine add_extras(config, cache, options, result, error)
       type(config_t), intent(in) :: config !! the case
       type(cache_t), intent(inout) :: cache !! its body; the contact problem gains its compliance

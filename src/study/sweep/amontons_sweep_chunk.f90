@@ -1,11 +1,11 @@
 !> A chunk of a sweep: consecutive cases that one thread solves, one after the other; their rows in NAME.sweep.csv, and
-!> what is known of them together: how many converged, and the extremes of their results.
+!> their statistics: how many converged, and the extremes of their results.
 !>
 !> A chunk begins at rest; each further case of it starts from its neighbor, if that belongs to the chunk. So no result
 !> depends on the number of threads, nor on where a sweep was interrupted.
 !>
-!> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
-!> in a place that all threads share.
+!> Rows are made on several threads without functions that return a text: gfortran 12 keeps the length of such a text in
+!> a variable that all threads share.
 module amontons_sweep_chunk
    use amontons_assembly, only: around_axis
    use amontons_body, only: body_t
@@ -43,11 +43,11 @@ module amontons_sweep_chunk
       outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, solve_chunks, &
       sweep_header, sweep_statistics_t, sweep_task_t
 
-   !> Names of the outcomes, as listings have them.
+   !> Names of the outcomes in listings.
    character(14), parameter :: outcome_labels(size(outcome_names)) = [character(14) :: 'Converged', 'NOT CONVERGED', &
       'No equilibrium', 'Numbers failed']
 
-   !> What is kept of one case.
+   !> The stored result of one case.
    type :: case_result_t
       integer :: outcome = outcome_not_converged !! what became of it
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
@@ -84,11 +84,11 @@ module amontons_sweep_chunk
       procedure :: visit => sweep_statistics_visit
    end type sweep_statistics_t
 
-   !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
-   !> rest does not count.
+   !> Number of cases in a chunk: few enough that an interrupt is quick, many enough that the first case, which begins
+   !> at rest, hardly matters.
    integer, parameter :: chunk_length = 64
 
-   !> What all threads share and none changes.
+   !> The data of a sweep that all threads read.
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
       type(load_solver_t) :: solver !! their loads, and the way to their solutions
@@ -99,7 +99,7 @@ module amontons_sweep_chunk
          !! whether the error of stresses is to be estimated, of fields and of the case certified
    end type sweep_task_t
 
-   !> Consecutive cases and what became of them.
+   !> Consecutive cases and their results.
    type :: chunk_t
       integer :: first = 1 !! its first case
       integer :: last = 0 !! its last case
@@ -115,8 +115,8 @@ module amontons_sweep_chunk
 
 contains
 
-   !> What is kept of a case: lengths, sums of forces, key results of the contact points and, if they are asked for, of
-   !> the body.
+   !> The stored numbers of a case: lengths, sums of forces, key results of the contact points and, if they are asked
+   !> for, of the body.
    pure function case_quantities(body, solution, friction, slip_bound, free_gap, peaks) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
@@ -139,7 +139,7 @@ contains
       end associate
    end function case_quantities
 
-   !> The names of the numbers that are kept of a case, in the order of the columns of NAME.sweep.csv.
+   !> The names of the stored numbers of a case, in the order of the columns of NAME.sweep.csv.
    pure function case_keys(body, sweep) result(keys)
       type(body_t), intent(in) :: body !! the body
       type(sweep_t), intent(in) :: sweep !! the sweep
@@ -150,8 +150,8 @@ contains
       keys = list%key
    end function case_keys
 
-   !> What cases can be ranked by: all that is kept of a case but the places. The values are those of a case that
-   !> nothing loads.
+   !> The numbers by which cases can be ranked: all stored numbers except positions. The values are those of a case
+   !> without loads.
    pure function ranked_quantities(body, sweep) result(list)
       type(body_t), intent(in) :: body !! the body
       type(sweep_t), intent(in) :: sweep !! the sweep
@@ -174,7 +174,7 @@ contains
       is_empty = self%outcome == outcome_no_equilibrium .or. self%outcome == outcome_numbers
    end function case_result_is_empty
 
-   !> Adds the next case.
+   !> Appends the next case to the statistics.
    pure subroutine sweep_statistics_add(self, result)
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(case_result_t), intent(in) :: result !! what is kept of the case
@@ -199,7 +199,7 @@ contains
       call self%append(one)
    end subroutine sweep_statistics_add
 
-   !> Appends the statistics of the next cases, numbered from 1 there. Of equal cases the first counts.
+   !> Appends the statistics of the next cases, numbered from 1 in them. Of equal cases the first counts.
    pure subroutine sweep_statistics_append(self, next)
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(sweep_statistics_t), intent(in) :: next !! those of the next cases
@@ -237,7 +237,7 @@ contains
       end where
    end subroutine sweep_statistics_append
 
-   !> Adds a warning for each that cases of the sweep deserve.
+   !> Adds to the warnings of a sweep one for each kind of warning on its cases.
    pure subroutine sweep_statistics_add_warnings(self, zone, warnings)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -250,8 +250,8 @@ contains
       end do
    end subroutine sweep_statistics_add_warnings
 
-   !> What became of the cases together, in a word: one without an answer counts first, no equilibrium only where no
-   !> case has one.
+   !> The common outcome of the cases in a word: one without an answer determines it, no equilibrium only if no case has
+   !> one.
    pure function sweep_statistics_outcome(self) result(word)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: word
@@ -295,7 +295,7 @@ contains
       call archive%pass(self%greatest_case)
    end subroutine sweep_statistics_visit
 
-   !> The header.
+   !> The header line of NAME.sweep.csv.
    pure function sweep_header(sweep, keys) result(text)
       type(sweep_t), intent(in) :: sweep !! the sweep
       character(*), intent(in) :: keys(:) !! names of the numbers that are kept of a case
@@ -312,7 +312,7 @@ contains
       text = text//',residual,iterations,outcome,warnings,statuses'//newline
    end function sweep_header
 
-   !> Appends the row of a case; what a case without a solution has no number for is left empty.
+   !> Appends the row of a case; fields for which a case without a solution has no number are empty.
    pure subroutine append_row(rows, sweep, number, result, runs)
       character(:), allocatable, intent(inout) :: rows !! the rows so far
       type(sweep_t), intent(in) :: sweep !! the sweep
@@ -349,7 +349,7 @@ contains
       rows = rows//text(:length)
    end subroutine append_row
 
-   !> Reads warnings from their names; others are passed over.
+   !> Reads warnings from their names; unknown ones are ignored.
    pure subroutine read_warnings(is_warned, names)
       logical, intent(out) :: is_warned(size(case_warning_names)) !! which of `case_warning_names`
       character(*), intent(in) :: names !! the names, blanks between them
@@ -360,7 +360,7 @@ contains
       end do
    end subroutine read_warnings
 
-   !> Makes body and loads of a sweep ready, everything that its deck can get wrong.
+   !> Makes body and loads of a sweep, and so checks everything that its deck may get wrong.
    subroutine prepare_sweep(task, cache, config, result, error)
       type(sweep_task_t), intent(out) :: task !! the sweep; its loads are not condensed yet
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
@@ -392,7 +392,7 @@ contains
          config%method, error)
    end subroutine prepare_sweep
 
-   !> Condenses the loads of a sweep, and what its forces by name follow from.
+   !> Condenses the loads of a sweep, and computes the coefficients of its forces by name.
    subroutine condense_task(task, body, problem)
       type(sweep_task_t), intent(inout) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body, condensed
@@ -405,7 +405,7 @@ contains
       call new_force_form(task%forces, body, named_tests(body), task%solver%loads%parts, fields, loads)
    end subroutine condense_task
 
-   !> Which quantity multiplies what: that of number k belongs to part 1 + k.
+   !> The parts of the loads of a sweep: what quantity number k multiplies belongs to part 1 + k.
    pure function parting_of(sweep, load_case) result(parting)
       type(sweep_t), intent(in) :: sweep !! the sweep
       type(load_case_t), intent(in) :: load_case !! the load case of the deck
@@ -431,7 +431,7 @@ contains
       end do
    end function parting_of
 
-   !> The load case of a case of the sweep, condensed if the loads are.
+   !> Makes the load case of a case of the sweep, condensed if the loads are.
    subroutine new_case(load_case, task, body, number)
       type(load_case_t), intent(out) :: load_case !! the load case
       type(sweep_task_t), intent(in) :: task !! the sweep
@@ -444,7 +444,7 @@ contains
       call task%solver%loads%load_case(body, acting, load_case)
    end subroutine new_case
 
-   !> The chunk that begins behind a number of cases, as far as there are cases.
+   !> Makes the chunk that follows a number of cases, as far as there are cases.
    pure subroutine new_chunk(chunk, n_before, n_cases)
       type(chunk_t), intent(out) :: chunk !! the chunk
       integer, intent(in) :: n_before !! number of cases before it, a multiple of the length of a chunk
@@ -455,15 +455,15 @@ contains
       chunk%last = n_before + min(chunk_length, n_cases - n_before)
    end subroutine new_chunk
 
-   !> Whether a case could not be solved for a reason that is none of its numbers: memory ran out.
+   !> Whether a case could not be solved for a reason other than its numbers, that is, memory ran out.
    elemental logical function chunk_is_broken(self) result(is_broken)
       class(chunk_t), intent(in) :: self !! the chunk
 
       is_broken = self%fault_kind > 0 .and. self%fault_kind /= numerical_failure
    end function chunk_is_broken
 
-   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep. A single chunk leaves the
-   !> threads to the loops within it.
+   !> Solves chunks on all threads, except those that have not begun when the monitor stops the sweep. A single chunk
+   !> leaves the threads to the loops within it.
    subroutine solve_chunks(task, body, problem, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
@@ -517,7 +517,7 @@ contains
       chunk%is_done = .true.
    end subroutine solve_chunk
 
-   !> Solves some cases of a chunk again, and those whose solutions they start from, without their numbers.
+   !> Solves some cases of a chunk again, and those whose solutions they start from, without computing their numbers.
    subroutine solve_again(task, body, problem, chunk, is_wanted, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
@@ -591,7 +591,7 @@ contains
       end do
    end subroutine solve_cases
 
-   !> Finds the numbers of all cases of a chunk.
+   !> Computes the stored numbers of all cases of a chunk.
    subroutine find_numbers(task, body, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
@@ -625,7 +625,7 @@ contains
       end do
    end subroutine find_numbers
 
-   !> Finds the key results of the whole body, if the deck asks for them, of all cases of a chunk.
+   !> Computes the key results of the whole body for all cases of a chunk, if the deck asks for them.
    subroutine find_body_results(peaks, task, body, chunk, solutions)
       type(quantity_t), allocatable, intent(out) :: peaks(:, :)
          !! `body_peaks` of each case, of one without displacements at rest; none unless asked for (any, cases)

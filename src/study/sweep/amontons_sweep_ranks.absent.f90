@@ -12,7 +12,7 @@ module amontons_sweep_ranks
 
 contains
 
-   !> Condenses the loads of a sweep, which is shared with no one.
+   !> Condenses the loads of a sweep, which no other rank shares.
    subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! 1
       type(sweep_task_t), intent(inout) :: task !! the sweep; its loads are condensed
@@ -40,7 +40,7 @@ contains
       end associate
    end subroutine solve_on_ranks
 
-   !> Ends nothing.
+   !> Has no effect in this build.
    subroutine end_sharing(n_sharing)
       integer, intent(in) :: n_sharing !! 1
 
@@ -48,7 +48,7 @@ contains
       end associate
    end subroutine end_sharing
 
-   !> Serves no one.
+   !> Has no effect in this build.
    subroutine serve()
    end subroutine serve
 

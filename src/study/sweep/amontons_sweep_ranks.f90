@@ -1,9 +1,9 @@
 !> A sweep over the ranks of a run: each solves chunks of its cases, and rank 0 writes their rows.
 !>
-!> Every rank prepares the sweep from the deck as rank 0 does. What it cannot have by itself, the condensed stiffness
-!> and the condensed loads of a body that is spread, comes from rank 0. Ranks whose contact problem is that of rank 0 to
-!> the last bit share the cases. Of the chunks of a batch each has those of its number, counted round. A chunk begins at
-!> rest wherever it is solved: the rows are those that one rank would find.
+!> Every rank prepares the sweep from the deck as rank 0 does. The condensed stiffness and the condensed loads of a body
+!> that is spread come from rank 0. Ranks whose contact problem agrees with that of rank 0 to the last bit share the
+!> cases. The chunks of a batch are assigned to the ranks cyclically. A chunk begins at rest on any rank, so that the
+!> rows do not depend on the number of ranks.
 module amontons_sweep_ranks
    use amontons_checkpoint, only: archive_t
    use amontons_config, only: config_t, effective_deck, read_config_text
@@ -28,7 +28,7 @@ module amontons_sweep_ranks
    integer, parameter :: order_take = first_free_order, order_solve = order_take + 1, &
       order_gather = order_solve + 1, order_drop = order_gather + 1
 
-   !> What another rank has of a sweep.
+   !> The data of a sweep on another rank.
    type :: share_t
       type(config_t) :: config !! the deck
       type(cache_t) :: cache !! the body
@@ -39,8 +39,8 @@ module amontons_sweep_ranks
 
 contains
 
-   !> Condenses the loads of a sweep, on the other ranks, too, if these can share its cases. Displacements of a
-   !> whole body that is spread take all ranks, so that one solves the cases where each needs them.
+   !> Condenses the loads of a sweep, also on the other ranks if these can share its cases. For a spread body the
+   !> displacements of all nodes need all ranks, so that rank 0 alone solves the cases if each needs them.
    subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! number of ranks that share the sweep; 1 if the others do not
       type(sweep_task_t), intent(inout) :: task !! the sweep; its loads are condensed
@@ -67,7 +67,7 @@ contains
       n_sharing = merge(n_ranks, 1, is_shared)
    end subroutine prepare_on_ranks
 
-   !> Prepares a sweep of rank 0, and keeps it if all ranks could; for the others.
+   !> Prepares a sweep of rank 0 and keeps it if all ranks succeed; called on the other ranks.
    subroutine take_sweep(share)
       type(share_t), allocatable, intent(out) :: share !! the sweep; not allocated if it is not shared
       type(share_t), allocatable :: taken
@@ -105,7 +105,7 @@ contains
    end function is_spread
 
    !> The memory that another rank would take for a sweep: mesh, loads and numbers of the unknowns, the factor unless
-   !> the body is spread, and the matrix of the contact problem and its inverse, once and for each thread, and as much
+   !> the body is spread; and the matrix of the contact problem and its inverse, once and for each thread, and as much
    !> again for a method [MB].
    real(dp) function memory_mb(cache)
       type(cache_t), intent(in) :: cache !! the body, condensed
@@ -122,7 +122,7 @@ contains
       if (.not. is_spread(cache)) memory_mb = memory_mb + cache%body%condensation%condenser%memory_mb()
    end function memory_mb
 
-   !> Whether the machines have room for a sweep on the other ranks. Rank 0 solves the cases in any case.
+   !> Whether the machines have enough memory for a sweep on the other ranks. Rank 0 solves the cases in any case.
    logical function has_room(wanted_mb)
       real(dp), intent(in) :: wanted_mb !! the memory that each would take; of rank 0 [MB]
       type(error_t), allocatable :: error
@@ -150,7 +150,7 @@ contains
       is_same = on_all_ranks(is_ready .and. fingerprint == expected)
    end function is_same
 
-   !> Solves chunks on all threads of all ranks that share the sweep. Of rank 0's own, those are done that were begun
+   !> Solves chunks on all threads of all ranks that share the sweep. On rank 0 only the chunks are solved that began
    !> before the monitor stopped the sweep.
    subroutine solve_on_ranks(n_sharing, task, cache, monitor, chunks)
       integer, intent(in) :: n_sharing !! number of ranks that share the sweep
@@ -177,7 +177,7 @@ contains
       end do
    end subroutine solve_on_ranks
 
-   !> Passes the rows of a chunk, and what is known of its cases together.
+   !> Passes the rows of a chunk and the statistics of its cases.
    subroutine pass_chunk(channel, chunk)
       type(channel_t), intent(in) :: channel !! the channel
       type(chunk_t), intent(inout) :: chunk !! the chunk, solved; of the receiver, not yet
@@ -196,14 +196,14 @@ contains
       if (chunk%is_done) call chunk%statistics%visit(archive)
    end subroutine pass_chunk
 
-   !> Has the other ranks forget the sweep.
+   !> Ends a shared sweep on the other ranks.
    subroutine end_sharing(n_sharing)
       integer, intent(in) :: n_sharing !! number of ranks that share it
 
       if (n_sharing > 1) call give_order(order_drop)
    end subroutine end_sharing
 
-   !> Follows the orders of rank 0 until the last one, those of condensers, too; for the other ranks.
+   !> Follows the orders of rank 0, those about condensers included, until the last one; called on the other ranks.
    subroutine serve()
       type(share_t), allocatable :: share
       integer :: order, i

@@ -1,11 +1,11 @@
-!> The study of a sweep: all cases of a deck with `&sweep` on one factorization, solved by all threads of all ranks, and
-!> their files, all of them, each whole, or none.
+!> The study of a sweep: all cases of a deck with `&sweep` with one factorization, solved on all threads of all ranks,
+!> and their files, which are written as a whole or not at all.
 !>
-!> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
-!> goes on there.
+!> A batch consists of as many chunks as take about a second; after it the rows are saved, so that an interrupted sweep
+!> continues there.
 !>
-!> The cases whose fields are asked for are solved again, chunk by chunk, which gives the same solutions: so an
-!> interrupted sweep need not remember any, and a sweep without fields keeps none.
+!> The cases whose fields are asked for are solved again, chunk by chunk, with the same solutions: so an interrupted
+!> sweep need not store any, and a sweep without fields keeps none.
 module amontons_sweep_study
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint
@@ -48,7 +48,7 @@ module amontons_sweep_study
    public :: n_documents, new_sweep_summary, solve_sweep, sweep_documents, sweep_result_t, sweep_study_t, &
       write_sweep_report
 
-   !> The result of a sweep. Its rows and its fields are on the disk.
+   !> The result of a sweep. Its rows and its fields are in files.
    type :: sweep_result_t
       type(result_t) :: certified
          !! the converged case with the largest error estimate of its forces, certified on the full model, with that of
@@ -67,7 +67,7 @@ module amontons_sweep_study
       procedure :: cases_per_second => sweep_result_cases_per_second
    end type sweep_result_t
 
-   !> Number of files that are made of text and are not the summary.
+   !> Number of text files other than the summary.
    integer, parameter :: n_documents = 2
 
    !> The study of a sweep.
@@ -79,8 +79,8 @@ module amontons_sweep_study
 
 contains
 
-   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
-   !> it is written, unless the sweep was interrupted.
+   !> Solves all cases of a sweep that no earlier run has solved. The table keeps its temporary name and its lock until
+   !> it is reported, unless the sweep was interrupted.
    subroutine solve_sweep(cache, config, directory, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
@@ -109,8 +109,8 @@ contains
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
 
-   !> Solves the case with the largest error estimate again and certifies it on the full model; and the first case whose
-   !> numbers are at fault, for the reason.
+   !> Solves the case with the largest error estimate again and certifies it on the full model; and the first case with
+   !> a numerical failure, for its message.
    subroutine finish_sweep(task, cache, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of some case
@@ -139,7 +139,7 @@ contains
 
    contains
 
-      !> Solves a case once more, as it was solved.
+      !> Solves one case again, as in its chunk.
       subroutine solve_one(number, solution)
          integer, intent(in) :: number !! its number
          type(contact_solution_t), intent(out) :: solution !! its solution
@@ -217,7 +217,7 @@ contains
       end associate
    end subroutine solve_batches
 
-   !> Number of cases that this run solved in a second; 0 if it had none to solve.
+   !> Number of cases per second in this run; 0 if it had none to solve.
    pure real(dp) function sweep_result_cases_per_second(self) result(rate)
       class(sweep_result_t), intent(in) :: self !! the result
 
@@ -226,7 +226,8 @@ contains
    end function sweep_result_cases_per_second
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
-   !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
+   !> which keeps its temporary name. The latter is not written if there is no such case, after an error, or if the
+   !> monitor stops the sweep.
    ! allow(S902): two results, the sweep with body and problem, and what every writer of many files has
    subroutine write_sweep_fields(file, manifest, task, body, problem, stem, monitor, is_stopped, error)
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
@@ -288,8 +289,8 @@ contains
          collection_tail, error)
    end subroutine write_sweep_fields
 
-   !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv and, where there are fields,
-   !> NAME.sweep.pvd their names. Names change hands only after every file is complete; the checkpoint goes last.
+   !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv and, if there are fields,
+   !> NAME.sweep.pvd their final names. The files get them when all are complete; the checkpoint is removed last.
    subroutine write_sweep_report(directory, config, body, result, error)
       character(*), intent(in) :: directory !! output directory
       type(config_t), intent(in) :: config !! the deck
@@ -325,7 +326,7 @@ contains
       call release_signals()
    end subroutine write_sweep_report
 
-   !> Makes the text files of a sweep, but for the table and the summary.
+   !> Makes the text files of a sweep, except for the table and the summary.
    subroutine sweep_documents(documents, config, body, result)
       type(document_t), intent(out) :: documents(n_documents) !! the files: listing and deck
       type(config_t), intent(in) :: config !! the deck
@@ -389,7 +390,7 @@ contains
       end associate
    end subroutine sweep_documents
 
-   !> What varies, and in which combination; of many values the first and the last ones.
+   !> Text describing what varies, and in which combination; of many values the first and the last ones.
    pure function list_axes(config) result(text)
       type(config_t), intent(in) :: config !! the deck
       character(:), allocatable :: text, values
@@ -492,7 +493,7 @@ contains
       if (.not. allocated(error)) call report_size(self%config, cases, cache, result, outcome, error)
    end subroutine sweep_study_check
 
-   !> Solves the cases, writes their files and judges the sweep by its cases and by the certificate of one of them.
+   !> Solves the cases, writes their files and judges the sweep by its statistics and by the certificate of one case.
    subroutine sweep_study_solve(self, cache, options, monitor, outcome, error)
       class(sweep_study_t), intent(in) :: self !! the study
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
