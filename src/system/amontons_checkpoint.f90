@@ -1,14 +1,14 @@
-!> Tables of a long study on the disk, such that a run which dies at any moment can be gone on with.
+!> Tables of a long study in files, from which a run that ends at any moment can be resumed.
 !>
-!> The tables grow under names of their own and are renamed at the end. STEM.checkpoint begins with the key of the
-!> study, a text that tells studies apart; each further line has the bytes of the tables, the numbers that the study
-!> goes on from, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What
-!> stands behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum
-!> is wrong, all begins anew.
+!> The tables have temporary names until the end. STEM.checkpoint begins with the key of the study, a text that
+!> distinguishes studies; each further line has the sizes of the tables, the numbers from which the study continues, the
+!> checksums of the tables and that of the line. A line is written after its rows are on the disk. Data behind the last
+!> complete line, or behind the sizes that it gives, were being written and are cut off. If a checksum is wrong, the
+!> study starts anew.
 !>
 !> The numbers are those of an archive: one visit of the parts of a study writes and reads them.
 !>
-!> The checkpoint is locked as long as its run is at work: no second one writes to the same tables.
+!> The checkpoint is locked while its run is active, so that no other run writes to the same tables.
 module amontons_checkpoint
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_input_file, only: read_text_file
@@ -22,10 +22,10 @@ module amontons_checkpoint
 
    public :: archive_t, checkpoint_t, new_checkpoint
 
-   !> What a whole line ends with.
+   !> The end of each complete line.
    character(*), parameter :: line_end = ' rows'//newline
 
-   !> Numbers that parts of a study are written to, or read from: both ends pass the same parts in the same order.
+   !> Numbers to which the parts of a study are written, or from which they are read, in the same order.
    type :: archive_t
       real(dp), allocatable :: numbers(:) !! the numbers, and room for more while they are written
       logical :: is_read = .false. !! whether they are read
@@ -40,7 +40,7 @@ module amontons_checkpoint
       generic :: pass => pass_integer, pass_integers, pass_logical, pass_real, pass_reals
    end type archive_t
 
-   !> A table that grows.
+   !> A growing table.
    type :: growing_table_t
       character(:), allocatable :: path !! where it grows
       character(:), allocatable :: header !! what it begins with
@@ -49,7 +49,7 @@ module amontons_checkpoint
       type(checksum_t) :: checksum !! checksum and bytes of what is on the disk
    end type growing_table_t
 
-   !> The tables and their notes.
+   !> The tables of a study and their checkpoint file.
    type :: checkpoint_t
       private
       character(:), allocatable :: path !! where the progress is noted
@@ -74,7 +74,7 @@ module amontons_checkpoint
 
 contains
 
-   !> Passes real numbers. Those that are not there stay as they are.
+   !> Writes real numbers to the archive, or reads them. Missing ones are left unchanged.
    pure subroutine archive_pass_reals(self, values)
       class(archive_t), intent(inout) :: self !! the archive
       real(dp), intent(inout) :: values(:) !! the numbers
@@ -92,7 +92,7 @@ contains
       self%n = last
    end subroutine archive_pass_reals
 
-   !> Passes a real number.
+   !> Writes a real number to the archive, or reads it.
    pure subroutine archive_pass_real(self, value)
       class(archive_t), intent(inout) :: self !! the archive
       real(dp), intent(inout) :: value !! the number
@@ -103,7 +103,7 @@ contains
       value = values(1)
    end subroutine archive_pass_real
 
-   !> Passes whole numbers.
+   !> Writes integers to the archive, or reads them.
    pure subroutine archive_pass_integers(self, values)
       class(archive_t), intent(inout) :: self !! the archive
       integer, intent(inout) :: values(:) !! the numbers
@@ -114,7 +114,7 @@ contains
       values = nint(max(-real(huge(values), dp), min(real(huge(values), dp), reals)))
    end subroutine archive_pass_integers
 
-   !> Passes a whole number.
+   !> Writes an integer to the archive, or reads it.
    pure subroutine archive_pass_integer(self, value)
       class(archive_t), intent(inout) :: self !! the archive
       integer, intent(inout) :: value !! the number
@@ -125,7 +125,7 @@ contains
       value = values(1)
    end subroutine archive_pass_integer
 
-   !> Passes whether something is so.
+   !> Writes a logical to the archive, or reads it.
    pure subroutine archive_pass_logical(self, value)
       class(archive_t), intent(inout) :: self !! the archive
       logical, intent(inout) :: value !! whether it is
@@ -136,7 +136,7 @@ contains
       value = number > 0
    end subroutine archive_pass_logical
 
-   !> Names a checkpoint. Its tables are added before it is opened.
+   !> Makes a checkpoint with a name. Tables are added before it is opened.
    pure subroutine new_checkpoint(checkpoint, stem)
       type(checkpoint_t), intent(out) :: checkpoint !! the checkpoint
       character(*), intent(in) :: stem !! its file without .checkpoint
@@ -158,7 +158,7 @@ contains
       self%tables = [self%tables, table]
    end subroutine checkpoint_add_table
 
-   !> Opens the checkpoint: the one that an earlier run left, if it has the same key, or a new one.
+   !> Opens the checkpoint that an earlier run left, if it has the same key, or a new one.
    subroutine checkpoint_open(self, key, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, with its tables
       character(*), intent(in) :: key !! what the rows depend on, lines of text
@@ -194,7 +194,7 @@ contains
       if (allocated(error)) call self%close()
    end subroutine checkpoint_open
 
-   !> Looks for notes with the same key, and for their last whole line.
+   !> Looks for a checkpoint file with the same key, and for its last complete line.
    subroutine find_progress(checkpoint, key, progress, notes_bytes)
       class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
       character(*), intent(in) :: key !! what the rows depend on
@@ -237,7 +237,7 @@ contains
       notes_bytes = last
    end subroutine find_progress
 
-   !> A line of the notes with its checksum.
+   !> A line of the checkpoint file with its checksum.
    pure function with_checksum(line) result(text)
       character(*), intent(in) :: line !! the line
       character(:), allocatable :: text
@@ -245,7 +245,7 @@ contains
       text = line//' '//to_text(text_checksum(line))
    end function with_checksum
 
-   !> Adds rows to a table; they are on the disk when they are saved.
+   !> Adds rows to a table; they are written by the next save.
    pure subroutine checkpoint_add_rows(self, number, rows)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
       integer, intent(in) :: number !! number of the table, in the order in which they were added
@@ -259,8 +259,8 @@ contains
       end associate
    end subroutine checkpoint_add_rows
 
-   !> Whether rows should be saved: many have come together, or some are older than a second and a hundredth of the time
-   !> that the run has taken, which bounds what notes of a large progress need.
+   !> Whether rows should be saved: there are many, or the oldest are older than a second and a hundredth of the run
+   !> time, which limits the cost of saving a large progress.
    logical function checkpoint_is_due(self) result(is_due)
       class(checkpoint_t), intent(in) :: self !! the checkpoint
       integer, parameter :: many = 2**20
@@ -271,7 +271,7 @@ contains
          now - self%last_save > max(1.0_dp, 0.01_dp*(now - self%start))
    end function checkpoint_is_due
 
-   !> Puts the rows that were added on the disk, and the progress that they stand for.
+   !> Writes the added rows to the disk, and the progress that belongs to them.
    subroutine checkpoint_save(self, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
       type(archive_t), intent(in) :: progress !! the progress, two numbers or more, the first one whole
@@ -305,7 +305,7 @@ contains
       self%last_save = wall_seconds()
    end subroutine checkpoint_save
 
-   !> Puts on the disk what a table ends with. A run that goes on cuts it off.
+   !> Writes the last lines of a table to the disk. A resumed run removes them.
    subroutine checkpoint_end_table(self, number, text, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, all rows saved
       integer, intent(in) :: number !! number of the table
@@ -325,7 +325,7 @@ contains
       checksum = self%tables(number)%checksum
    end function checkpoint_checksum
 
-   !> A complete table as a finished file that waits for its final name.
+   !> A complete table as a finished file that awaits its final name.
    pure subroutine checkpoint_table_file(self, file, number, path)
       class(checkpoint_t), intent(in) :: self !! the checkpoint
       type(output_file_t), intent(out) :: file !! the file
@@ -335,14 +335,14 @@ contains
       call adopt_file(file, path, self%tables(number)%path)
    end subroutine checkpoint_table_file
 
-   !> Removes the notes: nothing is left to go on with.
+   !> Removes the checkpoint file, after the last step.
    subroutine checkpoint_remove(self)
       class(checkpoint_t), intent(in) :: self !! the checkpoint
 
       call remove_file(self%path)
    end subroutine checkpoint_remove
 
-   !> Removes tables and notes.
+   !> Removes tables and checkpoint file.
    subroutine checkpoint_discard(self)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
       integer :: i
@@ -354,7 +354,7 @@ contains
       call self%close()
    end subroutine checkpoint_discard
 
-   !> Lets another run have the files.
+   !> Releases the files for another run.
    subroutine checkpoint_close(self)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
 

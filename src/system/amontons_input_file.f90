@@ -1,8 +1,8 @@
-!> Files read into memory: whole ones, and standard input, byte by byte as they are; tables of numbers, a row a line,
-!> numbers separated by blanks, commas, semicolons or tabs; and files read from their beginning to their end, number by
-!> number, with the place of the first fault.
+!> Files read into memory: whole files and standard input, byte by byte; tables of numbers, one row per line, separated
+!> by blanks, commas, semicolons or tabs; and files read from their beginning to their end, number by number, with the
+!> position of the first fault.
 !>
-!> The first fault stays with the file, and every number taken after it is 0: a reader need not ask after each.
+!> The first fault is recorded in the file, and every number read after it is 0: a reader need not test after each.
 module amontons_input_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
@@ -15,14 +15,14 @@ module amontons_input_file
 
    public :: beside, input_file_t, new_input_file, printable, read_number_table, read_text_file
 
-   !> A larger file is refused before it fills the memory [MB].
+   !> Largest size of a file that is read into memory [MB].
    integer, parameter :: largest_megabytes = 256
    integer, parameter :: largest_bytes = largest_megabytes*1000000
-   !> The memory that the first bytes go to.
+   !> Initial size of the memory for standard input.
    integer, parameter :: first_length = 65536
-   !> The system's number of standard input.
+   !> The file descriptor of standard input.
    integer(c_int), parameter :: standard_input = 0
-   !> What some editors put before UTF-8 text.
+   !> The mark that some editors put before UTF-8 text.
    character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
    procedure(path_action), bind(c, name='amontons_open_input') :: c_open_input
@@ -50,7 +50,7 @@ module amontons_input_file
    !> Longer words are cut in messages.
    integer, parameter :: longest_word = 40
 
-   !> Larger files are refused: their bytes and the things they name are counted by default integers.
+   !> Largest size of a file: its bytes and the items that it names are counted by default integers.
    integer, parameter :: most_bytes = 2000000000
 
    !> A file and a position in it.
@@ -86,7 +86,7 @@ module amontons_input_file
 
 contains
 
-   !> Reads a file to its end as it is, without the mark some editors put before UTF-8 text; pipes work as well.
+   !> Reads a file to its end, byte by byte, without the byte order mark of UTF-8 text; pipes are supported.
    subroutine read_text_file(file, text, error, is_standard_input)
       character(*), intent(in) :: file !! name of the file, or what messages call standard input
       character(:), allocatable, intent(out) :: text !! every byte of it
@@ -128,7 +128,7 @@ contains
       end if
    end subroutine read_text_file
 
-   !> Name of a file as seen from the directory of another one; a name from the root on stays as it is.
+   !> Path of a file relative to the directory of another one; an absolute path is unchanged.
    pure function beside(reference, file) result(path)
       character(*), intent(in) :: reference !! name of the other file
       character(*), intent(in) :: file !! name as written
@@ -138,8 +138,8 @@ contains
       if (index(file, '/') /= 1) path = reference(:index(reference, '/', back=.true.))//file
    end function beside
 
-   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is one line of headings above the
-   !> numbers, which does not begin as a number does.
+   !> Reads a table. Empty lines, lines that begin with `#` and one line of headings above the numbers are skipped; the
+   !> headings must not begin like a number.
    subroutine read_number_table(table, file, error, n_columns)
       real(dp), allocatable, intent(out) :: table(:, :) !! the table (columns, rows), two rows at the least
       character(*), intent(in) :: file !! name of the file
@@ -251,7 +251,7 @@ contains
       end if
    end subroutine new_input_file
 
-   !> A text without control characters, which have no place in a message.
+   !> A text without control characters, for messages.
    pure function printable(text)
       character(*), intent(in) :: text !! any text
       character(:), allocatable :: printable
@@ -263,7 +263,7 @@ contains
       end do
    end function printable
 
-   !> Replaces the text from a place to the position by that of another file, and goes to the place.
+   !> Replaces the text from a given position to the present one by that of another file, and moves to its beginning.
    pure subroutine input_file_replace(self, other, place)
       class(input_file_t), intent(inout) :: self !! the file
       type(input_file_t), intent(in) :: other !! the other file
@@ -290,8 +290,8 @@ contains
       self%counted = self%pieces(:2, 1)
    end subroutine input_file_replace
 
-   !> Finds the file and the line of a place in the text. Lines are counted from the place asked for before, if it is
-   !> not behind this one and in the same piece.
+   !> Finds the file and the line of a position in the text. Lines are counted from the position asked for before, if it
+   !> is not behind this one and in the same piece.
    pure subroutine input_file_locate(self, place, file, line)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(in) :: place !! the place in the text
@@ -309,7 +309,7 @@ contains
       line = self%counted(2)
    end subroutine input_file_locate
 
-   !> Notes a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
+   !> Records a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
    pure subroutine input_file_refuse(self, sentence, place)
       class(input_file_t), intent(inout) :: self !! the file
       character(*), intent(in) :: sentence !! what is wrong
@@ -328,7 +328,7 @@ contains
       call new_error(self%error, input_refused, file//':'//to_text(line)//': '//printable(sentence))
    end subroutine input_file_refuse
 
-   !> The word at the position, as messages quote it.
+   !> The word at the position, for messages.
    pure function input_file_word(self) result(word)
       class(input_file_t), intent(in) :: self !! the file
       character(:), allocatable :: word
@@ -350,7 +350,7 @@ contains
       if (self%text(self%position:self%position) == ',') word = 'a comma'
    end function input_file_word
 
-   !> Moves over blanks.
+   !> Skips blanks.
    pure subroutine input_file_skip_blanks(self)
       class(input_file_t), intent(inout) :: self !! the file
 
@@ -364,7 +364,7 @@ contains
       end do
    end subroutine input_file_skip_blanks
 
-   !> Moves over blanks and ends of lines.
+   !> Skips blanks and ends of lines.
    pure subroutine input_file_skip_white(self)
       class(input_file_t), intent(inout) :: self !! the file
 
@@ -376,14 +376,14 @@ contains
       end do
    end subroutine input_file_skip_white
 
-   !> Moves to the first number of a record: in text, over blanks and empty lines.
+   !> Moves to the first number of a record: in text, skips blanks and empty lines.
    pure subroutine input_file_start_record(self)
       class(input_file_t), intent(inout) :: self !! the file
 
       if (.not. self%is_binary) call self%skip_white()
    end subroutine input_file_start_record
 
-   !> Moves behind a record; in text, it must end with its line.
+   !> Moves to the end of a record; in text, it must end with its line.
    pure subroutine input_file_end_record(self)
       class(input_file_t), intent(inout) :: self !! the file
 
@@ -404,7 +404,7 @@ contains
       end if
    end subroutine input_file_end_line
 
-   !> Takes the rest of a line of text, without blanks at its ends, and moves to the next line.
+   !> Reads the rest of a line of text, without blanks at its ends, and moves to the next line.
    pure subroutine input_file_take_line(self, line)
       class(input_file_t), intent(inout) :: self !! the file
       character(:), allocatable, intent(out) :: line !! the rest of the line
@@ -422,7 +422,7 @@ contains
       if (line(len(line):) == achar(13)) line = trim(line(:len(line) - 1))
    end subroutine input_file_take_line
 
-   !> Takes an integer: four bytes, or a word of text.
+   !> Reads an integer: four bytes, or a word of text.
    pure subroutine input_file_take_integer(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
@@ -442,7 +442,7 @@ contains
       end if
    end subroutine input_file_take_integer
 
-   !> Takes a word of text as an integer, even in a binary file.
+   !> Reads a word of text as an integer, also in a binary file.
    pure subroutine input_file_take_numeral(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
@@ -460,7 +460,7 @@ contains
       call self%refuse('expected '//what//', found '//found)
    end subroutine input_file_take_numeral
 
-   !> Takes a number of things, which stands alone on a line of text, even in a binary file.
+   !> Reads a count, which is alone on a line of text, also in a binary file.
    pure subroutine input_file_take_count(self, n, things)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: n !! the number, not negative
@@ -475,7 +475,7 @@ contains
       if (allocated(self%error)) n = 0
    end subroutine input_file_take_count
 
-   !> Takes an integer that is not negative: eight bytes, or a word of text.
+   !> Reads an integer that must not be negative: eight bytes, or a word of text.
    pure subroutine input_file_take_size(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
@@ -498,7 +498,7 @@ contains
       if (.not. allocated(self%error)) value = int(long)
    end subroutine input_file_take_size
 
-   !> Takes a finite real: eight bytes, or a word of text.
+   !> Reads a finite real: eight bytes, or a word of text.
    pure subroutine input_file_take_real(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       real(dp), intent(out) :: value !! the number, 0 where there is a fault
@@ -522,7 +522,7 @@ contains
       end if
    end subroutine input_file_take_real
 
-   !> Takes the bytes of a number, in this machine's order.
+   !> Reads the bytes of a number and converts them to this machine's byte order.
    pure subroutine take_bytes(input, n, bytes, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of bytes
@@ -545,7 +545,7 @@ contains
       input%position = input%position + n
    end subroutine take_bytes
 
-   !> Refuses a number of things that the rest of the file cannot hold.
+   !> Refuses a count of items for which the rest of the file is too short.
    pure subroutine input_file_check_count(self, n, least_bytes, things)
       class(input_file_t), intent(inout) :: self !! the file, behind the number
       integer, intent(in) :: n !! number of things announced, not negative

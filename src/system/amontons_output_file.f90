@@ -1,5 +1,6 @@
-!> Files that appear whole or not at all: written under a temporary name that no signal leaves behind, renamed when
-!> complete; and locks that keep two runs from working on the same files. They end with the process at the latest.
+!> Files that are written as a whole or not at all: written under a temporary name, which is removed by signals, and
+!> renamed when complete; and locks that keep two runs from changing the same files. Locks end with the process at the
+!> latest.
 module amontons_output_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use amontons_error, only: error_t, input_refused, new_error, system_failure
@@ -27,7 +28,7 @@ module amontons_output_file
       procedure, public :: finish => output_file_finish
    end type output_file_t
 
-   !> A lock, or none.
+   !> A lock, which may be absent.
    type :: file_lock_t
       private
       integer(c_int), public :: file = -1 !! the system's number of the open file; -1 for none
@@ -35,9 +36,9 @@ module amontons_output_file
       procedure, public :: release => file_lock_release
    end type file_lock_t
 
-   !> From here to `release_signals` no signal ends the program: files change hands together. Pairs may be nested.
+   !> Blocks signals that end the program until `release_signals`, while several files are renamed. Pairs may be nested.
    procedure(action), bind(c, name='amontons_hold_signals') :: hold_signals
-   !> Ends what `hold_signals` began; a signal that came meanwhile now ends the program.
+   !> Ends the effect of `hold_signals`; a signal that arrived meanwhile now ends the program.
    procedure(action), bind(c, name='amontons_release_signals') :: release_signals
    procedure(path_action), bind(c, name='amontons_lock_directory') :: c_lock_directory
 
@@ -100,7 +101,8 @@ contains
       if (status /= 0) call give_up(file, trim(reason), error)
    end subroutine new_output_file
 
-   !> Takes a complete file that waits for its final name under one of its own, and keeps that if it does not get it.
+   !> Makes an output file of a complete file that awaits its final name; it is kept under its present name if it does
+   !> not get the final one.
    pure subroutine adopt_file(file, path, present_path)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! final name
@@ -125,7 +127,7 @@ contains
       call file%finish(status, error)
    end subroutine write_text_file
 
-   !> Closes the file, every byte handed to the system; it still has its temporary name.
+   !> Closes the file after checking its size; it still has its temporary name.
    subroutine output_file_finish(self, write_status, error)
       class(output_file_t), intent(inout) :: self !! the open file
       integer, intent(in) :: write_status !! status of the last write statement: nonzero means that it failed
@@ -149,7 +151,7 @@ contains
       call give_up(self, trim(reason), error)
    end subroutine output_file_finish
 
-   !> Removes a file that cannot be written, and says so.
+   !> Removes a file that cannot be written, and makes the error.
    subroutine give_up(file, reason, error)
       class(output_file_t), intent(inout) :: file !! the file, open or not
       character(*), intent(in) :: reason !! why it cannot be written
@@ -159,11 +161,11 @@ contains
       call new_error(error, system_failure, file%path//': cannot write this file: '//reason)
    end subroutine give_up
 
-   !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none. Files
-   !> of another run in the same directory come before them all or after them all.
+   !> Gives finished files their final names, all of them even if a signal arrives meanwhile; none after an error. The
+   !> renaming of two runs in the same directory does not interleave.
    !>
-   !> Files of an earlier run that have no successor are removed before the last file gets its name: as long as that
-   !> still has its old content, which names them, a run that is killed here can be made good by the next one.
+   !> Files of an earlier run without successor are removed before the last file is renamed: as long as the last file
+   !> has its old content, which names them, the next run can complete the renaming of a run that is killed here.
    subroutine commit_files(files, error, earlier)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, or those that were begun before an error
       type(error_t), allocatable, intent(inout) :: error
@@ -204,7 +206,7 @@ contains
       call release_signals()
    end subroutine output_file_commit
 
-   !> Removes what was written, unless it is kept; the final name stays as it was.
+   !> Removes the written file, unless it is to be kept; a file with the final name is unchanged.
    subroutine output_file_discard(self)
       class(output_file_t), intent(inout) :: self !! the file, open or finished
       integer :: status
@@ -219,7 +221,7 @@ contains
       deallocate (self%temporary_path)
    end subroutine output_file_discard
 
-   !> Removes the temporary grids that a run which was killed has left in its folder.
+   !> Removes the temporary grids that a killed run has left in its folder.
    subroutine remove_temporaries(folder)
       character(*), intent(in) :: folder !! the folder, a slash behind it; nobody else writes grids into it
       type(file_name_t), allocatable :: names(:)
@@ -243,7 +245,7 @@ contains
       end do
    end subroutine remove_temporaries
 
-   !> Locks a file, which is made if it is not there; it must keep its name and never be replaced while it is locked.
+   !> Locks a file, which is made if it does not exist; it must not be renamed or replaced while it is locked.
    subroutine lock_file(lock, path, error)
       type(file_lock_t), intent(out) :: lock !! the lock
       character(*), intent(in) :: path !! name of the file
@@ -260,7 +262,7 @@ contains
       end if
    end subroutine lock_file
 
-   !> Locks a directory for the short time that files in it change hands; goes without where that cannot be.
+   !> Locks a directory while files in it are renamed; has no effect if the directory cannot be locked.
    subroutine lock_directory(lock, path)
       type(file_lock_t), intent(out) :: lock !! the lock
       character(*), intent(in) :: path !! name of the directory
@@ -268,7 +270,7 @@ contains
       lock%file = c_lock_directory(path//c_null_char)
    end subroutine lock_directory
 
-   !> Ends the lock.
+   !> Releases the lock.
    subroutine file_lock_release(self)
       class(file_lock_t), intent(inout) :: self !! the lock, none on return
 

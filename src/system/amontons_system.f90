@@ -1,6 +1,6 @@
-!> What the program asks of the operating system: directories, renaming, memory, time; and checksums of files and texts,
-!> by which an accidental change is found: the number that `cksum` of POSIX prints, a cyclic redundancy check of 32 bits
-!> over the bytes and their number. A checksum is at any moment that of all that was added to it so far.
+!> Services of the operating system: directories, renaming, memory, time; and checksums of files and texts, which detect
+!> accidental changes: the number that `cksum` of POSIX prints, a cyclic redundancy check of 32 bits over the bytes and
+!> their number. A checksum can be read after any addition.
 module amontons_system
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int32_t, c_int64_t, c_long, c_long_long, c_null_char, &
       c_null_ptr, c_ptr
@@ -20,12 +20,12 @@ module amontons_system
 
    ! allow(assumed-size): C takes an address and knows no shape
    abstract interface
-      !> Does something that needs no more to be said.
+      !> An action without arguments.
       subroutine action() bind(c)
          implicit none (type, external)
       end subroutine action
 
-      !> Does something with a file or directory.
+      !> An action on a file or directory.
       function path_action(path) bind(c) result(code)
          import :: c_char, c_int
          implicit none (type, external)
@@ -47,10 +47,10 @@ module amontons_system
    procedure(memory), bind(c, name='amontons_peak_memory') :: c_peak_memory
    procedure(memory), bind(c, name='amontons_resident_memory') :: c_resident_memory
    procedure(memory), bind(c, name='amontons_available_memory') :: c_available_memory
-   !> From now on large arrays go back to the system as soon as they are freed. For the program to call; the library
-   !> leaves its user's memory alone.
+   !> Makes the allocator return large arrays to the system as soon as they are deallocated. To be called by the
+   !> program; the library does not change the memory management of its user.
    procedure(action), bind(c, name='amontons_return_large_arrays') :: return_large_arrays
-   !> Gives memory that was freed back to the system.
+   !> Returns freed memory to the system.
    procedure(action), bind(c, name='amontons_return_memory') :: return_memory
 
    ! allow(assumed-size): see above
@@ -117,7 +117,7 @@ module amontons_system
       end subroutine c_take_names
    end interface
 
-   !> The checksum of some bytes, and their number: all that is needed to go on behind them.
+   !> The checksum of some bytes, and their number; more bytes can be added.
    type :: checksum_t
       private
       integer(c_int32_t) :: remainder = 0_c_int32_t !! remainder of the bytes' polynomial, 32 bits without sign
@@ -161,7 +161,7 @@ module amontons_system
 
 contains
 
-   !> Name of a file from the root on; the name as it is where there is no such file.
+   !> Absolute path of a file; the name itself if there is no such file.
    function absolute_path(path) result(absolute)
       character(*), intent(in) :: path !! the name
       character(:), allocatable :: absolute
@@ -171,7 +171,7 @@ contains
       absolute = buffer(:index(buffer, c_null_char) - 1)
    end function absolute_path
 
-   !> Makes a directory and its parents; one that exists already is fine.
+   !> Makes a directory and its parents, unless they exist.
    subroutine make_directory(path, error)
       character(*), intent(in) :: path !! name of the directory
       type(error_t), allocatable, intent(out) :: error !! the directory cannot be made
@@ -184,7 +184,7 @@ contains
          path//': cannot make this directory: '//error_text(code))
    end subroutine make_directory
 
-   !> Puts a file in the place of another, in one step: a reader sees the old one or the new one.
+   !> Replaces a file by another, atomically: a reader sees the old one or the new one.
    subroutine rename_file(from, to, error, directory)
       character(*), intent(in) :: from !! the file's present name
       character(*), intent(in) :: to !! the file's new name; what had it before is replaced
@@ -200,7 +200,7 @@ contains
       if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place: '//error_text(code))
    end subroutine rename_file
 
-   !> The system's words for an error number.
+   !> The system's message for an error number.
    function error_text(code) result(text)
       integer, intent(in) :: code !! the number
       character(:), allocatable :: text
@@ -219,7 +219,7 @@ contains
       if (code /= 0) return
    end subroutine remove_file
 
-   !> Removes a directory if it holds nothing.
+   !> Removes a directory if it is empty.
    subroutine remove_directory(path)
       character(*), intent(in) :: path !! name of the directory
       integer :: code
@@ -228,7 +228,7 @@ contains
       if (code /= 0) return
    end subroutine remove_directory
 
-   !> Cuts a file behind a number of bytes.
+   !> Truncates a file to a number of bytes.
    subroutine cut_file(path, n_bytes, error)
       character(*), intent(in) :: path !! name of the file
       integer(int64), intent(in) :: n_bytes !! how many of its bytes stay
@@ -239,8 +239,8 @@ contains
       if (code /= 0) call new_error(error, system_failure, path//': cannot cut this file: '//error_text(code))
    end subroutine cut_file
 
-   !> Writes bytes to the end of a file, or to a new one. On return they are on the disk, so that not even a power
-   !> failure loses them.
+   !> Appends bytes to a file, or writes a new one. On return they are on the disk, so that they survive a power
+   !> failure.
    subroutine append_to_file(path, is_new, bytes, error)
       character(*), intent(in) :: path !! name of the file, which is no link
       logical, intent(in) :: is_new !! whether the file is made; nothing may have its name
@@ -252,17 +252,17 @@ contains
       if (code /= 0) call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
    end subroutine append_to_file
 
-   !> The most memory this process ever held [MB].
+   !> The largest memory of this process so far [MB].
    real(dp) function peak_memory_mb()
       peak_memory_mb = real(c_peak_memory(), dp)*1024.0e-6_dp
    end function peak_memory_mb
 
-   !> The memory this process holds now, 0 where the system does not tell [MB].
+   !> The present memory of this process, 0 if the system does not report it [MB].
    real(dp) function resident_memory_mb()
       resident_memory_mb = real(c_resident_memory(), dp)*1024.0e-6_dp
    end function resident_memory_mb
 
-   !> The memory this process can still get, a huge number where the system does not tell [MB].
+   !> The memory that this process can still get, huge if the system does not report it [MB].
    real(dp) function available_memory_mb()
       integer(c_long_long) :: kibibytes
 
@@ -270,7 +270,7 @@ contains
       available_memory_mb = merge(huge(1.0_dp), real(kibibytes, dp)*1024.0e-6_dp, kibibytes < 0)
    end function available_memory_mb
 
-   !> Wall-clock time since some fixed moment [s].
+   !> Wall-clock time since an arbitrary fixed moment [s].
    real(dp) function wall_seconds()
       integer(int64) :: ticks, rate
 
@@ -278,7 +278,7 @@ contains
       wall_seconds = real(ticks, dp)/real(rate, dp)
    end function wall_seconds
 
-   !> The names of all that a directory holds, without their directory, in alphabetical order.
+   !> The names in a directory, without its path, in alphabetical order.
    subroutine list_directory(names, path, error)
       type(file_name_t), allocatable, intent(out) :: names(:) !! the names
       character(*), intent(in) :: path !! name of the directory
@@ -343,7 +343,7 @@ contains
       value = checksum%value()
    end function text_checksum
 
-   !> The checksum of a file, or of its beginning.
+   !> The checksum of a file, or of its first bytes.
    subroutine file_checksum(checksum, path, error, most_bytes)
       type(checksum_t), intent(out) :: checksum !! the checksum of as many bytes as there are
       character(*), intent(in) :: path !! name of the file

@@ -1,9 +1,9 @@
-!> The times of the phases of a run, and what the program and the shell that started it exchange: standard streams,
-!> signals, and the line on a terminal that shows what a long run is doing, or its lines in a log.
+!> The times of the phases of a run, and the exchange of the program with the shell that started it: standard streams,
+!> signals, and the status line on a terminal, or lines in a log.
 !>
-!> A program opens and closes the line. Between the two it is drawn anew each second, from the end of the first one on;
-!> `print_line` removes it, until more work is noted. A log gets a line of its own after 1, 2, 4 ... 64 seconds and each
-!> minute from then on. Where no program has opened it, nothing is shown.
+!> A program opens and closes the status line. Meanwhile it is drawn each second, after the first one; `print_line`
+!> removes it until new work is reported. A log gets a line after 1, 2, 4 ... 64 seconds and then each minute. If no
+!> program has opened it, nothing is shown.
 module amontons_terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
@@ -16,17 +16,17 @@ module amontons_terminal
       phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, phase_recover, phase_solve, &
       phase_write, prepare_process, print_line, release_interrupts, standard_error, standard_output, timings_t
 
-   !> What `print_line` writes to.
+   !> Streams of `print_line`.
    integer, parameter :: standard_output = 1, standard_error = 2
 
-   !> Has a closed pipe and a full disk be errors of a write rather than the end of the process, and signals that ask
-   !> for the end leave no temporary file. For the program to call first; the library leaves signals alone.
+   !> Makes a closed pipe and a full disk errors of a write instead of the end of the process, and removes temporary
+   !> files when a signal ends it. To be called first by the program; the library does not handle signals.
    procedure(action), bind(c, name='amontons_prepare_process') :: prepare_process
-   !> From now on the first SIGINT or SIGTERM only makes `is_interrupted` true; the second ends the process.
+   !> Makes the first SIGINT or SIGTERM only set `is_interrupted`; the second ends the process.
    procedure(action), bind(c, name='amontons_hold_interrupts') :: hold_interrupts
-   !> Lets signals do again what they did before `hold_interrupts`.
+   !> Restores the handling of signals from before `hold_interrupts`.
    procedure(action), bind(c, name='amontons_release_interrupts') :: release_interrupts
-   !> Closes the line, if there is one, and removes it.
+   !> Removes the status line, if there is one, and closes it.
    procedure(action), bind(c, name='amontons_close_line') :: close_status_line
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -90,8 +90,8 @@ module amontons_terminal
 
 contains
 
-   !> Prints lines at once, in the place of the status line if there is one, and past the buffers of the run-time
-   !> library, which loses them without a word on a full disk.
+   !> Prints lines at once, in place of the status line if there is one. The buffers of the run-time library are not
+   !> used, since they lose lines without an error on a full disk.
    subroutine print_line(stream, text, error)
       integer, intent(in) :: stream !! `standard_output` or `standard_error`
       character(*), intent(in) :: text !! the lines, without the last one's end
@@ -103,12 +103,12 @@ contains
          stream == standard_output))//': cannot write: '//error_text(code))
    end subroutine print_line
 
-   !> Whether a signal has asked the program to stop since `hold_interrupts`. Any thread may ask.
+   !> Whether a signal has asked the program to stop since `hold_interrupts`. May be called from any thread.
    logical function is_interrupted()
       is_interrupted = c_interrupt() /= 0
    end function is_interrupted
 
-   !> Opens the line of a case, if standard error is a terminal or a log is to have lines.
+   !> Opens the status line of a case, if standard error is a terminal or lines of a log are asked for.
    subroutine open_status_line(name, has_log)
       character(*), intent(in) :: name !! name of the case; the line begins with it
       logical, intent(in) :: has_log !! whether standard error gets lines where it is not a terminal
@@ -116,7 +116,7 @@ contains
       call c_open_line(name//c_null_char, merge(1_c_int, 0_c_int, has_log))
    end subroutine open_status_line
 
-   !> Notes what is done from now on, for the line if there is one. Any thread may note.
+   !> Sets the present work for the status line, if there is one. May be called from any thread.
    subroutine note_work(work, is_timed)
       character(*), intent(in) :: work !! what is done
       logical, intent(in) :: is_timed !! whether the seconds since the line was opened follow it
@@ -132,7 +132,7 @@ contains
       call note_work(trim(phase_names(timings%phase)), is_timed=.true.)
    end subroutine new_timings
 
-   !> Books the time since the last call on the phase under way, and begins another or goes on with the same.
+   !> Adds the time since the last call to the present phase, and begins another one or continues the same.
    subroutine timings_begin(self, phase)
       class(timings_t), intent(inout) :: self !! the clock
       integer, intent(in) :: phase !! the phase that begins
