@@ -1,4 +1,4 @@
-!> A table of comma-separated fields as the program writes it, read back: a header, then a row a line.
+!> A table of comma-separated fields, read from a file of the program: a header, then one row per line.
 module amontons_csv_table
    use amontons_error, only: error_t
    use amontons_input_file, only: read_text_file
@@ -10,7 +10,7 @@ module amontons_csv_table
 
    public :: csv_table_t, read_csv_table
 
-   !> A table. No field holds a comma but in the header.
+   !> A table. Only the header may have fields with commas.
    type :: csv_table_t
       private
       integer, public :: n_rows = 0 !! number of rows, the header not counted
@@ -77,7 +77,7 @@ contains
       end do
    end function count_commas
 
-   !> Number of the column of a name; 0 if there is none. No name before it may hold a comma.
+   !> Number of the column with a given name; 0 if there is none. No name before it may contain a comma.
    pure integer function csv_table_column(self, name) result(column)
       class(csv_table_t), intent(in) :: self !! the table
       character(*), intent(in) :: name !! the name
@@ -86,7 +86,7 @@ contains
       if (column > 0) column = count_commas(self%header(:column - 1)) + 1
    end function csv_table_column
 
-   !> A row, without the end of its line.
+   !> The text of a row, without the end of its line.
    pure function csv_table_row(self, row) result(text)
       class(csv_table_t), intent(in) :: self !! the table
       integer, intent(in) :: row !! which row
@@ -95,7 +95,7 @@ contains
       text = self%text(self%start%item(row):self%start%item(row + 1) - 2)
    end function csv_table_row
 
-   !> A field.
+   !> The text of a field.
    pure function csv_table_field(self, row, column) result(text)
       class(csv_table_t), intent(in) :: self !! the table
       integer, intent(in) :: row !! its row

@@ -1,6 +1,6 @@
-!> A case under verification, and comparisons of its files with what should stand in them: texts part by part and word
-!> by word, collections entry by entry, grids array by array. Whoever hands the arrays of a grid over to a file that is
-!> written can hand them over to a `vtk_check_t`, which compares.
+!> A case under verification, and comparisons of its files with their expected contents: texts part by part and word by
+!> word, collections entry by entry, grids array by array. Procedures that write a grid can pass a `vtk_check_t` in
+!> place of a file: it compares the arrays.
 module amontons_file_check
    use amontons_config, only: config_t
    use amontons_document, only: document_t
@@ -19,16 +19,17 @@ module amontons_file_check
 
    !> Characters that separate words.
    character(*), parameter :: separators = ' (),;:{}[]'
-   !> Numbers of a listing have seven digits; the last may be rounded up in one listing and down in another [-].
+   !> Largest relative difference of a number in a listing: it has seven digits, of which the last may be rounded
+   !> differently [-].
    real(dp), parameter :: rounding = 2.0e-6_dp
 
-   !> Largest difference of two numbers that agree, over the largest number of their kind [-].
+   !> Largest difference of two equal numbers, over the largest number of their kind [-].
    real(dp), parameter :: limit = 1.0e-8_dp
 
-   !> Bytes that are searched for the markup of an array at a time.
+   !> Number of bytes that are searched for the markup of an array at once.
    integer(int64), parameter :: block_size = 65536_int64
 
-   !> A grid being compared. After a fault in the markup or in the length of an array the rest is not looked at.
+   !> A grid under comparison. After a fault in the markup or in the length of an array the rest is not compared.
    type, extends(vtk_file_t) :: vtk_check_t
       private
       character(:), allocatable :: path !! name of the file
@@ -61,7 +62,7 @@ module amontons_file_check
 
 contains
 
-   !> Compares a file with its document.
+   !> Compares a file with the document that it should contain.
    subroutine compare_document(faults, stem, document)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: stem !! directory and name of the case
@@ -195,7 +196,7 @@ contains
       if (len(fault) > 0) fault = fault//' follows from the other files'
    end subroutine compare_line
 
-   !> A text without the comma at its end.
+   !> A text without a comma at its end.
    pure function without_comma(text) result(shorter)
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: shorter
@@ -203,7 +204,7 @@ contains
       shorter = text(:len(text) - merge(1, 0, scan(text, ',', back=.true.) == len(text)))
    end function without_comma
 
-   !> The place of the next sign that is no blank; behind the end of the line if there is none.
+   !> The position of the next character that is no blank; one past the end of the line if there is none.
    pure integer function next_sign(line, first) result(place)
       character(*), intent(in) :: line !! the line
       integer, intent(in) :: first !! where to begin
@@ -213,8 +214,8 @@ contains
       if (verify(line(first:), ' ') > 0) place = first + verify(line(first:), ' ') - 1
    end function next_sign
 
-   !> How many signs there are before the next separator, or the end of the line. No copy of the rest is made: for each
-   !> word of a long line that would take the stack.
+   !> Number of characters before the next separator, or the end of the line. The rest of the line is not copied: for
+   !> each word of a long line a copy would overflow the stack.
    pure integer function word_length(line, first) result(length)
       character(*), intent(in) :: line !! the line
       integer, intent(in) :: first !! where to begin
@@ -223,7 +224,7 @@ contains
       if (length < 0) length = len(line) - first + 1
    end function word_length
 
-   !> How many numbers the beginning of a line holds.
+   !> Number of numbers at the beginning of a line.
    pure integer function n_numbers(line) result(n)
       character(*), intent(in) :: line !! the beginning of a line, up to the end of a word
       real(dp) :: value
@@ -241,7 +242,7 @@ contains
       end do
    end function n_numbers
 
-   !> Name of the word behind the beginning of a line: its column in a table, its members in JSON; else empty.
+   !> The name of a word in a line: its column in a table, its members in JSON; otherwise empty.
    pure function place_name(before, header) result(name)
       character(*), intent(in) :: before !! the line up to the word
       character(*), intent(in) :: header !! the header of a table, or nothing
@@ -273,7 +274,7 @@ contains
       end if
    end function place_name
 
-   !> Number of the line that a place of a text is in.
+   !> Number of the line that contains a position of a text.
    pure integer function line_number(text, place)
       character(*), intent(in) :: text !! the text
       integer, intent(in) :: place !! the place
@@ -285,7 +286,7 @@ contains
       end do
    end function line_number
 
-   !> Whether two numbers agree. One that is not finite agrees with none.
+   !> Whether two numbers agree. A number that is not finite agrees with none.
    elemental logical function agree(stated, computed, scale)
       real(dp), intent(in) :: stated !! the number that a file states
       real(dp), intent(in) :: computed !! the number that follows from the others
@@ -294,7 +295,7 @@ contains
       agree = abs(stated - computed) <= limit*scale
    end function agree
 
-   !> The place of the first number that does not agree, the largest of them being the scale; 0 if all do.
+   !> The index of the first number that does not agree, with the largest of them as the scale; 0 if all do.
    pure integer function first_disagreement(stated, computed, scale) result(place)
       real(dp), intent(in) :: stated(:) !! the numbers that a file states
       real(dp), intent(in) :: computed(:) !! the numbers that follow from the others, as many
@@ -320,7 +321,7 @@ contains
       sentence = what//' is '//shown(stated)//', but '//shown(computed)//' follows from the other files'
    end function contradiction
 
-   !> A number, if it is one.
+   !> A number as text; words for one that is not finite.
    pure function shown(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
@@ -332,7 +333,7 @@ contains
       end if
    end function shown
 
-   !> Checks cases.pvd of a directory, if it is there: its form, its steps, and that there are the files it names.
+   !> Checks cases.pvd of a directory, if it exists: its form, the order of its steps, and that the named files exist.
    subroutine check_collection(faults, directory)
       type(fault_list_t), intent(inout) :: faults !! gains what is wrong
       character(*), intent(in) :: directory !! the directory
@@ -372,7 +373,7 @@ contains
 
    contains
 
-      !> Checks that a file is there.
+      !> Checks that a file exists.
       subroutine expect_file(name)
          character(*), intent(in) :: name !! name of the file, without its directory
 
@@ -382,7 +383,7 @@ contains
 
    end subroutine check_collection
 
-   !> Compares a collection with the entries that it should have.
+   !> Compares a collection with its expected entries.
    subroutine compare_collection(faults, path, entries)
       type(fault_list_t), intent(inout) :: faults !! gains what is wrong
       character(*), intent(in) :: path !! name of the collection
@@ -409,7 +410,7 @@ contains
       if (check%unit == -1) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
 
-   !> Opens a grid to read from it.
+   !> Opens a grid for reading.
    subroutine open_grid(unit, path)
       integer, intent(out) :: unit !! its unit; -1 unless it is a plain file that can be read
       character(*), intent(in) :: path !! name of the file
@@ -505,7 +506,7 @@ contains
       self%position = self%position + len(found, int64)
    end subroutine vtk_check_compare_markup
 
-   !> Compares what stands behind the last array, and closes the file.
+   !> Compares the text after the last array, and closes the file.
    subroutine vtk_check_close(self)
       class(vtk_check_t), intent(inout) :: self !! the grid
       integer(int64) :: n_bytes
@@ -524,7 +525,7 @@ contains
       self%unit = -1
    end subroutine vtk_check_close
 
-   !> Notes a fault behind which nothing is where it should be.
+   !> Records a fault after which the file cannot be compared any further.
    subroutine vtk_check_stop_at(self, sentence)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: sentence !! the fault
@@ -533,7 +534,7 @@ contains
       call self%faults%add(self%path, sentence)
    end subroutine vtk_check_stop_at
 
-   !> Where in a grid a number of an array stands.
+   !> The name of a number of an array in a grid, for messages.
    pure function entry_name(section, place, n_components) result(name)
       character(*), intent(in) :: section !! the section of the array
       integer, intent(in) :: place !! which of its numbers, from 1
@@ -593,7 +594,7 @@ contains
       close (unit)
    end subroutine read_array
 
-   !> Reads the bytes of an array, which stand behind their number.
+   !> Reads the bytes of an array, which follow after their number.
    subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
       integer, intent(in) :: unit !! the open file
       integer(int64), intent(in) :: position !! where its letters begin, from 1
@@ -624,7 +625,7 @@ contains
       end if
    end subroutine read_bytes
 
-   !> Compares the texts as they were written with those that follow from the other files.
+   !> Compares the text files with the texts that follow from the other files.
    subroutine verified_case_compare(self, documents, summary)
       class(verified_case_t), intent(inout) :: self !! the case; gains the faults
       type(document_t), intent(in) :: documents(:) !! the texts, but for the summary
@@ -637,7 +638,7 @@ contains
       end do
    end subroutine verified_case_compare
 
-   !> Adds what is wrong with a file, if anything is.
+   !> Adds a fault of a file, if there is one.
    pure subroutine verified_case_fault(self, ending, sentence)
       class(verified_case_t), intent(inout) :: self !! the case; gains the fault
       character(*), intent(in) :: ending !! what the name of the file ends with, behind that of the case
@@ -646,7 +647,7 @@ contains
       if (len(sentence) > 0) call self%faults%add(self%stem//ending, sentence)
    end subroutine verified_case_fault
 
-   !> A member of the summary as a number; 0 if it is none.
+   !> A member of the summary as a number; 0 if it is no number.
    pure real(dp) function verified_case_number(self, section, member) result(number)
       class(verified_case_t), intent(in) :: self !! the case
       character(*), intent(in) :: section !! the member that it is in; empty for none

@@ -1,9 +1,9 @@
-!> The results in a directory, verified from the files alone: nothing is known of the run that wrote them.
+!> Verification of the results in a directory from the files alone, without any knowledge of the run that wrote them.
 !>
-!> Two questions are asked of every case. Is each file, the mesh and the tables included, byte by byte the one that was
-!> written? And do the files agree with each other: does what the displacements and the contact forces say follow from
-!> the deck and the mesh, and do the tables, grids, listing and summary say the same? Checksums answer
-!> the first and find accidents; recomputation answers the second and finds wrong numbers.
+!> Two questions are answered for every case. Is each file, the mesh and the tables included, unchanged byte by byte?
+!> And do the files agree with each other: do the results follow from the displacements, the contact forces, the deck
+!> and the mesh, and do tables, grids, listing and summary state the same? Checksums answer the first question and find
+!> accidents; recomputation answers the second and finds wrong numbers.
 module amontons_verify
    use amontons_config, only: read_config
    use amontons_document, only: json_string
@@ -21,7 +21,7 @@ module amontons_verify
    public :: find_cases, verdict_t, verify_files
 
    character(*), parameter :: summary_suffix = '.summary.json'
-   !> Endings of the names of files that belong to a case, whose summary may be missing.
+   !> Suffixes of the files of a case, by which a case without a summary is found.
    character(12), parameter :: other_suffixes(*) = [character(12) :: '.deck.nml', '.contact.csv', '.contact.vtu', &
       '.sweep.csv']
 
@@ -35,7 +35,7 @@ module amontons_verify
 
 contains
 
-   !> Finds the cases whose files a directory holds, in the order of the names of their summaries.
+   !> Finds the cases in a directory, in the order of the names of their summaries.
    subroutine find_cases(names, directory, error)
       type(file_name_t), allocatable, intent(out) :: names(:) !! names of the cases
       character(*), intent(in) :: directory !! the directory
@@ -59,7 +59,7 @@ contains
       if (n == 0) call new_error(error, input_refused, directory//': there are no results in this directory')
    end subroutine find_cases
 
-   !> Adds the case that a file belongs to, unless the case is known, or the file is one of a known case.
+   !> Adds the case that a file belongs to, unless the case, or one to which the file belongs as well, is known.
    pure subroutine claim(names, n, file, suffix)
       type(file_name_t), intent(inout) :: names(:) !! names of the cases
       integer, intent(inout) :: n !! number of cases so far

@@ -1,10 +1,10 @@
-!> The files of a solved case checked against each other: its result is restored from the deck, the mesh, the
-!> displacements in NAME.vtu and the forces and statuses in NAME.contact.csv, and written again: every file must say the
-!> same. Those of a reduced problem likewise: u = W r + q and the contact law are computed again from the problem as it
-!> is read and the forces.
+!> Verification of the files of a solved case against each other: its result is restored from the deck, the mesh, the
+!> displacements in NAME.vtu and the forces and statuses in NAME.contact.csv; all files are made again from it and
+!> compared. For a reduced problem u = W r + q and the contact law are computed again from the problem as it is read and
+!> the forces.
 !>
-!> No matrix is assembled and none factorized, and no method runs: the forces of the elements come from their
-!> displacements, one by one.
+!> No matrix is assembled or factorized, and no method runs: the forces of the elements follow from their displacements,
+!> one by one.
 module amontons_verify_case
    use amontons_body, only: body_t
    use amontons_contact_solution, only: new_contact_solution
@@ -39,13 +39,13 @@ module amontons_verify_case
       integer, allocatable :: status(:) !! statuses (m)
    end type contact_state_t
 
-   !> Lengths and forces that count as zero beside the displacements and the forces of a case.
+   !> Lengths and forces that count as zero in a case.
    type :: law_scales_t
       real(dp) :: length = 0.0_dp !! displacements up to this count as none [L]
       real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
    end type law_scales_t
 
-   !> Names of the columns of the tangential forces: of bodies, and behind them of reduced problems in space.
+   !> Names of the columns of the tangential forces: for bodies, followed by those of reduced problems in space.
    character(22), parameter :: shear_names(4) = [character(22) :: 'tangential_force', 'tangential_force_theta', &
       'tangential_force_1', 'tangential_force_2']
 
@@ -73,7 +73,7 @@ contains
       end if
    end subroutine verify_case
 
-   !> Checks the files of a case without a state to show.
+   !> Verifies the files of a case without a solution.
    subroutine verify_answer(case, body, result, answer)
       type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
       type(body_t), intent(in) :: body !! the body
@@ -85,7 +85,7 @@ contains
       case%is_certified = result%outcome == outcome_no_equilibrium
    end subroutine verify_answer
 
-   !> Checks the files of a load case, which may be a step of a history.
+   !> Verifies the files of a load case, which may be a step of a history.
    subroutine verify_result(case, body, result)
       type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
       type(body_t), intent(in) :: body !! the body
@@ -169,7 +169,7 @@ contains
          (result%load_case%free_gap - result%load_case%gap)
    end subroutine restore_displacement
 
-   !> Judges the numbers on refined meshes again: those of the coarser meshes are what their table states.
+   !> Judges the convergence over refined meshes again, with the numbers of the coarser meshes from their table.
    subroutine restore_convergence(case, body, result, fault)
       type(verified_case_t), intent(in) :: case !! the case
       type(body_t), intent(in) :: body !! the body on the finest mesh
@@ -201,7 +201,7 @@ contains
       if (len(fault) == 0) call judge_meshes(result, body, values)
    end subroutine restore_convergence
 
-   !> Writes the texts again and compares.
+   !> Makes the texts again and compares them.
    subroutine check_texts(case, body, result)
       type(verified_case_t), intent(inout) :: case !! the case; gains what does not agree
       type(body_t), intent(in) :: body !! the body
@@ -214,7 +214,7 @@ contains
       call case%compare(documents, summary)
    end subroutine check_texts
 
-   !> Checks all that two grids show: mesh, stresses, contact quantities.
+   !> Compares everything that two grids show: mesh, stresses, contact quantities.
    subroutine check_grids(case, body, result, stem)
       type(verified_case_t), intent(inout) :: case !! the case; gains what does not agree
       type(body_t), intent(in) :: body !! the body
@@ -232,7 +232,7 @@ contains
       call case%faults%append(check%faults)
    end subroutine check_grids
 
-   !> Holds the statuses of a converged case against the contact law, point by point.
+   !> Checks the statuses of a converged case with the contact law, point by point.
    subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_tangent_fixed, scales)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
@@ -272,8 +272,8 @@ contains
       end do
    end subroutine check_statuses
 
-   !> Gaps, slips and forces as one checks them against the law: in space lengths, of a sliding point the slip along its
-   !> force.
+   !> Gaps, slips and forces for the check of the law: in space the lengths of tangential vectors, for a sliding point
+   !> the slip along its force.
    pure function state_of(gap, slip, force, status) result(state)
       real(dp), intent(in) :: gap(:) !! distances to the obstacle (m) [L]
       real(dp), intent(in) :: slip(:) !! slips (n_tangents m) [L]
@@ -293,7 +293,7 @@ contains
       end associate
    end function state_of
 
-   !> Holds the statuses of a converged case against the contact law.
+   !> Checks the statuses of a converged case with the contact law.
    subroutine check_law(faults, body, result, path, has_rows)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       type(body_t), intent(in) :: body !! the body

@@ -1,11 +1,11 @@
-!> The files of a history checked against its deck and each other: every step is solved again, from the anchors that the
-!> step before has left, to the time that its row states. Rows, states, contact points and grids are written again from
-!> these steps; the files of the last one are restored and judged on the full model like those of a case. Where the
-!> history ended early, the step that has no equilibrium is tried again.
+!> Verification of the files of a history with its deck and with each other: every step is solved again, from the
+!> anchors of the step before to the time in its row. Rows, states, contact points and grids are made again from these
+!> steps; the files of the last step are restored and verified on the full model like those of a case. If the history
+!> ended early, the step without equilibrium is tried again.
 !>
-!> The contact law leaves open, so that another factorization, or another machine, may find it otherwise than the files
-!> state: the status of a point on a bound of the law, and where a body is that no contact force holds. There the files
-!> are followed.
+!> Where the contact law has several answers, another factorization or machine may find another one than the
+!> files state: the status of a point on a bound of the law, and the position of a body that no contact force holds.
+!> There the files are followed.
 module amontons_verify_history
    use amontons_body, only: body_t
    use amontons_config, only: config_t
@@ -33,14 +33,14 @@ module amontons_verify_history
 
    public :: verify_history
 
-   !> A table while its rows are computed again.
+   !> A table with the number of its rows that are compared.
    type, extends(history_table_t) :: stated_table_t
       type(csv_table_t) :: csv !! its rows
       real(dp) :: largest(n_kinds) = 0.0_dp !! the largest number of each kind
       integer :: n_compared = 0 !! how many rows were compared
    end type stated_table_t
 
-   !> A history while its steps are taken again.
+   !> A history whose steps are taken again, with its tables.
    type :: retrace_t
       type(history_model_t) :: model !! the history
       type(history_result_t) :: result !! the way so far
@@ -51,8 +51,8 @@ module amontons_verify_history
 
 contains
 
-   !> Checks the files of a history. Its verdict is that the last step is certified and it is complete, or that the next
-   !> step has no equilibrium.
+   !> Verifies the files of a history. The verdict is that the last step is certified and the history complete, or that
+   !> the next step has no equilibrium.
    subroutine verify_history(case, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the history needs another
@@ -144,7 +144,7 @@ contains
       end associate
    end subroutine verify_history
 
-   !> Takes the steps again, row by row, up to the first one that disagrees.
+   !> Takes the steps again, row by row, up to the first one that does not agree.
    subroutine retrace(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history where it begins; gains the steps
@@ -226,7 +226,7 @@ contains
       end do
    end subroutine retrace
 
-   !> Solves a step again, and follows its row where the law leaves it several answers.
+   !> Solves a step again, and follows its row where the law has several answers.
    subroutine solve_as_stated(next, fault, again, row, cache)
       type(step_state_t), intent(out) :: next !! the state at the end of the step
       character(:), allocatable, intent(inout) :: fault !! gains why there is none
@@ -279,7 +279,7 @@ contains
 
    !> Lengths and forces that count as zero in a step: a share of the largest force of a point, or of the mean of the
    !> largest force of the history; and of the largest displacement, or of that of all points under the largest force.
-   !> Where a body hovers, any gap may be another one.
+   !> If the body hovers, every gap counts as zero.
    pure type(law_scales_t) function scales_of(again, cache, state) result(scales)
       type(retrace_t), intent(in) :: again !! the history
       type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
@@ -294,7 +294,7 @@ contains
       if (hovers(state, cache%body, scales)) scales%length = huge(scales%length)
    end function scales_of
 
-   !> Whether a body that supports leave free bears no contact force in a state.
+   !> Whether a body that supports leave free has no contact force in a state.
    pure logical function hovers(state, body, scales)
       type(step_state_t), intent(in) :: state !! the state
       type(body_t), intent(in) :: body !! the body
@@ -303,7 +303,7 @@ contains
       hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force) <= scales%force)
    end function hovers
 
-   !> Compares the next rows of a table with what they should be.
+   !> Compares the next rows of a table with the expected ones.
    subroutine compare_rows(case, table, rows, row)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(stated_table_t), intent(inout) :: table !! the table
@@ -355,7 +355,7 @@ contains
       end associate
    end function states_agree
 
-   !> Compares a state from which a history can go on.
+   !> Compares a saved state.
    subroutine compare_state(case, again, number, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history, at the end of the step
@@ -409,7 +409,7 @@ contains
       end associate
    end subroutine compare_fields
 
-   !> Tries a step after the last row: the history must end there unless all times are reached.
+   !> Tries a step after the last row: it must fail, unless all times are reached.
    subroutine go_on(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other
@@ -426,7 +426,7 @@ contains
       end associate
    end subroutine go_on
 
-   !> Takes the largest number of all steps from the summary, if it agrees up to rounding.
+   !> Takes the largest number of all steps from the summary, if it agrees within rounding.
    subroutine take_stated_worst(case, number, n_steps, worst)
       type(verified_case_t), intent(in) :: case !! the history
       integer, intent(in) :: number !! which number it is, a place in `worst_names`

@@ -1,8 +1,8 @@
-!> The files of a sweep checked against each other: rows, summary and listing are written again from the values of the
-!> deck and from what the rows state. A row holds no displacements: where the fields of its case are not kept, its
-!> forces and its residual cannot be computed again without solving the case, and are only checksummed. Grids are
-!> checked as those of a single case are: from the displacements of the one and the stresses of the other the result is
-!> restored, and all that they show, and the row of the case, are computed again.
+!> Verification of the files of a sweep against each other: rows, summary and listing are made again from the values of
+!> the deck and the numbers in the rows. A row has no displacements: if the fields of its case are not kept, its forces
+!> and its residual cannot be computed without solving the case, and are protected by checksums only. Grids are verified
+!> like those of a single case: the result is restored from the displacements of one and the stresses of the other, and
+!> everything that they show, and the row of the case, is computed again.
 module amontons_verify_sweep
    use amontons_body, only: body_t
    use amontons_contact_solution, only: new_contact_solution
@@ -31,7 +31,7 @@ module amontons_verify_sweep
 
    public :: verify_sweep
 
-   !> A case as its row states it.
+   !> A case as stated in its row.
    type :: row_t
       integer :: number = 0 !! its number
       integer, allocatable :: status(:) !! statuses of the contact points (m)
@@ -42,7 +42,7 @@ module amontons_verify_sweep
 
 contains
 
-   !> Checks the files of a sweep.
+   !> Verifies the files of a sweep.
    subroutine verify_sweep(case, cache)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the sweep needs another
@@ -90,7 +90,7 @@ contains
          (result%statistics%residual_case == 0 .or. case%value('certificate', 'passed') == 'true')
    end subroutine verify_sweep
 
-   !> Reads the rows, writes each again and compares.
+   !> Reads the rows, makes each again and compares them.
    subroutine restore_rows(case, result, rows, has_converged, body, fault)
       type(verified_case_t), intent(in) :: case !! the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the statistics
@@ -149,7 +149,7 @@ contains
       end associate
    end subroutine restore_rows
 
-   !> Reads what a row states of its case.
+   !> Reads the numbers of a case from its row.
    subroutine read_row(row, table, first, n_quantities, fault)
       type(row_t), intent(inout) :: row !! the row, its number known; gains what it states
       type(csv_table_t), intent(in) :: table !! the table
@@ -200,7 +200,7 @@ contains
       call compare_line(fault, row%text, text(:len(text) - 1), row%header, row_scales, 0.0_dp, is_lost)
    end subroutine compare_row
 
-   !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
+   !> Verifies the fields of a sweep: every grid, the collection, and that there are no other grids.
    subroutine verify_fields(case, task, sweep, body, rows)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       type(sweep_task_t), intent(in) :: task !! its cases
@@ -230,7 +230,7 @@ contains
       call compare_collection(case%faults, case%stem//'.sweep.pvd', entries)
    end subroutine verify_fields
 
-   !> Reports grids that do not belong to this sweep, as an interrupted one of the same name may leave them.
+   !> Reports grids that do not belong to this sweep, for example from an interrupted one of the same name.
    subroutine check_surplus(case, numbers)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       integer, intent(in) :: numbers(:) !! numbers of the cases whose grids should be there
@@ -257,7 +257,7 @@ contains
       end do
    end subroutine check_surplus
 
-   !> Checks the two grids of a case, and its row against them.
+   !> Verifies the two grids of a case, and its row with them.
    subroutine check_fields(case, result, body, row)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       type(result_t), intent(inout) :: result !! the load case; gains what the grids state
