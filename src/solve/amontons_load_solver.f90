@@ -413,8 +413,8 @@ contains
    end function is_unbalanced
 
    !> Whether all friction acts against the spin that the loads drive on a round line. A body with such a line still
-   !> turns, until the remaining normal displacements of the facets wedge it: normal forces, and friction with them, grow
-   !> until they bear the loads.
+   !> turns, until the remaining normal displacements of the facets wedge it: normal forces, and friction with them,
+   !> grow until they bear the loads.
    pure logical function is_exhausted(problem, force, spins, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: force(:) !! contact forces that a method found (n_rows) [F]
