@@ -138,20 +138,23 @@ class NoEquilibrium(ProgramTest):
         # Of two blocks of height 1, pressed by 1000 x 0.004/2 x 4 = 8 where all is closed, the lower one is pushed. The
         # upper one, free along x, goes along: friction bears 0.25 x 8 = 2, though it would bear 6.8 between the blocks.
         # On finer meshes the last corner opens, and presses the rest by 1e-5 more.
-        stack = ("&mesh name = 'low'  size = 4.0, 1.0  cells = 8, 2 /\n&material young = 1000.0  poisson = 0.0 /\n"
+        stack = ("&mesh name = 'low'  size = 4.0, 1.0  cells = {}, 2 /\n&material young = 1000.0  poisson = 0.0 /\n"
                  "&mesh name = 'high'  size = 4.0, 1.0  cells = 5, 2  origin = 0.0, 1.0 /\n"
                  "&support set = 'high.top'  uy = -0.004 /\n&contact set = 'low.bottom'  friction = 0.25 /\n"
-                 "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.6 /\n"
+                 "&contact set = 'high.bottom'  against = 'low.top'  friction = {} /\n"
                  "&load name = 'push'  set = 'low.left'  traction = {}, 0.0 /\n")
-        for excess, status in ((-1e-3, 0), (-1e-6, 0), (1e-6, 2), (1e-3, 2), (0.5, 2)):
-            self.write("stack.nml", stack.format(2.0*(1.0 + excess)))
+        for cells, friction, excess, status in (
+                (8, 0.6, -1e-3, 0), (8, 0.6, -1e-6, 0), (8, 0.6, 1e-6, 2), (8, 0.6, 1e-3, 2), (8, 0.6, 0.5, 2),
+                (32, 0.25, 1e-6, 2)):
+            self.write("stack.nml", stack.format(cells, friction, 2.0*(1.0 + excess)))
             run = self.run_program("--quiet", "--output", "results", "stack.nml", status=status)
             if status:
                 self.assertIn(SPINNING.format("translate along (1.0, 0.0)").split("; the body")[0], run.stderr)
-        self.write("sweep.nml", stack.format(2.0) + "&sweep load = 'push'  factor = 0.5, 0.999999, 1.000001, 1.5 /\n")
+        self.write("sweep.nml", stack.format(8, 0.6, 2.0)
+                   + "&sweep load = 'push'  factor = 0.5, 0.999999, 1.000001, 1.5 /\n")
         run = self.run_program("--output", "results", "sweep.nml")
         self.assertIn("4 cases, 2 solved, 2 without equilibrium", run.stdout)
-        self.write("steps.nml", stack.format(2.0) + "&history times = 0.0, 1.0, 2.0 /\n"
+        self.write("steps.nml", stack.format(8, 0.6, 2.0) + "&history times = 0.0, 1.0, 2.0 /\n"
                    "&steps load = 'push'  factor = 0.0, 0.99, 1.1 /\n")
         run = self.run_program("--output", "results", "steps.nml", status=2)
         self.assertIn("no equilibrium: all contact points slip", run.stderr)
