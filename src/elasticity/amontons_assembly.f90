@@ -139,7 +139,6 @@ contains
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: own(:)
       real(dp), allocatable :: transform(:, :), turned(:, :)
-      real(dp) :: frame(2, 2)
       integer :: first, i, last
 
       ! The components.
@@ -156,9 +155,10 @@ contains
       ! Into the frames of supports that are aslant.
       do i = 1, size(own)
          if (first > 1 .or. .not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
-         frame = constraints%frame(own(i))
-         turned(2*i - 1:2*i, :) = matmul(transpose(frame), turned(2*i - 1:2*i, :))
-         turned(:, 2*i - 1:2*i) = matmul(turned(:, 2*i - 1:2*i), frame)
+         associate (frame => constraints%frame(own(i)))
+            turned(2*i - 1:2*i, :) = matmul(transpose(frame(:2, :2)), turned(2*i - 1:2*i, :))
+            turned(:, 2*i - 1:2*i) = matmul(turned(:, 2*i - 1:2*i), frame(:2, :2))
+         end associate
       end do
       call stiffness%add_element(reshape(dof_map%dof(first:last, own), shape(turned(1, :))), turned)
    end subroutine add_block
@@ -266,19 +266,15 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: vector(:), own(:, :)
-      real(dp) :: frame(2, 2)
+      real(dp) :: frame(size(field, 1), size(field, 1))
       integer :: node, axis
 
       allocate (vector(dof_map%n_dofs))
       own = dof_map%substitution%forces(field)
       do node = 1, size(field, 2)
          frame = constraints%frame(node)
-         do axis = 1, 2
-            if (dof_map%dof(axis, node) == 0) cycle
-            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:2, node))
-         end do
-         do axis = 3, size(own, 1)
-            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = own(axis, node)
+         do axis = 1, size(own, 1)
+            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:, node))
          end do
       end do
    end function to_unknowns
@@ -290,19 +286,16 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: displacement(:, :)
-      real(dp) :: frame(2, 2)
+      real(dp) :: frame(size(prescribed, 1), size(prescribed, 1))
       integer :: node, axis
 
       allocate (displacement, mold=prescribed)
       displacement = 0.0_dp
       do node = 1, size(displacement, 2)
          frame = constraints%frame(node)
-         do axis = 1, 2
-            if (dof_map%dof(axis, node) == 0) cycle
-            displacement(:2, node) = displacement(:2, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
-         end do
-         do axis = 3, size(displacement, 1)
-            if (dof_map%dof(axis, node) > 0) displacement(axis, node) = vector(dof_map%dof(axis, node))
+         do axis = 1, size(displacement, 1)
+            if (dof_map%dof(axis, node) > 0) displacement(:, node) = displacement(:, node) &
+               + frame(:, axis)*vector(dof_map%dof(axis, node))
          end do
       end do
       displacement = prescribed + dof_map%substitution%displacement(displacement)

@@ -60,7 +60,8 @@ module amontons_constraints
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :)
-         !! what its direction has of the other axis, over what it has of this one (2, n_nodes) [-]
+         !! what its direction has of the other axis of the plane, over what it has of this one (components, n_nodes)
+         !! [-]
    contains
       procedure :: frame => constraints_frame
       procedure :: free_projector => constraints_free_projector
@@ -194,7 +195,7 @@ contains
       constraints%axis(1, :) = 1.0_dp
       if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
       allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
-      allocate (constraints%skew(2, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%skew(n_components, mesh%n_nodes), source=0.0_dp)
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       allocate (constraints%rigid(0))
    end subroutine begin_constraints
@@ -308,7 +309,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! no node, or the supports contradict each other at one
       real(dp), intent(in), optional :: normal(:, :)
          !! outward normal at each; without it normal and tangential components do not exist (2, nodes) [-]
-      real(dp) :: direction(2, 4)
+      real(dp) :: direction(size(prescribed, 1), size(supported_components)), displacement
       logical :: is_consistent
       integer :: component, i
 
@@ -321,32 +322,27 @@ contains
          call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
          return
       end if
-      direction = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 4], pad=[0.0_dp])
+      direction = 0.0_dp
+      direction(1, 1) = 1.0_dp
+      direction(2, 2) = 1.0_dp
+      direction(3:, 5:) = 1.0_dp
       do i = 1, size(nodes)
-         if (present(normal)) direction(:, 3:) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
+         if (present(normal)) direction(:2, 3:4) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
          do component = 1, size(support%is_held)
             if (.not. support%is_held(component)) cycle
+            displacement = support%displacement(component)
+            if (component == 6) displacement = displacement*mesh%coordinates(1, nodes(i))
             if (component > 4) then
-               ! Around the axis; on it the displacement is 0, whatever the supports say of others.
-               associate (is_free => constraints%is_free(3, nodes(i)), holder => constraints%holder(3, nodes(i)), &
-                  moved => prescribed(3, nodes(i)), asked => support%displacement(component) &
-                  *merge(mesh%coordinates(1, nodes(i)), 1.0_dp, component > 5))
-                  is_consistent = holder == 0 .or. abs(asked - moved) <= negligible*abs(asked)
-                  if (is_free) holder = number
-                  if (is_free) moved = asked
-                  is_free = .false.
-               end associate
-               if (.not. is_consistent) exit
-               cycle
+               ! On the axis the displacement around it is 0, whatever the supports say of others.
+               if (constraints%holder(3, nodes(i)) == 0 .and. .not. constraints%is_free(3, nodes(i))) cycle
             end if
             if (constraints%rigid_of(nodes(i)) > 0) then
-               call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), &
-                  support%displacement(component), error)
+               call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), displacement, error)
                if (allocated(error)) return
                cycle
             end if
-            call constraints%hold(prescribed(:2, nodes(i)), nodes(i), direction(:, component), &
-               support%displacement(component), number, is_consistent)
+            call constraints%hold(prescribed(:, nodes(i)), nodes(i), direction(:, component), displacement, number, &
+               is_consistent)
             if (.not. is_consistent) exit
          end do
          if (component > size(support%is_held)) cycle
@@ -361,22 +357,22 @@ contains
    !> Holds a node in one direction: direction . u = displacement.
    pure subroutine constraints_hold(self, prescribed, node, direction, displacement, support, is_consistent)
       class(constraints_t), intent(inout) :: self !! the constraints
-      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
+      real(dp), intent(inout) :: prescribed(:) !! prescribed displacement of the node (components) [L]
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: direction(2) !! unit vector [-]
+      real(dp), intent(in) :: direction(:) !! unit vector (components) [-]
       real(dp), intent(in) :: displacement !! where to [L]
       integer, intent(in) :: support !! number of the support
       logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
-      real(dp) :: frame(2, 2), missing, along(2), share(2)
+      real(dp) :: frame(size(direction), size(direction)), missing, along(size(direction)), share(size(direction))
       integer :: free
 
       missing = displacement - dot_product(direction, prescribed)
-      if (all(self%is_free(:2, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
+      if (all(self%is_free(:2, node)) .and. all(abs(direction(:2)) > negligible)) self%axis(:, node) = direction(:2)
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
       share = matmul(direction, frame)
       along = abs(share)
-      free = maxloc(along, dim=1, mask=self%is_free(:2, node) .and. along > negligible)
+      free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
       if (free == 0) then
          is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
          return
@@ -384,7 +380,7 @@ contains
       is_consistent = .true.
       self%is_free(free, node) = .false.
       self%holder(free, node) = support
-      self%skew(free, node) = share(3 - free)/share(free)
+      if (free < 3) self%skew(free, node) = share(3 - free)/share(free)
       prescribed = prescribed + frame(:, free)*missing/share(free)
    end subroutine constraints_hold
 
@@ -396,7 +392,8 @@ contains
       integer, intent(in) :: supports(:) !! numbers of the supports
       real(dp), intent(in) :: motion(:, :) !! the motion (components, n_nodes) [L]
       real(dp), allocatable :: part(:, :)
-      real(dp) :: frame(2, 2), along(2), work(2)
+      integer, parameter :: across(3) = [2, 1, 3]
+      real(dp) :: frame(size(motion, 1), size(motion, 1)), along(size(motion, 1)), work(size(motion, 1))
       integer :: axis, node
 
       allocate (part, mold=motion)
@@ -404,16 +401,13 @@ contains
       do node = 1, size(motion, 2)
          if (all(self%holder(:, node) == 0)) cycle
          frame = self%frame(node)
-         along = matmul(motion(:2, node), frame)
-         do axis = 1, 2
+         along = matmul(motion(:, node), frame)
+         do axis = 1, size(work)
             work(axis) = 0.0_dp
             if (any(supports == self%holder(axis, node))) work(axis) = along(axis) &
-               + self%skew(axis, node)*along(3 - axis)
+               + self%skew(axis, node)*along(across(axis))
          end do
-         part(:2, node) = matmul(frame, work - self%skew(:, node)*work(2:1:-1))
-         do axis = 3, size(part, 1)
-            if (any(supports == self%holder(axis, node))) part(axis, node) = motion(axis, node)
-         end do
+         part(:, node) = matmul(frame, work - self%skew(:, node)*work(across(:size(work))))
       end do
    end function constraints_part_of
 
@@ -423,23 +417,24 @@ contains
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
 
-      is_free = self%rigid_of(node) == 0 .and. &
-         any(self%is_free(:2, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
+      associate (frame => self%frame(node))
+         is_free = self%rigid_of(node) == 0 .and. &
+            any(self%is_free(:2, node) .and. abs(matmul(direction, frame(:2, :2))) > negligible)
+      end associate
    end function constraints_leaves_free
 
-   !> The projector on the directions in which supports leave a node free (2, 2) [-].
+   !> The projector on the directions in which supports leave a node free (components, components) [-].
    pure function constraints_free_projector(self, node) result(projector)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp) :: projector(2, 2)
-      real(dp) :: frame(2, 2)
+      real(dp), dimension(size(self%is_free, 1), size(self%is_free, 1)) :: projector, frame
       integer :: axis
 
       frame = self%frame(node)
       projector = 0.0_dp
-      do axis = 1, 2
+      do axis = 1, size(frame, 1)
          if (self%is_free(axis, node)) projector = projector &
-            + spread(frame(:, axis), 2, 2)*spread(frame(:, axis), 1, 2)
+            + spread(frame(:, axis), 2, size(frame, 1))*spread(frame(:, axis), 1, size(frame, 1))
       end do
    end function constraints_free_projector
 
@@ -448,20 +443,23 @@ contains
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
       real(dp) :: direction(2)
-      real(dp) :: frame(2, 2)
 
-      frame = self%frame(node)
-      direction = merge(frame(:, 1), frame(:, 2), self%is_free(2, node))
+      associate (frame => self%frame(node))
+         direction = frame(:2, merge(1, 2, self%is_free(2, node)))
+      end associate
    end function constraints_held_direction
 
-   !> The frame of a node: its axes e1 and e2 as columns (2, 2) [-].
+   !> The frame of a node: its axes e1, e2 and, in a twisted body, that around the axis as columns (components,
+   !> components) [-].
    pure function constraints_frame(self, node) result(frame)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp) :: frame(2, 2)
+      real(dp) :: frame(size(self%is_free, 1), size(self%is_free, 1))
 
-      frame(:, 1) = self%axis(:, node)
-      frame(:, 2) = [-self%axis(2, node), self%axis(1, node)]
+      frame = 0.0_dp
+      frame(3:, 3:) = 1.0_dp
+      frame(:2, 1) = self%axis(:, node)
+      frame(:2, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 
    !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t t t^T) along each side; refuses

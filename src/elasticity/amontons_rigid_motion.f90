@@ -53,7 +53,7 @@ contains
       integer, parameter :: most_components = 6
       integer, allocatable :: piece(:), start(:), node(:)
       real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
-      real(dp) :: frame(2, 2), largest
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
       integer :: axis, i, info, k, n_jumps, n_pieces, p
 
       n_jumps = 0
@@ -83,11 +83,7 @@ contains
             do axis = 1, motions(p)%n_components
                if (constraints%is_free(axis, node(i))) cycle
                unit = motions(p)%unit_motions(mesh%coordinates(:, node(i)), node(i))
-               if (axis > 2) then
-                  row = unit(3, :)
-               else
-                  row = matmul(frame(:, axis), unit(:2, :))
-               end if
+               row = matmul(frame(:, axis), unit)
                do k = 1, size(row)
                   gram(:, k) = gram(:, k) + row*row(k)
                end do

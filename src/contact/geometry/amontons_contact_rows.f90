@@ -27,6 +27,7 @@ module amontons_contact_rows
          !! its share in the displacement around the axis, the second tangential one of a twisted body (parts) [-]
    contains
       procedure :: add => contact_rows_add
+      procedure :: axes => contact_rows_axes
       procedure :: begin => contact_rows_begin
       procedure :: picked => contact_rows_picked
       procedure :: merge_nodes => contact_rows_merge_nodes
@@ -71,6 +72,20 @@ contains
          self%tangent(:, i) = turned(self%part(:, i))
       end do
    end subroutine contact_rows_set_tangents
+
+   !> Normal, tangent and, in a twisted body, the direction around the axis, each times the share of a part, as columns
+   !> (components, components) [-].
+   pure function contact_rows_axes(self, part, n_components) result(axes)
+      class(contact_rows_t), intent(in) :: self !! the rows
+      integer, intent(in) :: part !! number of the part
+      integer, intent(in) :: n_components !! number of components of a displacement
+      real(dp) :: axes(n_components, n_components)
+
+      axes = 0.0_dp
+      axes(:2, 1) = self%part(:, part)
+      axes(:2, 2) = self%tangent(:, part)
+      axes(3:, 3:) = self%around(part)
+   end function contact_rows_axes
 
    !> Appends the rows of other points.
    pure subroutine contact_rows_add(self, others)

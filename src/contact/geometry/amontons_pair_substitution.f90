@@ -29,9 +29,6 @@ module amontons_pair_substitution
       procedure :: add => sum_add
    end type sum_t
 
-   !> The unit matrix.
-   real(dp), parameter :: identity(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
-
 contains
 
    !> Makes the substitution of all ties and pairs whose points are corners, ties first, and of rigid sets.
@@ -45,6 +42,7 @@ contains
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
       integer, allocatable :: sum_of(:)
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       integer :: i, fault, node, n
 
       ! Each corner that is a point has a sum, and each middle node.
@@ -62,8 +60,10 @@ contains
       fault = 0
       do i = 1, size(ties)
          substitution%is_bonded(:, ties(i)%node) = .true.
-         if (ties(i)%is_jump_free) substitution%is_bonded(:2, ties(i)%lead) = &
-            abs(matmul(ties(i)%jump, constraints%frame(ties(i)%lead))) < 0.5_dp
+         if (ties(i)%is_jump_free) then
+            frame = constraints%frame(ties(i)%lead)
+            substitution%is_bonded(:2, ties(i)%lead) = abs(matmul(ties(i)%jump, frame(:2, :2))) < 0.5_dp
+         end if
          call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
       end do
       do i = 1, size(pairs)
@@ -124,7 +124,7 @@ contains
       logical, intent(in) :: is_tied !! whether it is bonded
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
-      real(dp) :: half(2, 2), around
+      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: half
       integer :: side, k, i
       type(mortar_points_t) :: points
       integer, allocatable :: ends(:, :)
@@ -137,15 +137,14 @@ contains
             do k = 1, 2
                if (pair%point_of(k, side) == 0) cycle
                if (maxval(abs(constraints%free_projector(nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
-                  .not. all(constraints%is_free(:2, nodes(3)))) fault = nodes(3)
+                  .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
             end do
             if (sum_of(nodes(3)) > 0) cycle
             sum_of(nodes(3)) = maxval(sum_of) + 1
             associate (middle => sums(sum_of(nodes(3))))
-               around = merge(0.5_dp, 0.0_dp, is_free_around(constraints, nodes(3)))
-               call middle%add(nodes(3), with_axis(identity, constraints, 1.0_dp), .true.)
-               call middle%add(nodes(1), with_axis(half, constraints, around), .false.)
-               call middle%add(nodes(2), with_axis(half, constraints, around), .false.)
+               call middle%add(nodes(3), diagonal(spread(1.0_dp, 1, size(half, 1))), .true.)
+               call middle%add(nodes(1), half, .false.)
+               call middle%add(nodes(2), half, .false.)
             end associate
          end associate
       end do
@@ -174,87 +173,78 @@ contains
       ! What rounding leaves of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
-      real(dp) :: along(2, 2), free(2, 2), frame(2, 2), share(2, 2), own(3), axis(2), around
-      integer :: i, k
+      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, frame, share, push
+      real(dp) :: own(size(constraints%is_free, 1))
+      integer :: i, k, n
 
-      share = 0.0_dp
+      n = size(own)
       do i = points%rows%start(p), points%rows%start(p + 1) - 1
          associate (node => points%rows%node(i))
             ! Along the normal and the tangent.
-            share(1, 1) = dot_product(points%rows%part(:, i), pair%normal(:, p))
-            share(2, 2) = dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p)))
-            call row%add(node, with_axis(share, constraints, points%rows%around(i)), ends(1, node) > 0)
+            own(:2) = [dot_product(points%rows%part(:, i), pair%normal(:, p)), &
+               dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p)))]
+            own(3:) = points%rows%around(i)
+            share = diagonal(own)
+            call row%add(node, share, ends(1, node) > 0)
             do k = 1, 2
-               if (ends(k, node) > 0) call row%add(ends(k, node), with_axis(0.5_dp*share, constraints, &
-                  0.5_dp*points%rows%around(i)), .false.)
+               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
             end do
          end associate
       end do
       own = 0.0_dp
       do i = 1, size(row%node)
          if (row%node(i) /= pair%node(p)) cycle
-         own(:size(row%block, 1)) = [(row%block(k, k, i), k=1, size(row%block, 1))]
+         own = [(row%block(k, k, i), k=1, n)]
       end do
-      around = 0.0_dp
-      if (is_free_around(constraints, pair%node(p))) around = 1.0_dp/own(3)
       ! What the other terms move it by: all, or, where a support guides it along an axis, as far along that as their
       ! normal component, of bonded surfaces that along the axis, asks for.
       free = constraints%free_projector(pair%node(p))
       along = free
       if (.not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
          frame = constraints%frame(pair%node(p))
-         axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
-         along = spread(axis, 2, 2)*spread(pair%normal(:, p), 1, 2)/dot_product(axis, pair%normal(:, p))
+         associate (axis => frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p)))))
+            along(:2, :2) = spread(axis, 2, 2)*spread(pair%normal(:, p), 1, 2)/dot_product(axis, pair%normal(:, p))
+         end associate
       end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
-         associate (last => size(row%block, 1))
-            call corner%add(row%node(i), with_axis(times_axes(along, pair%normal(:, p), &
-               -[row%block(1, 1, i), row%block(2, 2, i)]/own(:2)), constraints, -row%block(last, last, i)*around), &
-               row%is_own(i))
-         end associate
+         call corner%add(row%node(i), times_axes(along, pair%normal(:, p), -[(row%block(k, k, i), k=1, n)]/own), &
+            row%is_own(i))
       end do
-      call corner%add(pair%node(p), with_axis(identity - free + times_axes(free, pair%normal(:, p), 1.0_dp/own(:2)), &
-         constraints, merge(around, 1.0_dp, around > 0.0_dp)), .true.)
+      push = times_axes(free, pair%normal(:, p), 1.0_dp/own)
+      call corner%add(pair%node(p), diagonal(spread(1.0_dp, 1, n)) - free + push, .true.)
       ! The jump is the own unknown of one corner, and all others go along.
-      if (pair%lead > 0 .and. pair%lead /= pair%node(p)) call corner%add(pair%lead, &
-         matmul(times_axes(free, pair%normal(:, p), 1.0_dp/own(:2)), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2)), &
-         .true.)
+      if (pair%lead == 0 .or. pair%lead == pair%node(p)) return
+      push(:, :2) = matmul(push(:, :2), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2))
+      push(:, 3:) = 0.0_dp
+      call corner%add(pair%lead, push, .true.)
    end subroutine solve_row
 
-   !> A block in x and y, extended by a factor around the axis if the body is twisted (components, components) [-].
-   pure function with_axis(block, constraints, around) result(whole)
-      real(dp), intent(in) :: block(2, 2) !! the block [-]
-      type(constraints_t), intent(in) :: constraints !! the supports, which say how many components there are
-      real(dp), intent(in) :: around !! the factor [-]
-      real(dp) :: whole(size(constraints%is_free, 1), size(constraints%is_free, 1))
+   !> A diagonal matrix (components, components) [-].
+   pure function diagonal(entries) result(matrix)
+      real(dp), intent(in) :: entries(:) !! its entries (components)
+      real(dp) :: matrix(size(entries), size(entries))
+      integer :: i
 
-      whole = 0.0_dp
-      whole(:2, :2) = block
-      if (size(whole, 1) > 2) whole(3, 3) = around
-   end function with_axis
+      matrix = 0.0_dp
+      do i = 1, size(entries)
+         matrix(i, i) = entries(i)
+      end do
+   end function diagonal
 
-   !> Whether a node of a twisted body is free around the axis.
-   pure logical function is_free_around(constraints, node) result(is_free)
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: node !! the node
-
-      is_free = size(constraints%is_free, 1) > 2
-      if (is_free) is_free = constraints%is_free(3, node)
-   end function is_free_around
-
-   !> The product of a matrix with the symmetric one that has a normal and its tangent as eigenvectors and given
-   !> eigenvalues [-].
+   !> The product of a matrix with the symmetric one that has a normal, its tangent and the direction around the axis as
+   !> eigenvectors and given eigenvalues (components, components) [-].
    pure function times_axes(matrix, normal, factor) result(product)
-      real(dp), intent(in) :: matrix(2, 2) !! the matrix
+      real(dp), intent(in) :: matrix(:, :) !! the matrix (components, components)
       real(dp), intent(in) :: normal(2) !! the normal [-]
-      real(dp), intent(in) :: factor(2) !! the factors along normal and tangent [-]
-      real(dp) :: product(2, 2)
+      real(dp), intent(in) :: factor(:) !! the eigenvalues (components) [-]
+      real(dp) :: product(size(factor), size(factor))
 
       product = factor(1)*matrix
+      product(:, 3:) = spread(factor(3:), 1, size(factor))*matrix(:, 3:)
       ! All that is left where the tangential function is the normal one.
       if (.not. abs(factor(2) - factor(1)) > 0.0_dp) return
-      product = product + (factor(2) - factor(1))*matmul(matrix, &
+      product(:, :2) = product(:, :2) + (factor(2) - factor(1))*matmul(matrix(:, :2), &
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
    end function times_axes
 
@@ -348,6 +338,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! supports hold all corners along it, or guide them aslant
       ! Mesh files carry about eight digits.
       real(dp), parameter :: negligible = 1.0e-6_dp
+      real(dp) :: projector(size(constraints%is_free, 1), size(constraints%is_free, 1))
       integer :: i
 
       do i = 1, pair%slave%n_sides
@@ -357,7 +348,8 @@ contains
       end do
       pair%jump = pair%jump/norm2(pair%jump)
       do i = 1, size(pair%node)
-         if (norm2(matmul(constraints%free_projector(pair%node(i)), pair%jump) - pair%jump) > negligible) cycle
+         projector = constraints%free_projector(pair%node(i))
+         if (norm2(matmul(projector(:2, :2), pair%jump) - pair%jump) > negligible) cycle
          pair%lead = pair%node(i)
          ! A free corner is better: the jump then has an axis of its own.
          if (all(constraints%is_free(:2, pair%lead))) return
@@ -371,13 +363,13 @@ contains
    pure subroutine follow_guides(pair, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp) :: frame(2, 2)
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       integer :: p, i, k
 
       do p = 1, size(pair%node)
          if (.not. pair%is_tangent_fixed(p)) cycle
          frame = constraints%frame(pair%node(p))
-         pair%normal(:, p) = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
+         pair%normal(:, p) = frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))))
          do i = 1, size(pair%point_of, 2)
             do k = 1, 2
                if (pair%point_of(k, i) /= p .or. pair%point_of(3 - k, i) == 0) cycle

@@ -625,7 +625,6 @@ contains
       type(body_t), intent(in) :: body !! the body; without pairs, whose slaves' unknowns are relative displacements
       real(dp), allocatable :: motions(:, :)
       real(dp), allocatable :: displacement(:, :)
-      real(dp) :: frame(2, 2)
       integer :: axis, first, i, k, row
 
       allocate (motions(body%dof_map%n_schur - body%dof_map%n_lockable, size(body%common_motions, 2)), source=0.0_dp)
@@ -633,9 +632,8 @@ contains
       do k = 1, size(body%motions)
          associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1)
             do i = 1, size(piece%node)
-               frame = body%constraints%frame(piece%node(i))
-               displacement = piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i))
-               displacement(:2, :) = matmul(transpose(frame), displacement(:2, :))
+               displacement = matmul(transpose(body%constraints%frame(piece%node(i))), &
+                  piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i)))
                do axis = 1, size(displacement, 1)
                   row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
                   if (row > 0 .and. row <= size(motions, 1)) motions(row, :) = matmul(displacement(axis, :), &
@@ -785,8 +783,11 @@ contains
       logical, allocatable :: is_inside(:)
       real(dp), allocatable :: motion(:, :)
       real(dp) :: position(2)
-      integer :: i, j, k, p
+      logical :: is_fixed(zone%n_rows)
+      integer :: axis, i, j, k, p
 
+      ! The contact problem does not know the slip that a support prevents.
+      is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
       allocate (modes(zone%n_rows, sum(motions%n_free)), source=0.0_dp)
       allocate (is_inside(maxval([0, zone%rows%node])))
       k = 0
@@ -799,13 +800,12 @@ contains
                position = zone%position(:, p)
                if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
                motion = motions(j)%displacement(position, zone%rows%node(i))
-               associate (of_piece => modes(:, k + 1:k + motions(j)%n_free), m => zone%n_points)
-                  of_piece(p, :) = of_piece(p, :) + matmul(zone%rows%part(:, i), motion(:2, :))
-                  ! The contact problem does not know the slip that a support prevents.
-                  if (.not. zone%is_tangent_fixed(p)) of_piece(m + p, :) = of_piece(m + p, :) &
-                     + matmul(zone%rows%tangent(:, i), motion(:2, :))
-                  if (.not. zone%is_twist_fixed(p)) of_piece(2*m + p, :) = of_piece(2*m + p, :) &
-                     + zone%rows%around(i)*motion(3, :)
+               associate (axes => zone%rows%axes(i, 1 + zone%n_tangents))
+                  do axis = 1, size(axes, 2)
+                     associate (row => modes(p + (axis - 1)*zone%n_points, k + 1:k + motions(j)%n_free))
+                        if (.not. is_fixed(p + (axis - 1)*zone%n_points)) row = row + matmul(axes(:, axis), motion)
+                     end associate
+                  end do
                end associate
             end do
          end do

@@ -347,7 +347,7 @@ contains
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (components, n_nodes) [F]
       type(body_t), intent(in) :: body !! the body
-      real(dp) :: exerted(2), pushed(2)
+      real(dp) :: exerted(size(reaction, 1)), pushed(size(reaction, 1))
       integer :: i, p, n, k
 
       n = size(body%tie_rows%start) - 1
@@ -359,28 +359,23 @@ contains
          associate (tie => body%ties(i))
             do p = 1, size(tie%node)
                if (tie%node(p) /= tie%lead) pushed = pushed + matmul(body%constraints%free_projector(tie%node(p)), &
-                  reaction(:2, tie%node(p)))
+                  reaction(:, tie%node(p)))
             end do
-            pushed = dot_product(pushed, tie%jump)*tie%jump
+            pushed(:2) = dot_product(pushed(:2), tie%jump)*tie%jump
+            pushed(3:) = 0.0_dp
          end associate
          do p = 1, size(body%ties(i)%node)
             k = k + 1
             associate (node => body%ties(i)%node(p), normal => body%ties(i)%normal(:, p))
-               exerted = matmul(body%constraints%free_projector(node), reaction(:2, node))
-               reaction(:2, node) = reaction(:2, node) - exerted
-               if (size(reaction, 1) > 2) then
-                  if (body%constraints%is_free(3, node)) then
-                     force(k + 2*n) = -reaction(3, node)
-                     reaction(3, node) = 0.0_dp
-                  end if
-               end if
+               exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
+               reaction(:, node) = reaction(:, node) - exerted
                if (node == body%ties(i)%lead) then
                   ! What a free jump lacks for equilibrium is an imbalance.
                   if (body%ties(i)%is_jump_free) reaction(:2, node) = reaction(:2, node) &
-                     + dot_product(exerted, body%ties(i)%jump)*body%ties(i)%jump
+                     + dot_product(exerted(:2), body%ties(i)%jump)*body%ties(i)%jump
                   exerted = exerted - pushed
                end if
-               force([k, k + n]) = -[dot_product(normal, exerted), dot_product(turned(normal), exerted)]
+               force(k::n) = -[dot_product(normal, exerted(:2)), dot_product(turned(normal), exerted(:2)), exerted(3:)]
             end associate
          end do
       end do

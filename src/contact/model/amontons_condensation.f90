@@ -25,6 +25,7 @@ module amontons_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_constraints, only: constraints_t, dof_map_t
    use amontons_contact_operator, only: contact_operator_t, new_band_operator, new_stiffness_operator
+   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -201,42 +202,35 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp), allocatable :: transform(:, :), around(:, :)
-      real(dp) :: parts(2, 2), of_own(3, 3)
+      real(dp), allocatable :: transform(:, :)
+      real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: axes, frame, of_own
+      logical :: is_fixed(zone%n_rows)
       integer, allocatable :: own(:)
       integer :: p, i, k, n, axis, l, column
-      real(dp) :: frame(3, 3)
 
-      n = 0
+      is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
+      n = size(dof_map%dof, 1)
       do p = 1, zone%n_points
-         do k = 1, size(condensation%unknown, 1)
+         do k = 1, n
             condensation%map(k, k, p) = 1.0_dp
-            if ((k == 2 .and. zone%is_tangent_fixed(p)) .or. (k == 3 .and. zone%is_twist_fixed(p))) cycle
-            n = n + 1
-            condensation%unknown(k, p) = n
+            if (.not. is_fixed(p + (k - 1)*zone%n_points)) condensation%unknown(k, p) = maxval(condensation%unknown) + 1
          end do
       end do
-      allocate (condensation%rows(n, condensation%n_unknowns), source=0.0_dp)
+      allocate (condensation%rows(count(.not. is_fixed), condensation%n_unknowns), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
-            transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, 2)
-            if (size(condensation%unknown, 1) > 2) around = dof_map%substitution%transform(zone%rows%node(i:i), &
-               own, 3, 3)
-            parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
+            transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, n)
+            axes = zone%rows%axes(i, n)
             do k = 1, size(own)
-               of_own = 0.0_dp
-               of_own(:2, :2) = matmul(transpose(transform(:, 2*k - 1:2*k)), parts)
-               frame = 0.0_dp
-               frame(:2, :2) = constraints%frame(own(k))
-               frame(3, 3) = 1.0_dp
-               if (allocated(around)) of_own(3, 3) = around(1, k)*zone%rows%around(i)
-               do axis = 1, size(dof_map%dof, 1)
+               of_own = matmul(transpose(transform(:, n*(k - 1) + 1:n*k)), axes)
+               frame = constraints%frame(own(k))
+               do axis = 1, n
                   if (dof_map%dof(axis, own(k)) == 0) cycle
                   column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
                   ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
                   if (column < 1 .or. column > condensation%n_unknowns) cycle
-                  do l = 1, size(condensation%unknown, 1)
+                  do l = 1, n
                      if (condensation%unknown(l, p) == 0) cycle
                      associate (c => condensation%rows(condensation%unknown(l, p), column))
                         c = c + dot_product(of_own(:, l), frame(:, axis))
@@ -257,25 +251,22 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: frame(2, 2), normal(2)
+      real(dp) :: frame(size(dof_map%dof, 1), size(dof_map%dof, 1))
       integer :: p, first, axis
 
       first = dof_map%n_dofs - dof_map%n_schur
       do p = 1, zone%n_points
          frame = constraints%frame(zone%node(p))
-         normal = zone%normal(:, p)
-         if (zone%is_tangent_fixed(p)) then
+         associate (normal => zone%normal(:, p), unknown => condensation%unknown(:, p), map => condensation%map(:, :, p))
+            unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
+            map(3:, 3:) = 1.0_dp
+            map(:2, 1) = matmul(normal, frame(:2, :2))
+            map(:2, 2) = matmul(turned(normal), frame(:2, :2))
+            if (.not. zone%is_tangent_fixed(p)) cycle
             axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
-            condensation%unknown(1, p) = dof_map%dof(axis, zone%node(p)) - first
-            condensation%map(1, 1, p) = 1.0_dp/dot_product(normal, frame(:, axis))
-         else
-            condensation%unknown(:2, p) = dof_map%dof(:2, zone%node(p)) - first
-            condensation%map(:2, 1, p) = matmul(normal, frame)
-            condensation%map(:2, 2, p) = matmul([-normal(2), normal(1)], frame)
-         end if
-         if (zone%is_twist_fixed(p)) cycle
-         condensation%unknown(3, p) = dof_map%dof(3, zone%node(p)) - first
-         condensation%map(3, 3, p) = 1.0_dp
+            unknown(:2) = [unknown(axis), 0]
+            map(:2, :2) = reshape([1.0_dp/dot_product(normal, frame(:2, axis)), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+         end associate
       end do
    end subroutine map_points
 

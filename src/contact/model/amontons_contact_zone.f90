@@ -43,10 +43,8 @@ module amontons_contact_zone
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
-      logical, allocatable :: is_twist_fixed(:)
-         !! whether supports bear its shear around the axis, as they do of all points where the body is not twisted (m)
       logical, allocatable :: is_slip_fixed(:)
-         !! both of them: whether supports bear the shear of each tangential row of C (n_rows - m)
+         !! the same of each tangential row of C: in a twisted body of those around the axis, too (n_rows - m)
       logical, allocatable :: is_shear_fixed(:) !! whether supports bear its shear along all tangents (m)
       logical, allocatable :: is_slave_guided(:)
          !! whether it is a corner of a slave that a support guides, while its master may slip (m)
@@ -98,9 +96,9 @@ contains
       end do
       zone%n_tangents = size(body%constraints%is_free, 1) - 1
       zone%n_rows = (1 + zone%n_tangents)*zone%n_points
-      allocate (zone%is_twist_fixed(zone%n_points), source=.true.)
-      if (zone%n_tangents == 2) zone%is_twist_fixed = [(holds_twist(zone, i, body%constraints), i=1, &
-         zone%n_points)]
+      zone%is_slip_fixed = zone%is_tangent_fixed
+      if (zone%n_tangents == 2) zone%is_slip_fixed = [zone%is_slip_fixed, (holds_twist(zone, i, body%constraints), &
+         i=1, zone%n_points)]
       if (size(contacts) == 0 .or. zone%n_points > 0) return
       if (size(zone%zero_area_node) > 0) then
          call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
@@ -166,48 +164,44 @@ contains
       real(dp), parameter :: least_share = 1.0e-2_dp
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
       integer, allocatable :: points(:), own(:), parts(:)
-      real(dp) :: whole
-      integer :: i, j, k, p, place, tangent
+      real(dp) :: whole, axes(1 + zone%n_tangents, 1 + zone%n_tangents)
+      integer :: i, j, k, n, p, place, tangent
 
+      n = size(axes, 1)
       do tangent = 1, zone%n_tangents
          points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints, tangent))
          own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
-         row = spread([0.0_dp, 0.0_dp], 2, size(own))
+         row = spread(0.0_dp*axes(:, 1), 2, size(own))
          basis = reshape(row(:, :0), [size(row), 0])
          do k = 1, size(points)
             p = points(k)
             row = 0.0_dp
             whole = 0.0_dp
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-               whole = hypot(whole, merge(norm2(zone%rows%tangent(:, i)), zone%rows%around(i), tangent == 1))
+               axes = zone%rows%axes(i, n)
+               whole = hypot(whole, norm2(axes(:, 1 + tangent)))
                parts = substitution%element_nodes(zone%rows%node(i:i))
-               associate (first => 2*tangent - 1, last => tangent + 1)
-                  transform = substitution%transform(zone%rows%node(i:i), parts, first, last)
-                  do j = 1, size(parts)
-                     ! The own unknowns of points are their relative displacements, those of bonded nodes none.
-                     if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(first:last, parts(j)))) cycle
-                     place = findloc(own, parts(j), dim=1)
-                     if (tangent == 1) then
-                        row(:, place) = row(:, place) + matmul(matmul(zone%rows%tangent(:, i), &
-                           transform(:, 2*j - 1:2*j)), constraints%free_projector(parts(j)))
-                     else if (constraints%is_free(last, parts(j))) then
-                        row(1, place) = row(1, place) + zone%rows%around(i)*transform(1, j)
-                     end if
-                  end do
-               end associate
+               transform = substitution%transform(zone%rows%node(i:i), parts, 1, n)
+               do j = 1, size(parts)
+                  ! The own unknowns of points are their relative displacements, those of bonded nodes none.
+                  if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(2*tangent - 1:1 + tangent, parts(j)))) &
+                     cycle
+                  place = findloc(own, parts(j), dim=1)
+                  row(:, place) = row(:, place) + matmul(matmul(axes(:, 1 + tangent), &
+                     transform(:, n*(j - 1) + 1:n*j)), constraints%free_projector(parts(j)))
+               end do
             end do
             rest = reshape(row, [size(row)])
             rest = rest - matmul(basis, matmul(rest, basis))
             if (norm2(rest) < least_share*whole) cycle
             basis = reshape([basis, rest/norm2(rest)], [size(row), size(basis, 2) + 1])
-            if (tangent == 1) zone%is_tangent_fixed(p) = .false.
-            if (tangent == 2) zone%is_twist_fixed(p) = .false.
+            zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) = .false.
             zone%is_slave_guided(p) = .true.
             zone%is_nodal = .false.
          end do
       end do
-      zone%is_slip_fixed = [zone%is_tangent_fixed, (zone%is_twist_fixed, p=2, zone%n_tangents)]
-      zone%is_shear_fixed = zone%is_tangent_fixed .and. zone%is_twist_fixed
+      zone%is_tangent_fixed = zone%is_slip_fixed(:zone%n_points)
+      zone%is_shear_fixed = [(all(zone%is_slip_fixed(p::zone%n_points)), p=1, zone%n_points)]
    end subroutine let_guided_slaves_slip
 
    !> Whether each point is a corner of a slave that supports guide, except where its master ends on the same plane of
@@ -224,7 +218,7 @@ contains
 
       do p = 1, zone%n_points
          associate (pair => zone%pairs(zone%set(p)))
-            is_alone(p) = merge(zone%is_tangent_fixed(p), zone%is_twist_fixed(p), tangent == 1) .and. &
+            is_alone(p) = zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) .and. &
                .not. zone%is_cell(p) .and. pair%is_set() .and. .not. allocated(pair%shear_fault)
             if (.not. is_alone(p) .or. tangent == 2) cycle
             associate (node => pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1))

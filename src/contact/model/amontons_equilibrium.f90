@@ -219,8 +219,10 @@ contains
                   ! A given slip bound holds open points, too.
                   cone(:, given) = cone(:, given) + sheared
                   twisted = 0.0_dp
-                  if (.not. zone%is_twist_fixed(p)) twisted = zone%rows%around(i)*motion(3, :)
-                  if (n_edges > 3) cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
+                  if (n_edges > 3) then
+                     if (.not. zone%is_slip_fixed(zone%n_points + p)) twisted = zone%rows%around(i)*motion(3, :)
+                     cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
+                  end if
                   if (.not. load_case%is_in_reach(p)) cycle
                   cone(:, last) = cone(:, last) + pressed
                   if (n_edges == 3) then

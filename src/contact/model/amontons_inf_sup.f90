@@ -76,8 +76,11 @@ contains
                *body%materials%list(body%materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
             do j = 1, count(sides(:3, side) > 0)
                do i = 1, count(sides(:3, side) > 0)
-                  block = area*geometry%values(i, point)*geometry%values(j, point) &
-                     *matmul(transpose(body%constraints%frame(sides(i, side))), body%constraints%frame(sides(j, side)))
+                  associate (of_row => body%constraints%frame(sides(i, side)), &
+                     of_column => body%constraints%frame(sides(j, side)))
+                     block = area*geometry%values(i, point)*geometry%values(j, point) &
+                        *matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
+                  end associate
                   do b = 1, 2
                      do c = 1, 2
                         associate (row => place(c, sides(i, side)), column => place(b, sides(j, side)))
@@ -99,7 +102,7 @@ contains
       integer, intent(in) :: place(:, :) !! place of each displacement among the columns, 0 for none (2, n_nodes)
       integer, intent(in) :: n !! number of columns
       real(dp), allocatable :: rows(:, :)
-      real(dp) :: frame(2, 2), parts(2, 2), all_rows(2*zone%n_points, n)
+      real(dp) :: all_rows(2*zone%n_points, n)
       logical :: is_active(2*zone%n_points)
       integer :: p, i, a, k, row
 
@@ -108,17 +111,17 @@ contains
       do p = 1, zone%n_points
          if (zone%set(p) /= number) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            frame = constraints%frame(zone%rows%node(i))
-            parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
-            do k = 1, 2
-               row = p + (k - 1)*zone%n_points
-               do a = 1, 2
-                  associate (column => place(a, zone%rows%node(i)))
-                     if (column > 0) all_rows(row, column) = all_rows(row, column) &
-                        + sqrt(zone%area(p))*dot_product(parts(:, k), frame(:, a))
-                  end associate
+            associate (frame => constraints%frame(zone%rows%node(i)), axes => zone%rows%axes(i, 1 + zone%n_tangents))
+               do k = 1, 2
+                  row = p + (k - 1)*zone%n_points
+                  do a = 1, 2
+                     associate (column => place(a, zone%rows%node(i)))
+                        if (column > 0) all_rows(row, column) = all_rows(row, column) &
+                           + sqrt(zone%area(p))*dot_product(axes(:, k), frame(:, a))
+                     end associate
+                  end do
                end do
-            end do
+            end associate
          end do
       end do
       rows = all_rows(pack([(i, i=1, size(is_active))], is_active), :)

@@ -189,9 +189,8 @@ contains
                   if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
                end if
                do p = 1, size(tie%node)
-                  test%held(:2, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
-                     motion(:2, tie%node(p)))
-                  where (body%constraints%is_free(3:, tie%node(p))) test%held(3:, tie%node(p)) = motion(3:, tie%node(p))
+                  test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
+                     motion(:, tie%node(p)))
                   ! The jump moves all corners.
                   if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:2, tie%node(p)) = &
                      test%held(:2, tie%node(p)) - dot_product(motion(:2, tie%lead), tie%jump)*tie%jump
