@@ -176,7 +176,6 @@ def _load() -> ctypes.CDLL:
     library.amontons_step.argtypes = [address, ctypes.c_double, size, numbers, size, numbers, numbers, size, numbers,
                                       size, address, np.ctypeslib.ndpointer(np.intc), text, size]
     library.amontons_stepper_points.argtypes = [address, size, numbers]
-    library.amontons_stepper_points.restype = None
     library.amontons_free_stepper.argtypes = [address]
     library.amontons_free_stepper.restype = None
     library.amontons_solve_contacts.argtypes = [
@@ -254,14 +253,14 @@ class StepState:
     raw: Array              # all that the next step needs; may be kept, copied and handed to another process
     columns: dict[str, float]    # the numbers of the step, as in NAME.history.csv; none at rest
     normal_force: Array     # of each contact point, as are the others
-    tangential_force: Array
+    tangential_force: Array     # of a twisted body two rows, in the plane and around the axis (2, n_points)
     normal_displacement: Array
-    tangential_displacement: Array
-    slip_step: Array
+    tangential_displacement: Array    # likewise
+    slip_step: Array        # likewise
     slip_accumulated: Array
     dissipation: Array
     wear_depth: Array       # with the key `wear` of &contact: what was worn, which the next step adds to the gaps
-    status: Array           # 'open', 'stick', 'slip+' or 'slip-'
+    status: Array           # 'open', 'stick', 'slip+' or 'slip-'; of a twisted body 'open', 'stick' or 'slip'
 
 
 @dataclass(frozen=True)
@@ -296,7 +295,7 @@ class Stepper:
         self._columns = next(csv.reader([names.value.decode()]))
         self.changes = self._columns[1:n_changes + 1]
         points = np.zeros((4, self.n_points))
-        _library.amontons_stepper_points(self._address, self.n_points, points.T)
+        self._n_tangents = _library.amontons_stepper_points(self._address, self.n_points, points.T)
         self.points = ContactPoints(*points)
 
     def __del__(self) -> None:
@@ -342,9 +341,13 @@ class Stepper:
 
     def _state(self, raw: Array, columns: dict[str, float], status: Array) -> StepState:
         """A state with its parts."""
-        normal, tangential, u_normal, u_tangential, anchor, slip, dissipation, _, _, depth = \
-            raw[raw.size - 10*self.n_points:].reshape(10, self.n_points)
-        return StepState(raw, columns, normal, tangential, u_normal, u_tangential, u_tangential - anchor, slip,
+        n = self._n_tangents
+        rows = raw[raw.size - (7 + 3*n)*self.n_points:].reshape(7 + 3*n, self.n_points)
+        normal, tangential, u_normal, u_tangential, anchor, (slip, dissipation, _, _, depth) = \
+            np.split(rows, np.cumsum([1, n, 1, n, n]))
+        if n == 1:
+            tangential, u_tangential, anchor = tangential[0], u_tangential[0], anchor[0]
+        return StepState(raw, columns, normal[0], tangential, u_normal[0], u_tangential, u_tangential - anchor, slip,
                          dissipation, depth, STATUSES[status])
 
 

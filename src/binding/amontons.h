@@ -101,8 +101,9 @@ int amontons_new_stepper(
     amontons_stepper **stepper, /* the stepper, for `amontons_free_stepper` in the end; NULL if there is none */
     int *n_changes,             /* how many numbers change: 1 for a &steps, 3 for that of an obstacle */
     int *n_points,              /* number m of contact points */
-    int *n_state,               /* how many numbers a state has: 7 + n_changes + 11m, and
-                                   one for each motion that the deck may lock */
+    int *n_state,               /* how many numbers a state has: 7 + n_changes + 11m, 3m more for
+                                   a twisted body, and one for each motion that the deck may
+                                   lock */
     char *columns,              /* names of the numbers of a step, commas between them: pseudo-time, changes, and what
                                    NAME.history.csv has behind them up to `iterations` */
     int columns_size,           /* room in columns */
@@ -114,9 +115,10 @@ int amontons_new_stepper(
 
    A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
    supports and obstacles; residual and iterations; where each motion was locked, huge before that; then for all
-   contact points in turn their statuses, normal forces, tangential forces, normal displacements, tangential
+   points in turn their statuses, normal forces, tangential forces, normal displacements, tangential
    displacements, anchors (what the slip of the step counts from), accumulated slips, dissipations, sums of normal force
-   times slip, what was added to their gaps, depths worn. */
+   times slip, what was added to their gaps, depths worn. Of a twisted body all tangential forces, displacements and
+   anchors are followed by those around the axis. */
 int amontons_step(
     amontons_stepper *stepper,
     double time,           /* the time at the end of the step */
@@ -133,8 +135,8 @@ int amontons_step(
     char *message,
     int message_size);
 
-/* Tells where the contact points are. */
-void amontons_stepper_points(
+/* Tells where the contact points are. Returns how many tangents they have: 1, of a twisted body 2. */
+int amontons_stepper_points(
     amontons_stepper *stepper,
     int n_points,    /* as `amontons_new_stepper` gave it */
     double *points); /* x of all points, y of all, then the lengths and the areas that belong to each (4m) */

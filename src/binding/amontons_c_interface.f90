@@ -313,18 +313,21 @@ contains
       call end_call()
    end function amontons_step
 
-   !> Returns positions, weights and areas of the contact points of a stepper.
-   subroutine amontons_stepper_points(stepper, n_points, points) bind(c, name='amontons_stepper_points')
+   !> Returns positions, weights and areas of the contact points of a stepper, and how many tangents they have.
+   function amontons_stepper_points(stepper, n_points, points) bind(c, name='amontons_stepper_points') &
+      result(n_tangents)
       type(c_ptr), value, intent(in) :: stepper !! the stepper
       integer(c_int), value, intent(in) :: n_points !! number of contact points
       real(c_double), intent(inout) :: points(n_points, 4) !! x, y, weight and area of each
+      integer(c_int) :: n_tangents
       type(load_stepper_t), pointer :: made
 
       call c_f_pointer(stepper, made)
       associate (zone => made%cache%body%zone)
          points = reshape([zone%position(1, :), zone%position(2, :), zone%weight, zone%area], [int(n_points), 4])
+         n_tangents = zone%n_tangents
       end associate
-   end subroutine amontons_stepper_points
+   end function amontons_stepper_points
 
    !> Frees a stepper.
    subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')

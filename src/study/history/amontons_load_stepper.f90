@@ -49,8 +49,6 @@ contains
       else if (config%accuracy%n_refinements > 0) then
          call new_error(error, input_refused, 'refinements are not for a stepper: it has one mesh')
       end if
-      if (.not. allocated(error) .and. any(config%materials%is_twisted)) call new_error(error, input_refused, &
-         'a stepper does not go with twist = .true.')
       if (.not. allocated(error)) call prepare_history(stepper%cache, config, stepper%model, unused, error)
       if (allocated(error)) return
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
