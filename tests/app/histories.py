@@ -26,6 +26,20 @@ BLOCK = """&case name = 'block' /
 PUSHED = """&history times = 0.0, 1.0 /
 &steps load = 'push'  factor = 0.0, 1.0 /
 """
+CLUTCH = """&mesh name = 'lower'  size = 1.0, 0.5  cells = 6, 3  origin = 1.0, 0.0 /
+&mesh name = 'upper'  size = 1.0, 0.5  cells = 4, 2  origin = 1.0, 0.5 /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /
+&support set = 'lower.bottom'  uy = 0.0  turn = 0.0 /
+&load name = 'press'  set = 'upper.top'  pressure = 2.0 /
+&load name = 'turn'  set = 'upper.top'  torque = 6.0 /
+"""
+DISC = "&contact name = 'disc'  set = 'upper.bottom'  against = 'lower.top'  friction = 0.3 /\n"
+# All of the disc slips at 2/3 pi mu p (b^3 - a^3) = 8.8.
+TO_AND_FRO = """&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4 /
+&steps load = 'press'  factor = 0.0, 1.0, 1.0, 1.0 /
+&steps load = 'turn'  factor = 0.0, 0.0, 1.4, -1.4 /
+&output points_every = 4  states_every = 4  fields_every = 8  probe = 2.0, 1.0 /
+"""
 
 
 class HistoryTest(Verification):

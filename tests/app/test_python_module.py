@@ -17,7 +17,7 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from histories import BLOCK, PUSHED
+from histories import BLOCK, CLUTCH, DISC, PUSHED, TO_AND_FRO
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, Result, block, read_vtu, results_of
 
 try:
@@ -290,6 +290,34 @@ class Steps(ProgramTest):
         self.assertEqual(state.status.size, stepper.n_points)
         self.assertAlmostEqual(sum(state.dissipation), rows["dissipation"][-1], delta=1e-14)
         self.assertEqual(max(abs(state.slip_step)), rows["max_slip_step"][-1])
+
+    def test_twisted_bodies_have_two_tangents(self):
+        deck = CLUTCH + DISC + TO_AND_FRO
+        rows = amontons.solve_deck(deck).history
+        stepper = amontons.Stepper(deck)
+        state = stepper.rest()
+        r = stepper.points.x
+        torques = []
+        for i, time in enumerate(rows["time"]):
+            changes = {name: rows[name][i] for name in stepper.changes}
+            stepper.step(state, time + 1, factor_press=2.0, factor_turn=0.3)
+            state = stepper.step(state, time, **changes)
+            for name, value in state.columns.items():
+                self.assertEqual(value, rows[name][i], f"{name}, step {i + 1}")
+            torques.append(state.tangential_force[1] @ r)
+        # The body exerts them at the radii of its nodes: their moment is that of the load. A disc is met to
+        # the tolerance of the solver.
+        np.testing.assert_allclose(torques, 6.0*rows["factor_turn"], rtol=0, atol=1e-8)
+        self.assertEqual(state.slip_step.shape, (2, stepper.n_points))
+        self.assertEqual(np.max(np.hypot(*state.slip_step)), rows["max_slip_step"][-1])
+        shear = np.hypot(*state.tangential_force)
+        slips = state.status == "slip"
+        self.assertGreater(np.count_nonzero(slips), 1)
+        np.testing.assert_allclose(shear[slips], 0.3*state.normal_force[slips], rtol=1e-8)
+        self.assertTrue(np.all(shear[~slips] < 0.3*state.normal_force[~slips]))
+        # Friction acts against the slip of the step.
+        along = np.sum(state.tangential_force*state.slip_step, axis=0)[slips]
+        np.testing.assert_allclose(along, (shear*np.hypot(*state.slip_step))[slips], rtol=1e-8)
 
     def test_points_are_those_of_the_contact_table(self):
         deck = self.DECK.replace("poisson = 0.25", "poisson = 0.25  thickness = 3.0")

@@ -4,21 +4,7 @@ import csv
 import unittest
 
 from harness import ProgramTest
-
-CLUTCH = """&mesh name = 'lower'  size = 1.0, 0.5  cells = 6, 3  origin = 1.0, 0.0 /
-&mesh name = 'upper'  size = 1.0, 0.5  cells = 4, 2  origin = 1.0, 0.5 /
-&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /
-&support set = 'lower.bottom'  uy = 0.0  turn = 0.0 /
-&load name = 'press'  set = 'upper.top'  pressure = 2.0 /
-&load name = 'turn'  set = 'upper.top'  torque = 6.0 /
-"""
-CONTACT = "&contact name = 'disc'  set = 'upper.bottom'  against = 'lower.top'  friction = 0.3 /\n"
-# All of the disc slips at 2/3 pi mu p (b^3 - a^3) = 8.8.
-HISTORY = """&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4 /
-&steps load = 'press'  factor = 0.0, 1.0, 1.0, 1.0 /
-&steps load = 'turn'  factor = 0.0, 0.0, 1.4, -1.4 /
-&output points_every = 4  states_every = 4  fields_every = 8  probe = 2.0, 1.0 /
-"""
+from histories import CLUTCH, DISC, TO_AND_FRO
 
 
 class Twist(ProgramTest):
@@ -32,17 +18,17 @@ class Twist(ProgramTest):
         return result
 
     def test_bonded_and_sticking_discs_twist_alike(self):
-        tie = CONTACT.replace("&contact", "&tie").replace("against", "to").replace("  friction = 0.3", "")
+        tie = DISC.replace("&contact", "&tie").replace("against", "to").replace("  friction = 0.3", "")
         bonded = self.solve(CLUTCH + tie).summary["key_results"]
         self.assertAlmostEqual(bonded["tie_torque_disc"], -6.0, delta=1e-9)
-        for contact in (CONTACT, CONTACT.replace(" /", "  multipliers = 'constant' /")):
+        for contact in (DISC, DISC.replace(" /", "  multipliers = 'constant' /")):
             stuck = self.solve_and_verify(CLUTCH + contact).summary["key_results"]
             self.assertAlmostEqual(stuck["force_torque_disc"], -6.0, delta=1e-9)
             self.assertAlmostEqual(stuck["reaction_torque_lower.bottom"], -6.0, delta=1e-9)
             self.assertAlmostEqual(stuck["max_displacement"], bonded["max_displacement"], delta=1e-2*6e-3)
 
     def test_sweep_ends_where_friction_does(self):
-        self.run_program("--quiet", self.write("case.nml", CLUTCH + CONTACT + "&sweep load = 'turn'  factor = 0.2, 2.0"
+        self.run_program("--quiet", self.write("case.nml", CLUTCH + DISC + "&sweep load = 'turn'  factor = 0.2, 2.0"
                                                "  count = 10 /\n&output key_results = 'all'  fields_every = 3 /\n"))
         self.run_program("--verify", ".")
         with open(self.directory/"case.sweep.csv", newline="", encoding="utf-8") as file:
@@ -54,7 +40,7 @@ class Twist(ProgramTest):
                 self.assertAlmostEqual(float(row["contact_torque"]), -torque, delta=1e-8)
 
     def test_history_reverses(self):
-        extremes = self.solve_and_verify(CLUTCH + CONTACT + HISTORY).summary["load_history"]
+        extremes = self.solve_and_verify(CLUTCH + DISC + TO_AND_FRO).summary["load_history"]
         with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         for name in "utheta_1", "force_torque_disc":
@@ -66,10 +52,10 @@ class Twist(ProgramTest):
         self.assertAlmostEqual(float(rows[12]["utheta_1"])/float(rows[8]["utheta_1"]), -1.0, delta=0.02)
 
     def test_what_does_not_go_with_it(self):
-        history = CLUTCH + CONTACT + HISTORY.replace("&output", "&output fretting = 'parameters' ")
+        history = CLUTCH + DISC + TO_AND_FRO.replace("&output", "&output fretting = 'parameters' ")
         run = self.run_program(self.write("case.nml", history), status=1)
         self.assertIn("fretting = 'parameters' does not go with twist = .true.", run.stderr)
-        run = self.run_program(self.write("case.nml", CLUTCH + CONTACT + "&solver method = 'lemke' /\n"), status=1)
+        run = self.run_program(self.write("case.nml", CLUTCH + DISC + "&solver method = 'lemke' /\n"), status=1)
         self.assertIn("space", run.stderr)
 
 
