@@ -337,7 +337,8 @@ contains
                if (constraints%holder(3, nodes(i)) == 0 .and. .not. constraints%is_free(3, nodes(i))) cycle
             end if
             if (constraints%rigid_of(nodes(i)) > 0) then
-               call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), displacement, error)
+               call check_on_rigid(constraints, prescribed, mesh, nodes(i), direction(:, component), displacement, &
+                  error)
                if (allocated(error)) return
                cycle
             end if

@@ -257,7 +257,8 @@ contains
       first = dof_map%n_dofs - dof_map%n_schur
       do p = 1, zone%n_points
          frame = constraints%frame(zone%node(p))
-         associate (normal => zone%normal(:, p), unknown => condensation%unknown(:, p), map => condensation%map(:, :, p))
+         associate (normal => zone%normal(:, p), map => condensation%map(:, :, p), &
+            unknown => condensation%unknown(:, p))
             unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
             map(3:, 3:) = 1.0_dp
             map(:2, 1) = matmul(normal, frame(:2, :2))

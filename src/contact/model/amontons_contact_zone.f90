@@ -184,8 +184,8 @@ contains
                transform = substitution%transform(zone%rows%node(i:i), parts, 1, n)
                do j = 1, size(parts)
                   ! The own unknowns of points are their relative displacements, those of bonded nodes none.
-                  if (any(zone%node == parts(j)) .or. any(substitution%is_bonded(2*tangent - 1:1 + tangent, parts(j)))) &
-                     cycle
+                  if (any(zone%node == parts(j))) cycle
+                  if (any(substitution%is_bonded(2*tangent - 1:1 + tangent, parts(j)))) cycle
                   place = findloc(own, parts(j), dim=1)
                   row(:, place) = row(:, place) + matmul(matmul(axes(:, 1 + tangent), &
                      transform(:, n*(j - 1) + 1:n*j)), constraints%free_projector(parts(j)))
