@@ -119,6 +119,22 @@ class Problems(SpaceTest):
         self.assertRegex(listing, r"\n  Contacts +1 open, 1 slip, 1 stick\n")
         self.assertEqual(self.run_program("--verify", ".").stdout.count(": verified\n"), 4)
 
+    def test_ball_between_walls_that_approach_each_other(self):
+        # Of unit mass, inertia 0.4 and radius 1, between walls whose normals are x and -x; the first wall moves in.
+        sides = [[[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, -1], [0, 0, 1, 0, 1, 0]],
+                 [[-1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 1], [0, 0, 1, 0, -1, 0]]]
+        free = [0.3, -0.2, 0.1, 0.5, 0.4, -0.6]
+        for unknowns in (3, 2):
+            rows = [row for side in sides for row in side[:unknowns]]
+            w = [[sum(a*b/(1.0 if k < 3 else 0.4) for k, (a, b) in enumerate(zip(one, other))) for other in rows]
+                 for one in rows]
+            q = [float(sum(map(float.__mul__, map(float, row), free))) for row in rows]
+            for unit, inwards, status in ((1.0, 0.1, 2), (1e-6, 1e-3, 2), (1.0, 0.0, 0), (1.0, -0.1, 0)):
+                text = text_of(w, [unit*(value - inwards*(i == 0)) for i, value in enumerate(q)], [0.3, 0.0])
+                self.write("ball.dat", str(unknowns) + text[1:])
+                run = self.run_program("--reduced", "ball.dat", status=status)
+                self.assertEqual("no motion keeps the contacts apart" in run.stderr, status == 2, run.stderr)
+
     def test_methods_fulfill_the_law(self):
         for seed in range(12):
             w, q, mu = random_problem(2 + seed % 5, seed)

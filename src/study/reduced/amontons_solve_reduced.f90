@@ -7,6 +7,7 @@ module amontons_solve_reduced
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
+   use amontons_dense, only: bounded_remainder
    use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
@@ -113,6 +114,7 @@ contains
          call result%system%contact_problem(matrix, problem, error)
          if (allocated(error)) return
          call iterate(method, result%system, problem, result%solution, error)
+         if (.not. (allocated(error) .or. result%solution%is_converged)) call check_motions(result%system, error)
          if (allocated(error)) return
          call new_uniqueness(result%uniqueness, problem)
       end if
@@ -210,6 +212,37 @@ contains
       solution%effort = effort
       solution%n_iterations = size(history)
    end subroutine iterate
+
+   !> Refuses a problem in which no motion keeps the contacts apart: forces that W does not feel, y >= 0 with y W = 0,
+   !> ask of q that y q >= 0 (Farkas' lemma). Where y q = -1, forces that solve the problem are at least 1/|y W|.
+   pure subroutine check_motions(system, error)
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! there is no solution
+      ! Forces would be longer than 1e10, in units that make the diagonal of W and the largest q 1. More contacts take
+      ! minutes.
+      real(dp), parameter :: impossible = 1.0e-10_dp
+      integer, parameter :: most_contacts = 200
+      real(dp), allocatable :: columns(:, :), root(:)
+      integer :: j, k
+
+      if (system%n_contacts > most_contacts) return
+      allocate (columns(size(system%q) + 1, system%n_contacts), source=0.0_dp)
+      root = sqrt(max(system%diagonal(), 0.0_dp))
+      where (.not. root > 0.0_dp) root = 1.0_dp
+      associate (n => size(system%q), dimension => system%dimension, row => system%row)
+         do j = 1, n
+            do k = system%first(j), system%first(j + 1) - 1
+               if (modulo(row(k), dimension) == 1) columns(j, 1 + row(k)/dimension) = &
+                  system%entry(k)/(root(row(k))*root(j))
+            end do
+         end do
+         columns(n + 1, :) = system%q(1::dimension)/root(1::dimension)
+         columns(n + 1, :) = columns(n + 1, :)/max(maxval(abs(columns(n + 1, :))), tiny(1.0_dp))
+         if (norm2(bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), &
+            [spread(0.0_dp, 1, n), -1.0_dp])) <= impossible) call new_error(error, numerical_failure, &
+            'no solution: no motion keeps the contacts apart that q moves together, whatever the forces')
+      end associate
+   end subroutine check_motions
 
    !> Checks the solution of a reduced problem.
    pure subroutine new_reduced_check(check, system)
