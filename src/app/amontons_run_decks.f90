@@ -56,25 +56,25 @@ contains
          status = max(status, outcomes(i)%status)
          call print_outcome(command_line, outcomes(i), error)
          is_heard = is_heard .and. .not. allocated(error)
-         call note_error(error, status)
+         call report_error(error, status)
          if (outcomes(i)%status == status_interrupted) exit
          ! A run that is killed leaves its rows.
          if (wall_seconds() - noted_at < seconds_between_rows) cycle
-         call note_rows(command_line, outcomes(n_noted + 1:i), status)
+         call write_batch_rows(command_line, outcomes(n_noted + 1:i), status)
          n_noted = i
          noted_at = wall_seconds()
       end do
-      call note_rows(command_line, outcomes(n_noted + 1:n_done), status)
+      call write_batch_rows(command_line, outcomes(n_noted + 1:n_done), status)
       if (size(outcomes) == 1) return
       call collect_grids(command_line%output, outcomes(:n_done), error)
-      call note_error(error, status)
+      call report_error(error, status)
       if (.not. is_heard) return
       call print_info(command_line, tally_text(outcomes(:n_done), size(outcomes)), error)
-      call note_error(error, status)
+      call report_error(error, status)
    end subroutine run_decks
 
    !> Writes rows of finished decks to batch.csv, if the command line asks for it.
-   subroutine note_rows(command_line, outcomes, status)
+   subroutine write_batch_rows(command_line, outcomes, status)
       type(command_line_t), intent(in) :: command_line !! decks and options
       type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks
       integer, intent(inout) :: status !! exit status of the program
@@ -88,18 +88,18 @@ contains
       do i = 1, notes%n()
          call print_error(notes%item(i))
       end do
-      call note_error(error, status)
-   end subroutine note_rows
+      call report_error(error, status)
+   end subroutine write_batch_rows
 
    !> Prints an error, if there is one, and raises the exit status to that of its kind.
-   subroutine note_error(error, status)
+   subroutine report_error(error, status)
       type(error_t), allocatable, intent(in) :: error !! the error
       integer, intent(inout) :: status !! the exit status
 
       if (.not. allocated(error)) return
       call print_error(error%message)
       status = max(status, error%kind)
-   end subroutine note_error
+   end subroutine report_error
 
    !> Writes cases.pvd if several decks of the run have grids: each grid is listed with the number of its deck as the
    !> time.

@@ -145,7 +145,7 @@ contains
       character(:), allocatable :: text
       integer, parameter :: enough = 20
 
-      text = told(self, '', enough)
+      text = first_faults(self, '', enough)
    end function fault_list_text
 
    !> Makes one error of all faults, one line of text each; no error if there are no faults.
@@ -154,11 +154,11 @@ contains
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the faults, in order
 
-      if (self%n > 0) call new_error(error, input_refused, told(self, file//':', most_kept))
+      if (self%n > 0) call new_error(error, input_refused, first_faults(self, file//':', most_kept))
    end subroutine fault_list_finish
 
    !> The first faults as lines of text, followed by the number of the others.
-   pure function told(list, head, most) result(text)
+   pure function first_faults(list, head, most) result(text)
       type(fault_list_t), intent(in) :: list !! the faults
       character(*), intent(in) :: head !! what each begins with, before the number of its line; or nothing
       integer, intent(in) :: most !! how many are told; of the others only the number
@@ -177,7 +177,7 @@ contains
       text = text//newline//head
       if (len(head) > 0) text = text//' '
       text = text//to_text(list%n - most)//' more faults follow'
-   end function told
+   end function first_faults
 
    !> Adds a warning.
    pure subroutine warning_list_add(self, sentence)

@@ -388,7 +388,7 @@ contains
          if (status == 0) then
             call limit_nested_threads(threads, 1)
             call self%fronts%find_rows(self%matrix)
-            call fill(self%fronts, self%matrix, self%value)
+            call fill_fronts(self%fronts, self%matrix, self%value)
             self%matrix = sparse_matrix_t()
             !$omp parallel default(none) num_threads(n_threads()) shared(self, contributions)
             !$omp single
@@ -414,7 +414,7 @@ contains
    end subroutine multifrontal_complete
 
    !> Sets the blocks of the fronts to the entries of the matrix.
-   subroutine fill(fronts, matrix, value)
+   subroutine fill_fronts(fronts, matrix, value)
       type(fronts_t), intent(in) :: fronts !! the fronts
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix on the rows of the fronts
       real(dp), contiguous, intent(out) :: value(:) !! the blocks
@@ -433,7 +433,7 @@ contains
          end do
       end do
       !$omp end parallel do
-   end subroutine fill
+   end subroutine fill_fronts
 
    !> Eliminates the pivots of a front after those of its descendants; the root is only assembled.
    recursive subroutine eliminate_subtree(fronts, k, value, contributions)

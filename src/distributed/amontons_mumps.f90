@@ -11,7 +11,7 @@ module amontons_mumps
    implicit none (type, external)
    private
 
-   public :: explain, mumps_report_t, mumps_t, mumps_text
+   public :: mumps_report_t, mumps_t, mumps_text, new_mumps_error
 
    !> The report of MUMPS on a job.
    type, bind(c) :: mumps_report_t
@@ -124,7 +124,7 @@ contains
       end do
       call c_mumps_analyze(self%handle, int(n, c_int), size(row, kind=c_int64_t), row, column, int(n_schur, c_int), &
          schur, position, self%report)
-      call explain(self%report, error)
+      call new_mumps_error(self%report, error)
    end subroutine mumps_analyze
 
    !> Factorizes the matrix, whose entries may be deallocated afterwards.
@@ -135,7 +135,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the matrix is singular, or memory ran out
 
       call c_mumps_factorize(self%handle, value, schur, self%report)
-      call explain(self%report, error)
+      call new_mumps_error(self%report, error)
       call c_mumps_drop_matrix(self%handle)
    end subroutine mumps_factorize
 
@@ -162,7 +162,7 @@ contains
    end subroutine mumps_free
 
    !> Makes an error of the report of MUMPS, if it is one.
-   pure subroutine explain(report, error)
+   pure subroutine new_mumps_error(report, error)
       type(mumps_report_t), intent(in) :: report !! the report
       type(error_t), allocatable, intent(out) :: error !! what went wrong, if anything
       integer(int64) :: wanted
@@ -185,6 +185,6 @@ contains
          call new_error(error, system_failure, 'the distributed factorization failed (error '// &
             to_text(int(report%code))//', '//to_text(wanted)//" of MUMPS); factorization = 'multifrontal' does without")
       end select
-   end subroutine explain
+   end subroutine new_mumps_error
 
 end module amontons_mumps

@@ -13,7 +13,8 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: around_axis, assemble_stiffness, from_unknowns, measure_terms, spring_forces, thermal_work, to_unknowns
+   public :: around_axis, assemble_stiffness, from_unknowns, spring_forces, sum_uncanceled_terms, thermal_work, &
+      to_unknowns
 
 contains
 
@@ -192,7 +193,7 @@ contains
    !> Computes the nodal forces that would result if no two terms of stiffness times displacement canceled; the rounding
    !> errors of the internal forces are a small share of them. The forces of an element without strain are as small a
    !> share; beside elements that move, the displacements of an element at rest are rounding errors themselves.
-   pure recursive subroutine measure_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
+   pure recursive subroutine sum_uncanceled_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
@@ -226,10 +227,11 @@ contains
       uncanceled = norm2(forces)
       if (size(displacement, 1) == 2) return
       call materials%take_twist(twist)
-      call measure_terms(mesh, twist, around_axis(displacement), around_axis(magnitude), of_twist, share_of_twist)
+      call sum_uncanceled_terms(mesh, twist, around_axis(displacement), around_axis(magnitude), of_twist, &
+         share_of_twist)
       uncanceled = hypot(uncanceled, of_twist)
       strained_share = max(strained_share, share_of_twist)
-   end subroutine measure_terms
+   end subroutine sum_uncanceled_terms
 
    !> The third component of a field, around the axis, as the first component of a plane field, see
    !> `materials_take_twist`.

@@ -13,7 +13,7 @@ module amontons_constraints
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
-   use amontons_mesh, only: find_named, mesh_t, side_number
+   use amontons_mesh, only: find_set, mesh_t, side_number
    use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
@@ -67,7 +67,7 @@ module amontons_constraints
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
       procedure :: leaves_free => constraints_leaves_free
-      procedure :: part_of => constraints_part_of
+      procedure :: supported_part => constraints_supported_part
       procedure :: rigid_moves => constraints_rigid_moves
       procedure :: spread_resultants => constraints_spread_resultants
       procedure, private :: hold => constraints_hold
@@ -164,11 +164,11 @@ contains
             is_done = len(support%set) == 0
             if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
                i, error)
-            set = find_named(mesh%node_sets, support%set)
+            set = find_set(mesh%node_sets, support%set)
             if (set > 0 .and. .not. any(support%is_held(3:4)) .and. any(support%is_held)) then
                call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, i, error)
                ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
-               is_done = allocated(error) .or. find_named(mesh%sets, support%set) == 0
+               is_done = allocated(error) .or. find_set(mesh%sets, support%set) == 0
             end if
             if (.not. is_done) call new_boundary_line(line, mesh, support%set, error)
             if (.not. (is_done .or. allocated(error))) call hold_nodes(constraints, prescribed, mesh, line%node, &
@@ -388,7 +388,7 @@ contains
    !> The part of a motion on which the forces of some supports do work: the work of the reactions on this part is that
    !> of these supports on the motion. A support acts along the directions that it holds; a direction that an earlier
    !> support holds belongs to that one (components, n_nodes) [L].
-   pure function constraints_part_of(self, supports, motion) result(part)
+   pure function constraints_supported_part(self, supports, motion) result(part)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: supports(:) !! numbers of the supports
       real(dp), intent(in) :: motion(:, :) !! the motion (components, n_nodes) [L]
@@ -410,7 +410,7 @@ contains
          end do
          part(:, node) = matmul(frame, work - self%skew(:, node)*work(across(:size(work))))
       end do
-   end function constraints_part_of
+   end function constraints_supported_part
 
    !> Whether the supports leave a node free in some direction that is not perpendicular to a given one.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
@@ -494,7 +494,7 @@ contains
          do k = 1, size(more)
             associate (side => more(k), moduli => supports(i)%spring)
                side%support = i
-               associate (set => mesh%sets(find_named(mesh%sets, supports(i)%set)))
+               associate (set => mesh%sets(find_set(mesh%sets, supports(i)%set)))
                   side%number = side_number(set%element(k), set%side(k))
                end associate
                side%n_nodes = count(nodes(:3, k) > 0)

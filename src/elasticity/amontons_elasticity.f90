@@ -47,15 +47,15 @@ module amontons_elasticity
       integer :: node(4) = 0 !! numbers of its corners in the mesh
       real(dp) :: corner(4, 2) = 0.0_dp !! their coordinates (corner, x and y) [L]
       real(dp) :: area(4) = 0.0_dp !! area of the part of the element that each point stands for [L^2]
-      real(dp) :: strain(4, 3) = 0.0_dp !! strain at the points, from `deform`: xx, yy, engineering shear 2 xy [-]
+      real(dp) :: strain(4, 3) = 0.0_dp !! strain at the points: xx, yy, engineering shear 2 xy (point, component) [-]
       real(dp) :: stress(4, 4) = 0.0_dp !! stress there: xx, yy, xy, zz (point, component) [F/L^2]
       real(dp), private :: by_xi(4, 2) = 0.0_dp !! derivatives of x and y by the first reference coordinate [L]
       real(dp), private :: by_eta(4, 2) = 0.0_dp !! by the second one [L]
    contains
-      procedure :: deform => plane_quadrilateral_deform
+      procedure :: compute_stresses => plane_quadrilateral_compute_stresses
       procedure :: energy_density => plane_quadrilateral_energy_density
       procedure :: forces => plane_quadrilateral_forces
-      procedure :: place => plane_quadrilateral_place
+      procedure :: set_element => plane_quadrilateral_set_element
    end type plane_quadrilateral_t
 
 contains
@@ -370,7 +370,7 @@ contains
    end function is_plain_quadrilateral
 
    !> Sets coordinates, gradients and volumes to those of an element.
-   pure subroutine plane_quadrilateral_place(self, mesh, element)
+   pure subroutine plane_quadrilateral_set_element(self, mesh, element)
       class(plane_quadrilateral_t), intent(inout) :: self !! the quadrilateral; its strains are those of before
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
@@ -387,10 +387,10 @@ contains
       do i = 1, 4
          self%area(i) = self%by_xi(i, 1)*self%by_eta(i, 2) - self%by_eta(i, 1)*self%by_xi(i, 2)
       end do
-   end subroutine plane_quadrilateral_place
+   end subroutine plane_quadrilateral_set_element
 
    !> Computes strains and stresses under a displacement field.
-   pure subroutine plane_quadrilateral_deform(self, material, displacement)
+   pure subroutine plane_quadrilateral_compute_stresses(self, material, displacement)
       class(plane_quadrilateral_t), intent(inout) :: self !! the quadrilateral; gains strains and stresses
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
@@ -417,7 +417,7 @@ contains
                + material%law(k, 3)*self%strain(i, 3)
          end do
       end do
-   end subroutine plane_quadrilateral_deform
+   end subroutine plane_quadrilateral_compute_stresses
 
    !> Strain energy densities at the four points [F/L^2].
    pure function plane_quadrilateral_energy_density(self) result(density)

@@ -12,8 +12,8 @@ module amontons_recovery_tables
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
    use amontons_material, only: materials_t
-   use amontons_mesh, only: find_named, incidence_t, mesh_t, new_incidence, side_element, side_number, &
-      side_place, worth_threads
+   use amontons_mesh, only: find_set, incidence_t, mesh_t, new_incidence, side_element, side_number, side_place, &
+      worth_threads
    implicit none (type, external)
    private
 
@@ -163,7 +163,7 @@ contains
       do i = 1, size(loads)
          if (loads(i)%target /= load_on_sides) cycle
          if (present(factor)) share = factor(i)
-         associate (load => loads(i), set => mesh%sets(find_named(mesh%sets, loads(i)%set)))
+         associate (load => loads(i), set => mesh%sets(find_set(mesh%sets, loads(i)%set)))
             do k = 1, size(set%element)
                associate (side => self%side(self%place%find(side_number(set%element(k), set%side(k)))))
                   do point = 1, 3
@@ -202,7 +202,7 @@ contains
       real(dp) :: at_places(2, 3)
       integer :: i
 
-      associate (set_sides => mesh%sets(find_named(mesh%sets, set)))
+      associate (set_sides => mesh%sets(find_set(mesh%sets, set)))
          do i = 1, size(set_sides%element)
             associate (side => self%side(self%place%find(side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))

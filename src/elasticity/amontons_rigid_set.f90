@@ -5,7 +5,7 @@
 module amontons_rigid_set
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mesh, only: find_named, mesh_t
+   use amontons_mesh, only: find_set, mesh_t
    implicit none (type, external)
    private
 
@@ -52,9 +52,9 @@ contains
       do while (first <= len(names))
          last = index(names(first:)//',', ',') + first - 2
          name = trim(adjustl(names(first:last)))
-         set = find_named(mesh%node_sets, name)
+         set = find_set(mesh%node_sets, name)
          if (set > 0) is_met(mesh%node_sets(set)%node) = .true.
-         if (set == 0 .or. find_named(mesh%sets, name) > 0) then
+         if (set == 0 .or. find_set(mesh%sets, name) > 0) then
             call mesh%set_sides(name, sides, error)
             if (allocated(error)) return
             do i = 1, size(sides, 2)

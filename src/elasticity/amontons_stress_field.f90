@@ -162,11 +162,11 @@ contains
          do i = coloring%start(color), coloring%start(color + 1) - 1
             do element = coloring%first(i), coloring%last(i)
                associate (material => materials%list(materials%of_element(element)), first => mesh%node_start(element))
-                  call place(own, mesh, element, material, present(thermal_strain))
+                  call set_element(own, mesh, element, material, present(thermal_strain))
                   do field = 1, n_fields
                      if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
                         thermal_strain(first:first + own%n_nodes - 1, field))
-                     call deform(own, material, displacement(:, :, field))
+                     call compute_stresses(own, material, displacement(:, :, field))
                      call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
                      do k = 1, own%n_nodes
                         node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
@@ -189,7 +189,7 @@ contains
    end subroutine find_node_stresses
 
    !> Sets nodes and geometry to those of an element.
-   pure subroutine place(own, mesh, element, material, is_heated)
+   pure subroutine set_element(own, mesh, element, material, is_heated)
       type(element_stress_t), intent(inout) :: own !! the element
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! its number
@@ -198,7 +198,7 @@ contains
 
       own%is_plain = is_plain_quadrilateral(mesh%element_kind(element), material) .and. .not. is_heated
       if (own%is_plain) then
-         call own%plain%place(mesh, element)
+         call own%plain%set_element(mesh, element)
          own%n_nodes = 4
          own%n_points = 4
          own%node(:4) = own%plain%node
@@ -208,17 +208,17 @@ contains
          own%n_points = own%geometry%n_points
          own%node(:own%n_nodes) = own%geometry%node(:own%n_nodes)
       end if
-   end subroutine place
+   end subroutine set_element
 
    !> Computes elastic strains and stresses of a displacement field at the quadrature points.
-   pure subroutine deform(own, material, displacement)
+   pure subroutine compute_stresses(own, material, displacement)
       type(element_stress_t), intent(inout) :: own !! the element; gains them
       type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       integer :: point
 
       if (own%is_plain) then
-         call own%plain%deform(material, displacement)
+         call own%plain%compute_stresses(material, displacement)
          own%stress(:, :4) = transpose(own%plain%stress)
          return
       end if
@@ -226,7 +226,7 @@ contains
       do point = 1, own%n_points
          own%stress(:, point) = material%stress(own%strain(:, point))
       end do
-   end subroutine deform
+   end subroutine compute_stresses
 
    !> Integrates over one element: means over its volume, and forces at its nodes.
    pure subroutine integrate(field, element, own, material)
@@ -519,7 +519,7 @@ contains
          associate (material => materials%list(materials%of_element(i)), before => patches%samples%start(i) - 1)
             if (mesh%element_kind(i) == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation &
                .or. present(thermal_strain))) then
-               recovered%sample(:, before + 1) = middle_stress(mesh, i, material, displacement)
+               recovered%sample(:, before + 1) = center_stress(mesh, i, material, displacement)
                cycle
             end if
             call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
@@ -544,7 +544,7 @@ contains
 
    !> The stress at the center of a four-node quadrilateral of a plane body, from the differences along its diagonals
    !> [F/L^2].
-   pure function middle_stress(mesh, element, material, displacement) result(stress)
+   pure function center_stress(mesh, element, material, displacement) result(stress)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material, without a mean dilatation
@@ -560,7 +560,7 @@ contains
       end associate
       stress = material%stress([du(1)*dy(2) - du(2)*dy(1), dv(2)*dx(1) - dv(1)*dx(2), &
          du(2)*dx(1) - du(1)*dx(2) + dv(1)*dy(2) - dv(2)*dy(1), 0.0_dp]/(dx(1)*dy(2) - dx(2)*dy(1)))
-   end function middle_stress
+   end function center_stress
 
    !> Estimates the error of a displacement field.
    subroutine new_error_estimate(estimate, mesh, materials, displacement, patches, recovered, thermal_strain)
@@ -717,8 +717,8 @@ contains
       real(dp) :: x(4), y(4), difference(4, 3), c(3, 3), shape(4)
       integer :: i, k, point
 
-      call plain%place(mesh, element)
-      call plain%deform(material, displacement)
+      call plain%set_element(mesh, element)
+      call plain%compute_stresses(material, displacement)
       x = 0.0_dp
       y = 0.0_dp
       do i = 1, 4

@@ -20,7 +20,7 @@ module amontons_config
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_t
    use amontons_material, only: material_t
-   use amontons_mesh, only: find_named, mesh_t
+   use amontons_mesh, only: find_set, mesh_t
    use amontons_mesh_file, only: mesh_part_t, read_file_model
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
@@ -369,7 +369,7 @@ contains
          call check_name(.true., config%loads(i)%origin, config%loads(i)%region)
          associate (load => config%loads(i))
             if (config%accuracy%n_refinements == 0 .or. load%target /= load_on_nodes .or. len(load%set) == 0) cycle
-            if (find_named(mesh%sets, load%set) == 0 .or. find_named(mesh%node_sets, load%set) > 0) cycle
+            if (find_set(mesh%sets, load%set) == 0 .or. find_set(mesh%node_sets, load%set) > 0) cycle
             call faults%add(0, load%origin//"refinements: the force on every node of '"//load%set// &
                "' would grow with the number of nodes; give a traction")
          end associate
@@ -396,10 +396,10 @@ contains
 
          if (len(name) == 0) return
          if (is_region) then
-            if (find_named(mesh%regions, name) > 0) return
+            if (find_set(mesh%regions, name) > 0) return
             call mesh%region_elements(name, elements, fault)
          else
-            if (find_named(mesh%sets, name) > 0 .or. find_named(mesh%node_sets, name) > 0) return
+            if (find_set(mesh%sets, name) > 0 .or. find_set(mesh%node_sets, name) > 0) return
             call mesh%set_sides(name, sides, fault)
          end if
          if (allocated(fault)) call faults%add(0, origin//fault%message)

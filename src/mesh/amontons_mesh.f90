@@ -14,7 +14,7 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: coloring_t, find_named, incidence_t, jacobian_determinant, mesh_t, named_set_t, new_coloring, &
+   public :: coloring_t, find_set, incidence_t, jacobian_determinant, mesh_t, named_set_t, new_coloring, &
       new_incidence, new_side_table, number_pieces, outer_sides, parents_t, side_element, side_number, side_place, &
       side_table_t, sides_per_element, worth_threads
 
@@ -181,7 +181,7 @@ contains
    end function jacobian_determinant
 
    !> Index of the set with a given name, 0 if there is none.
-   pure integer function find_named(sets, name) result(set)
+   pure integer function find_set(sets, name) result(set)
       type(named_set_t), intent(in), optional :: sets(:) !! the sets; may be not allocated
       character(*), intent(in) :: name !! the name
 
@@ -191,7 +191,7 @@ contains
          end do
       end if
       set = 0
-   end function find_named
+   end function find_set
 
    !> Whether a node was made by a refinement of the mesh.
    pure logical function mesh_is_of_refinement(self, node) result(is_of_refinement)
@@ -212,7 +212,7 @@ contains
       character(:), allocatable :: text, nearest, names(:)
       integer :: set, i
 
-      set = find_named(self%sets, name)
+      set = find_set(self%sets, name)
       if (set > 0) then
          allocate (sides(4, size(self%sets(set)%element)))
          do i = 1, size(sides, 2)
@@ -246,7 +246,7 @@ contains
       logical :: is_met(0:self%n_nodes)
       integer :: set, i
 
-      set = find_named(self%node_sets, name)
+      set = find_set(self%node_sets, name)
       if (set > 0) then
          nodes = self%node_sets(set)%node
          return
@@ -269,7 +269,7 @@ contains
       character(:), allocatable :: text
       integer :: region, i
 
-      region = find_named(self%regions, name)
+      region = find_set(self%regions, name)
       if (len(name) == 0) then
          elements = [(i, i=1, self%n_elements)]
       else if (region > 0) then

@@ -42,11 +42,11 @@ contains
       call manifest%outputs%check(faults, directory//'/')
       call manifest%inputs%check(faults, '')
       is_unchanged = faults%n == 0 .and. lists_inputs(config, manifest%inputs)
-      if (is_unchanged) numbers = numbers_of(summary)
+      if (is_unchanged) numbers = summary_numbers(summary)
    end subroutine find_unchanged
 
    !> Numbers of a result from its summary; for a sweep the largest over its cases.
-   pure function numbers_of(summary) result(numbers)
+   pure function summary_numbers(summary) result(numbers)
       character(*), intent(in) :: summary !! the summary
       type(quantity_t), allocatable :: numbers(:)
       character(*), parameter :: sections(*) = [character(12) :: 'load_history', '', 'key_results', 'resultants']
@@ -64,15 +64,15 @@ contains
          end do
          ! Sums of forces of a sweep are no results of one case.
          if (.not. ok .and. index(number_keys(i), 'max_') == 1) then
-            value = greatest(summary, trim(number_keys(i)))
+            value = largest_of_cases(summary, trim(number_keys(i)))
             call read_real(value, number, ok)
          end if
          if (ok) numbers = [numbers, quantity_t(number_keys(i), '', number)]
       end do
-   end function numbers_of
+   end function summary_numbers
 
    !> The largest value of a number over the cases of a sweep, from its summary; empty if it has none.
-   pure function greatest(summary, key) result(value)
+   pure function largest_of_cases(summary, key) result(value)
       character(*), intent(in) :: summary !! the summary
       character(*), intent(in) :: key !! name of the number
       character(:), allocatable :: value, extremes
@@ -84,7 +84,7 @@ contains
       if (first == 0) return
       first = first + index(extremes(first:), '"greatest": ') + len('"greatest": ') - 1
       value = extremes(first:first + index(extremes(first:), ',') - 2)
-   end function greatest
+   end function largest_of_cases
 
    !> Whether every file that a deck names is listed. A pipe is never listed.
    logical function lists_inputs(config, inputs)

@@ -24,7 +24,7 @@ module amontons_key_results
    implicit none (type, external)
    private
 
-   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_edges, find_zones, interval_t, &
+   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_intervals, find_zones, interval_t, &
       lengths_t, new_lengths, resultants, set_results, trace_t, wear_results
 
    !> A part of the contact line that belongs to a zone.
@@ -62,7 +62,7 @@ module amontons_key_results
 contains
 
    !> Finds the intervals of the contact line that belong to a zone.
-   pure subroutine find_edges(intervals, zone, is_inside, trace)
+   pure subroutine find_intervals(intervals, zone, is_inside, trace)
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
@@ -92,7 +92,7 @@ contains
          end do
       end do
       intervals = intervals(:n_intervals)
-   end subroutine find_edges
+   end subroutine find_intervals
 
    !> Finds the next chain of consecutive points: from one without a predecessor, of a closed line from any.
    pure subroutine next_chain(chain, zone, is_done)
@@ -186,12 +186,13 @@ contains
 
       n = size(chain%point)
       begin = chain%bound(first - 1)
-      if (first > 1) begin = -edge(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), &
+      if (first > 1) begin = -zone_end(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), &
          trace%force(chain%point(last:first:-1)), trace%n_summed, trace%gap(chain%point(first - 1:1:-1)), &
          trace%slip(chain%point(first - 1:1:-1)))
       end = chain%bound(last)
-      if (last < n) end = edge(chain%arc(last:), chain%bound(first - 1:last), trace%force(chain%point(first:last)), &
-         trace%n_summed, trace%gap(chain%point(last + 1:)), trace%slip(chain%point(last + 1:)))
+      if (last < n) end = zone_end(chain%arc(last:), chain%bound(first - 1:last), &
+         trace%force(chain%point(first:last)), trace%n_summed, trace%gap(chain%point(last + 1:)), &
+         trace%slip(chain%point(last + 1:)))
       interval%set = zone%set(chain%point(first))
       interval%length = max(0.0_dp, end - begin)
       interval%ends(:, 1) = place_at(zone, chain, begin)
@@ -202,7 +203,7 @@ contains
    !> the gaps beyond it, of which the first is the least accurate; of a stick zone from two of the slips beyond it.
    !> There the first slip is not used: the points next to the true end often have the other status, so that the end may
    !> lie beyond the first point that slips.
-   pure real(dp) function edge(arc, bound, force, n_summed, gap, slip)
+   pure real(dp) function zone_end(arc, bound, force, n_summed, gap, slip)
       real(dp), intent(in) :: arc(0:) !! where its last point and those beyond it lie (0:k) [L]
       real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
       real(dp), intent(in) :: force(:) !! their forces (n) [F]
@@ -223,7 +224,7 @@ contains
       integer :: k, n
 
       n = size(force)
-      edge = bound(n)
+      zone_end = bound(n)
       is_growing = .false.
       ! Both sums together take at most half of the points: the zone may end on the other side as well.
       k = min(n_summed, n/4)
@@ -233,17 +234,17 @@ contains
          is_growing = outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))
          ! Over the larger sum, neither power overflows.
          associate (ratio => (outer/(outer + inner))**merge(growing, falling, is_growing))
-            edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
+            zone_end = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
          end associate
-         edge = max(bound(n - 1), min(arc(1), edge))
+         zone_end = max(bound(n - 1), min(arc(1), zone_end))
       end if
       if (.not. is_growing .and. n_growing(gap) >= gaps(3)) then
-         if (gap(1) > max(negligible*gap(2), rounding*(arc(gaps(3)) - arc(0)))) edge = max(bound(n - 1), &
-            min(arc(1), place_of_zero(arc(gaps), gap(gaps))))
+         if (gap(1) > max(negligible*gap(2), rounding*(arc(gaps(3)) - arc(0)))) zone_end = max(bound(n - 1), &
+            min(arc(1), extrapolated_zero(arc(gaps), gap(gaps))))
       end if
       n = min(n_growing(slip), most)
-      if (n >= fewest) edge = max(arc(0), min(arc(2), place_of_zero(arc(slips(:, n)), slip(slips(:, n)))))
-   end function edge
+      if (n >= fewest) zone_end = max(arc(0), min(arc(2), extrapolated_zero(arc(slips(:, n)), slip(slips(:, n)))))
+   end function zone_end
 
    !> Number of leading values that have one sign and increase in magnitude.
    pure integer function n_growing(values) result(n)
@@ -263,7 +264,7 @@ contains
 
    !> The position where a quantity is 0 whose power 2/3 is linear in the position, by extrapolation of two values; with
    !> three values the position is a quadratic polynomial of the power (Lagrange) [L].
-   pure real(dp) function place_of_zero(place, values) result(zero)
+   pure real(dp) function extrapolated_zero(place, values) result(zero)
       real(dp), intent(in) :: place(:) !! the places, two or three [L]
       real(dp), intent(in) :: values(:) !! the numbers there, of one sign, each larger than the one before
       real(dp) :: root(size(place)), weight
@@ -278,7 +279,7 @@ contains
          end do
          zero = zero + weight*place(i)
       end do
-   end function place_of_zero
+   end function extrapolated_zero
 
    !> The position at an arc length along a chain, which may lie beyond its ends [L].
    pure function place_at(zone, chain, arc) result(place)
@@ -380,7 +381,7 @@ contains
       trace%n_summed = 2
       trace%gap = merge(motion(:m), 0.0_dp, status == open_point)
       trace%slip = 0.0_dp*motion(:m)
-      call find_edges(closed, body%zone, status /= open_point, trace)
+      call find_intervals(closed, body%zone, status /= open_point, trace)
       trace%force = bound - tangential_norm(force(m + 1:), m)
       slip = motion(m + 1:2*m)
       if (body%zone%n_tangents == 2) slip = tangential_norm(motion(m + 1:), m)
@@ -391,7 +392,7 @@ contains
       if (has_middles) trace%slip = merge(slip, 0.0_dp, (status == slip_plus .or. status == slip_minus .or. &
          status == slip_point) .and. abs(slip) > rounding*maxval(abs(displacement)))
       ! Without friction rounding makes a point stick or slip.
-      call find_edges(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
+      call find_intervals(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
    end subroutine find_zones
 
    !> The results of each contact set: forces, largest pressure, and ends of its zones.

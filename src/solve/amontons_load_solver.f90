@@ -32,7 +32,7 @@ module amontons_load_solver
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
-   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
+   use amontons_rigid_fit, only: find_resting_motion, fit_rigid_motion, fit_travel
    use amontons_rigid_motion, only: rigid_motions_t
    use amontons_text, only: short_text
    implicit none (type, external)
@@ -55,7 +55,7 @@ module amontons_load_solver
       logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
       logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
    contains
-      procedure :: note_motions => load_solver_note_motions
+      procedure :: find_free_motions => load_solver_find_free_motions
       procedure :: solve => load_solver_solve
    end type load_solver_t
 
@@ -75,11 +75,11 @@ contains
       if (allocated(error)) return
       solver%is_auto = options%method == 'auto'
       solver%size_of_body = body_size(body)
-      call solver%note_motions(body)
+      call solver%find_free_motions(body)
    end subroutine new_load_solver
 
    !> Finds the free motions of the body that only friction may oppose.
-   subroutine load_solver_note_motions(self, body)
+   subroutine load_solver_find_free_motions(self, body)
       class(load_solver_t), intent(inout) :: self !! the solver
       type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: spins(:, :)
@@ -92,7 +92,7 @@ contains
          self%may_spin = size(spins, 2) > 0
       end if
       self%may_move = size(body%common_motions, 2) > 0
-   end subroutine load_solver_note_motions
+   end subroutine load_solver_find_free_motions
 
    !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
    subroutine load_solver_solve(self, body, acting, problem, solution, outcome, reason, error_kind)
@@ -115,9 +115,10 @@ contains
       is_loose = any(body%motions%n_free > 0)
       start = solution
       call solution%reset()
-      if (self%is_auto .and. has_place(solution)) call solve_from_start(newton_t(tolerance=self%method%tolerance, &
-         max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, &
-         decrease=decrease), body, problem, solution, error)
+      if (self%is_auto &
+         .and. has_start_position(solution)) call solve_from_start(newton_t(tolerance=self%method%tolerance, &
+         max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, decrease=decrease), body, &
+         problem, solution, error)
       ! Where memory has no room for these steps, the deck's method may still do.
       if (allocated(error)) deallocate (error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
@@ -140,15 +141,15 @@ contains
             solution = start
             if (is_loose) then
                ! Displacements are counted from where the body meets its obstacles.
-               call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place(solution))
+               call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_start_position(solution))
                call solve_from_motion(motion, self%method, body, problem, solution, error)
             else
                call solve_components(self%method, problem, solution, error)
             end if
-            call solution%follow(first)
+            call solution%prepend(first)
          end if
       end if
-      if (solution%is_converged .and. problem%is_unloaded()) call come_to_rest(solution, problem, self%size_of_body)
+      if (solution%is_converged .and. problem%is_unloaded()) call reset_to_rest(solution, problem, self%size_of_body)
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
@@ -171,12 +172,12 @@ contains
    end subroutine load_solver_solve
 
    !> Whether a solution has a position of the body to start from: there is none before it meets its obstacles.
-   pure logical function has_place(solution)
+   pure logical function has_start_position(solution)
       type(contact_solution_t), intent(in) :: solution !! the start
 
-      has_place = any(abs(solution%force) > 0.0_dp) .or. &
+      has_start_position = any(abs(solution%force) > 0.0_dp) .or. &
          any(abs(solution%displacement(:size(solution%status))) > 0.0_dp)
-   end function has_place
+   end function has_start_position
 
    !> Resets the start to rest if nothing loads the body, whose position under the loads of another case is no
    !> equilibrium position then.
@@ -190,7 +191,7 @@ contains
 
    !> Sets all forces and displacements to 0 if nothing loads the body and it is back at its initial position: what
    !> remains are rounding errors of an earlier state with loads.
-   pure subroutine come_to_rest(solution, problem, size_of_body)
+   pure subroutine reset_to_rest(solution, problem, size_of_body)
       type(contact_solution_t), intent(inout) :: solution !! the solution
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
@@ -201,7 +202,7 @@ contains
       solution%displacement = 0.0_dp
       solution%force = 0.0_dp
       call solution%measure(problem)
-   end subroutine come_to_rest
+   end subroutine reset_to_rest
 
    !> Solves a contact problem from a start. The displacements of a loose body are counted from the rigid motion of the
    !> start, if the start is hardly anything else.
@@ -233,7 +234,7 @@ contains
       type(contact_solution_t) :: first
       real(dp), allocatable :: travel(:)
 
-      if (has_place(solution)) solution%displacement = solution%displacement - motion
+      if (has_start_position(solution)) solution%displacement = solution%displacement - motion
       call solve_from(motion, body, method, problem, solution, error)
       ! Of displacements that the motion is a part of, rounding would look like travel.
       call fit_travel(travel, body, solution%displacement)
@@ -244,7 +245,7 @@ contains
          call solve_from(motion + travel, body, method, problem, solution, error)
          solution%displacement = solution%displacement + travel
          if (solution%is_converged .or. .not. first%is_converged) then
-            call solution%follow(first)
+            call solution%prepend(first)
          else
             solution = first
          end if
@@ -273,7 +274,7 @@ contains
       else
          if (all(problem%gap >= motion(:problem%n_points))) return
       end if
-      call lay_rigid_body(laid, body, load_case, problem%load)
+      call find_resting_motion(laid, body, load_case, problem%load)
       if (any(abs(laid) > 0.0_dp)) motion = laid
    end subroutine find_origin
 

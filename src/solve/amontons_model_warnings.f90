@@ -10,7 +10,7 @@ module amontons_model_warnings
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_material, only: on_axis
-   use amontons_mesh, only: find_named, number_pieces
+   use amontons_mesh, only: find_set, number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing
    use amontons_surface, only: surface_t
@@ -96,7 +96,7 @@ contains
       do i = 1, size(load_case%loads)
          associate (load => load_case%loads(i))
             if (load%target /= load_on_nodes .or. len(load%set) == 0) cycle
-            if (find_named(body%mesh%node_sets, load%set) > 0) cycle
+            if (find_set(body%mesh%node_sets, load%set) > 0) cycle
             call body%mesh%set_nodes(load%set, nodes, error)
             if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
                to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; '// &

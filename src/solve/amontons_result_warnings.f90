@@ -355,7 +355,7 @@ contains
       integer :: at
 
       if (.not. result%condition > 0.0_dp) return
-      call find_strain(body%mesh, result%displacement, strain, at)
+      call find_largest_strain(body%mesh, result%displacement, strain, at)
       distance = maxval(norm2(result%displacement, dim=1))
       travel = ''
       if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
@@ -378,7 +378,7 @@ contains
          warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
-      call find_strain(body%mesh, displacement, strain, at)
+      call find_largest_strain(body%mesh, displacement, strain, at)
       if (body%is_axisymmetric) then
          do node = 1, body%mesh%n_nodes
             associate (radius => body%mesh%coordinates(1, node), widening => abs(displacement(1, node)))
@@ -394,7 +394,7 @@ contains
    end subroutine add_size_warnings
 
    !> Finds the largest change of distance between two corners of an element, over the distance.
-   pure subroutine find_strain(mesh, displacement, strain, at)
+   pure subroutine find_largest_strain(mesh, displacement, strain, at)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: strain !! its size, over the distance [-]
@@ -423,7 +423,7 @@ contains
             end do
          end do
       end do
-   end subroutine find_strain
+   end subroutine find_largest_strain
 
    !> The point of the largest pressure, if this is more than twice the pressure of each neighbor; otherwise 0.
    pure integer function jump_at(zone, pressure) result(peak)

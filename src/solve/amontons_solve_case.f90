@@ -6,7 +6,7 @@
 !> results that `--verify` reads.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: around_axis, measure_terms
+   use amontons_assembly, only: around_axis, sum_uncanceled_terms
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
@@ -320,8 +320,8 @@ contains
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
          allocated(result%load_case%thermal_strain))) then
-         call measure_terms(body%mesh, body%materials, result%displacement, abs(result%displacement), uncanceled, &
-            strained_share)
+         call sum_uncanceled_terms(body%mesh, body%materials, result%displacement, abs(result%displacement), &
+            uncanceled, strained_share)
          condition = max(condition, uncanceled/forces)
       end if
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))

@@ -318,11 +318,11 @@ contains
       real(dp), intent(in) :: computed !! the number that follows from the others
       character(:), allocatable :: sentence
 
-      sentence = what//' is '//shown(stated)//', but '//shown(computed)//' follows from the other files'
+      sentence = what//' is '//number_text(stated)//', but '//number_text(computed)//' follows from the other files'
    end function contradiction
 
    !> A number as text; words for one that is not finite.
-   pure function shown(value) result(text)
+   pure function number_text(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
 
@@ -331,7 +331,7 @@ contains
       else
          text = 'not a finite number'
       end if
-   end function shown
+   end function number_text
 
    !> Checks cases.pvd of a directory, if it exists: its form, the order of its steps, and that the named files exist.
    subroutine check_collection(faults, directory)

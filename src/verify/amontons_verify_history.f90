@@ -19,13 +19,13 @@ module amontons_verify_history
    use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
       of_identities, of_indicator, of_violation, prepare_history, start_history, worst_names, worst_step_t
-   use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t
    use amontons_text, only: newline, read_reals, to_text
+   use amontons_time_stepping, only: new_time_stepping, time_stepping_t
    use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, &
       verify_result
    implicit none (type, external)
@@ -43,7 +43,7 @@ module amontons_verify_history
    !> A history whose steps are taken again, with its tables.
    type :: retrace_t
       type(history_model_t) :: model !! the history
-      type(history_result_t) :: result !! the way so far
+      type(history_result_t) :: result !! the steps so far
       type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies, of the rows
       character(:), allocatable :: entries !! what the collection of the grids has so far
@@ -75,18 +75,18 @@ contains
          call case%fault('.deck.nml', error%message)
          return
       end if
-      associate (walk => again%result%walk, last => again%result%last)
+      associate (stepping => again%result%stepping, last => again%result%last)
          if (len(case%value('', 'message')) > 0) then
-            call walk%advance(again%model, cache%body, cache%problem)
-            last%is_complete = len(walk%fault) == 0
-            last%outcome = walk%outcome
-            call verify_answer(case, cache%body, last, walk%fault)
+            call stepping%advance(again%model, cache%body, cache%problem)
+            last%is_complete = len(stepping%fault) == 0
+            last%outcome = stepping%outcome
+            call verify_answer(case, cache%body, last, stepping%fault)
             return
          end if
          n_faults = case%faults%n
          again%entries = ''
          ! Reads the tables, and finds what their numbers are measured by.
-         call history_tables(tables, again%model, cache%body, size(again%result%walk%watch%noted()))
+         call history_tables(tables, again%model, cache%body, size(again%result%stepping%record%saved_numbers()))
          allocate (again%tables(size(tables)))
          do i = 1, size(tables)
             associate (table => again%tables(i))
@@ -112,30 +112,30 @@ contains
                end if
             end associate
          end do
-         if (case%faults%n == n_faults) call retrace(case, again, cache)
+         if (case%faults%n == n_faults) call repeat_steps(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
-         call new_step_result(step, cache, again%model, walk, error)
+         call new_step_result(step, cache, again%model, stepping, error)
          ! not raised: the numbers of the step were finite
          if (allocated(error)) return
-         call again%result%note_certificate(step%certificate%largest())
+         call again%result%record_certificate(step%certificate%largest())
          last%load_case = step%load_case
          last%slip_record = step%slip_record
-         n_iterations = walk%n_iterations
-         call go_on(case, again, cache)
-         last%is_complete = len(walk%fault) == 0
-         last%outcome = walk%outcome
+         n_iterations = stepping%n_iterations
+         call try_next_step(case, again, cache)
+         last%is_complete = len(stepping%fault) == 0
+         last%outcome = stepping%outcome
          ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
          ! another machine, as far as they can be true.
-         associate (result => again%result, walk => again%result%walk)
-            call take_stated_worst(case, of_identities, walk%n_steps, result%worst(of_identities))
+         associate (result => again%result, stepping => again%result%stepping)
+            call take_stated_worst(case, of_identities, stepping%n_steps, result%worst(of_identities))
             result%worst(of_indicator) = again%indicator
-            call take_stated_worst(case, of_violation, walk%n_steps, result%worst(of_violation))
+            call take_stated_worst(case, of_violation, stepping%n_steps, result%worst(of_violation))
             stated = nint(case%number('load_history', 'steps_done_earlier'))
-            if (stated > 0 .and. stated <= walk%n_steps) result%n_resumed = stated
+            if (stated > 0 .and. stated <= stepping%n_steps) result%n_resumed = stated
             ! The iterations of steps that were given up are in no row.
             stated = nint(case%number('load_history', 'iterations'))
-            if (walk%n_given_up > 0 .or. len(walk%fault) > 0) walk%n_iterations = max(stated, n_iterations)
+            if (stepping%n_rejected > 0 .or. len(stepping%fault) > 0) stepping%n_iterations = max(stated, n_iterations)
          end associate
          call add_history_results(again%result, again%model, cache%body)
          call describe_history(again%result, case%config)
@@ -145,7 +145,7 @@ contains
    end subroutine verify_history
 
    !> Takes the steps again, row by row, up to the first one that does not agree.
-   subroutine retrace(case, again, cache)
+   subroutine repeat_steps(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history where it begins; gains the steps
       type(cache_t), intent(inout) :: cache !! the body
@@ -161,17 +161,17 @@ contains
       do row = 1, again%tables(1)%csv%n_rows
          ! Takes a step to the time that its row states, and compares the row.
          fault = ''
-         associate (steps => again%tables(1), times => again%model%history%times, walk => again%result%walk)
+         associate (steps => again%tables(1), times => again%model%history%times, stepping => again%result%stepping)
             call steps%csv%get_number(row, 2, numbers(1), fault)
             call steps%csv%get_number(row, steps%csv%column('residual'), numbers(2), fault)
             call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
             call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
-            if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
+            if (len(fault) == 0 .and. .not. (numbers(1) >= stepping%state%instant%time .and. &
                numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
             if (len(fault) == 0 .and. .not. numbers(2) <= again%model%solver%method%tolerance) fault = &
                'the residual is above the tolerance'
             if (len(fault) == 0) then
-               call walk%shorten(again%model%history, numbers(1), leads_there)
+               call stepping%shorten_to(again%model%history, numbers(1), leads_there)
                if (leads_there) then
                   call solve_as_stated(next, fault, again, row, cache)
                else
@@ -182,11 +182,11 @@ contains
                ! Iterations and residual of the run are recorded, not computed again.
                next%solution%residual = numbers(2)
                next%solution%n_iterations = nint(numbers(3))
-               walk%n_iterations = walk%n_iterations + next%solution%n_iterations
-               call walk%keep(again%model, next)
-               call again%result%note_step(cache%body, again%model)
-               call again%indicator%note(numbers(4), walk%n_steps)
-               call compare_rows(case, steps, history_row(again%model, cache%body, walk%n_steps, next), row)
+               stepping%n_iterations = stepping%n_iterations + next%solution%n_iterations
+               call stepping%accept(again%model, next)
+               call again%result%record_step(cache%body, again%model)
+               call again%indicator%update(numbers(4), stepping%n_steps)
+               call compare_rows(case, steps, history_row(again%model, cache%body, stepping%n_steps, next), row)
             end if
             call case%fault(steps%ending//':'//to_text(row + 1), fault)
          end associate
@@ -199,18 +199,18 @@ contains
                call compare_fields(case, again, row, cache)
             case default
                call compare_rows(case, again%tables(i), table_rows(again%tables(i)%history_table_t, again%model, &
-                  cache%body, again%result%walk), row)
+                  cache%body, again%result%stepping), row)
             end select
          end do
          if (case%faults%n > n_faults) return
-         associate (result => again%result, number => again%result%walk%n_steps)
+         associate (result => again%result, number => again%result%stepping%n_steps)
             ! The run certified it, as it did those with grids.
             if (result%last_warned(end_of_set) == number .and. &
                .not. is_shown(number, again%model%history%fields_every)) then
-               call new_step_result(step, cache, again%model, result%walk, error)
+               call new_step_result(step, cache, again%model, result%stepping, error)
                ! not raised: the numbers of the step were finite
                if (allocated(error)) return
-               call again%result%note_certificate(step%certificate%largest())
+               call again%result%record_certificate(step%certificate%largest())
             end if
          end associate
       end do
@@ -224,7 +224,7 @@ contains
             end if
          end associate
       end do
-   end subroutine retrace
+   end subroutine repeat_steps
 
    !> Solves a step again, and follows its row where the law has several answers.
    subroutine solve_as_stated(next, fault, again, row, cache)
@@ -244,11 +244,11 @@ contains
       associate (csv => again%tables(1)%csv)
          call csv%get_number(row, 2, time, fault)
          call csv%get_number(row, csv%column('closing_loss'), closing_loss, fault)
-         if (len(fault) == 0) call again%model%enter_step(cache%body, cache%problem, again%result%walk%state, error)
+         if (len(fault) == 0) call again%model%enter_step(cache%body, cache%problem, again%result%stepping%state, error)
          if (len(fault) == 0 .and. .not. allocated(error)) call again%model%at(cache%body, time, instant, error)
          if (allocated(error)) fault = error%message
          if (len(fault) > 0) return
-         call take_step(next, again%model, cache%body, cache%problem, again%result%walk%state, instant)
+         call take_step(next, again%model, cache%body, cache%problem, again%result%stepping%state, instant)
          if (len(next%reason) > 0) then
             fault = next%reason
          else if (.not. next%solution%is_converged) then
@@ -269,7 +269,7 @@ contains
          end if
          ! Takes over from the row how far a body that hovered had to go until it met its obstacle. The loads did half
          ! as much more or less work on the way, the mean of none and all.
-         if (.not. hovers(again%result%walk%state, cache%body, scales)) return
+         if (.not. hovers(again%result%stepping%state, cache%body, scales)) return
          if (.not. (next%closing_loss > 0.0_dp .and. closing_loss > 0.0_dp)) return
          next%load_work = next%load_work + 0.5_dp*(closing_loss - next%closing_loss)
          next%indicator = next%indicator*(closing_loss/next%closing_loss)
@@ -361,27 +361,27 @@ contains
       type(retrace_t), intent(inout) :: again !! the history, at the end of the step
       integer, intent(in) :: number !! number of the table of states
       type(cache_t), intent(inout) :: cache !! the body
-      type(history_walk_t) :: found
+      type(time_stepping_t) :: found
       type(error_t), allocatable :: error
       real(dp), allocatable :: numbers(:)
       logical :: is_same
 
-      associate (walk => again%result%walk, table => again%tables(number))
-         if (.not. is_shown(walk%n_steps, again%model%history%states_every)) return
+      associate (stepping => again%result%stepping, table => again%tables(number))
+         if (.not. is_shown(stepping%n_steps, again%model%history%states_every)) return
          table%n_compared = table%n_compared + 1
          is_same = table%n_compared <= table%csv%n_rows
          if (is_same) call read_reals(table%csv%row(table%n_compared), numbers, is_same)
          if (is_same) then
-            call new_history_walk(found, again%model, cache%body)
+            call new_time_stepping(found, again%model, cache%body)
             call found%restore(again%model, cache%body, cache%problem, numbers, error)
             is_same = .not. allocated(error)
          end if
-         if (is_same) is_same = found%n_steps == walk%n_steps
-         if (is_same) is_same = states_agree(found%state, walk%state, again, hovers(walk%state, cache%body, &
-            scales_of(again, cache, walk%state))) .and. &
-            first_disagreement(found%watch%noted(), walk%watch%noted()) == 0
+         if (is_same) is_same = found%n_steps == stepping%n_steps
+         if (is_same) is_same = states_agree(found%state, stepping%state, again, hovers(stepping%state, cache%body, &
+            scales_of(again, cache, stepping%state))) .and. &
+            first_disagreement(found%record%saved_numbers(), stepping%record%saved_numbers()) == 0
          if (.not. is_same) call case%fault(table%ending//':'//to_text(table%n_compared + 1), &
-            'it is not the state of step '//to_text(walk%n_steps))
+            'it is not the state of step '//to_text(stepping%n_steps))
       end associate
    end subroutine compare_state
 
@@ -395,12 +395,12 @@ contains
       type(error_t), allocatable :: error
       character(:), allocatable :: folder
 
-      if (.not. is_shown(again%result%walk%n_steps, again%model%history%fields_every)) return
+      if (.not. is_shown(again%result%stepping%n_steps, again%model%history%fields_every)) return
       step%wants_error_estimate = case%config%accuracy%wants_estimate()
-      call new_step_result(step, cache, again%model, again%result%walk, error)
+      call new_step_result(step, cache, again%model, again%result%stepping, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return
-      call again%result%note_certificate(step%certificate%largest())
+      call again%result%record_certificate(step%certificate%largest())
       associate (csv => again%tables(1)%csv)
          folder = '.history/'//csv%field(row, 1)
          call check_grids(case, cache%body, step, case%stem//folder)
@@ -410,21 +410,21 @@ contains
    end subroutine compare_fields
 
    !> Tries a step after the last row: it must fail, unless all times are reached.
-   subroutine go_on(case, again, cache)
+   subroutine try_next_step(case, again, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other
       type(cache_t), intent(inout) :: cache !! the body
       real(dp) :: last_time
 
-      associate (walk => again%result%walk)
-         if (walk%is_ended) return
-         last_time = walk%state%instant%time
-         call walk%advance(again%model, cache%body, cache%problem)
-         if (walk%is_ended .and. walk%state%instant%time <= last_time) return
+      associate (stepping => again%result%stepping)
+         if (stepping%is_ended) return
+         last_time = stepping%state%instant%time
+         call stepping%advance(again%model, cache%body, cache%problem)
+         if (stepping%is_ended .and. stepping%state%instant%time <= last_time) return
          call case%fault(again%tables(1)%ending, 'it ends before the history: a step to '// &
-            to_text(walk%state%instant%time)//' is possible')
+            to_text(stepping%state%instant%time)//' is possible')
       end associate
-   end subroutine go_on
+   end subroutine try_next_step
 
    !> Takes the largest number of all steps from the summary, if it agrees within rounding.
    subroutine take_stated_worst(case, number, n_steps, worst)

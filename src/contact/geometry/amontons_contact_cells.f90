@@ -64,7 +64,7 @@ contains
       call body%mesh%set_sides(set, sides, error)
       if (allocated(error)) return
       sides = sides(:, side_order(sides, line, body%mesh%n_nodes))
-      call cut_line(cells, sides, body%mesh%coordinates, partition, error)
+      call cut_into_cells(cells, sides, body%mesh%coordinates, partition, error)
       if (allocated(error)) return
       call integrate(cells, sides, body, direction)
       allocate (cells%is_held(cells%n_cells), cells%is_tangent_fixed(cells%n_cells))
@@ -85,7 +85,7 @@ contains
    end subroutine new_contact_cells
 
    !> Cuts each connected piece of a contact line into cells, by arc length along the line.
-   pure subroutine cut_line(cells, sides, coordinates, partition, error)
+   pure subroutine cut_into_cells(cells, sides, coordinates, partition, error)
       type(contact_cells_t), intent(inout) :: cells
          !! gains the number of cells, how they follow each other and their parts of the sides
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
@@ -143,7 +143,7 @@ contains
          arc_length = arc_length + sum(lengths(first:last))
          first = last + 1
       end do
-   end subroutine cut_line
+   end subroutine cut_into_cells
 
    !> Length of a side from its first corner to a local coordinate on it [L].
    pure real(dp) function length_up_to(side, coordinates, place) result(length)

@@ -84,10 +84,10 @@ contains
       call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
       call stages%run(newton_t(max_iterations=merge(n_first_steps, n_first_in_space, &
          problem%matrix%n_tangents == 1 .or. problem%matrix%has_stiffness())), problem, solution)
-      if (allocated(problem%matrix%band)) call follow_fronts(stages, problem)
+      if (allocated(problem%matrix%band)) call newton_after_springs(stages, problem)
       if (suits_splitting(problem)) call stages%run(splitting_t(max_iterations=n_splitting_steps), problem, &
          tolerance=coarse)
-      call take_rounds(stages, problem)
+      call alternate_methods(stages, problem)
       solution = stages%best
       solution%is_converged = solution%residual <= self%tolerance
       solution%history = stages%history
@@ -99,7 +99,7 @@ contains
    !> Runs Newton's method from the solution with springs between points and obstacle; if that does not converge, from
    !> the best pair so far. For a band matrix: fronts of opening or sliding move along a contact line by a few points in
    !> each Newton step.
-   subroutine follow_fronts(stages, problem)
+   subroutine newton_after_springs(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band matrix
       integer, parameter :: patience = 20
@@ -111,13 +111,13 @@ contains
       call stages%run(spring_start_t(max_iterations=n_newton_steps), problem, front)
       call stages%run(newton_t(max_iterations=n_newton_steps, patience=patience, decrease=decrease), problem, front)
       call stages%run(newton_t(max_iterations=stages%max_iterations, patience=patience), problem, before)
-   end subroutine follow_fronts
+   end subroutine newton_after_springs
 
    !> Alternates many Newton steps with sweeps from the best pair so far, four times as many in each round, until the
    !> iterations are used up. Lemke's pivoting, where it is fast, is tried once, otherwise the splitting. Where a line
    !> is too long for the sweeps, there is one round with each regularization, followed by Newton from rest without
    !> a limit: fronts that pass the edges of a profile one by one need many steps.
-   subroutine take_rounds(stages, problem)
+   subroutine alternate_methods(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
       ! One path of Lemke's pivots takes some seconds on more points (0.2 s to 0.8 s at 300, 4 s at 700, 9 s to 13 s at
@@ -133,7 +133,7 @@ contains
       round = 0
       do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(max_regularizations)))
          round = round + 1
-         call go_at_length(stages, problem, max_regularizations(1 + modulo(round - 1, 2)))
+         call newton_then_path(stages, problem, max_regularizations(1 + modulo(round - 1, 2)))
          if (is_long(problem)) cycle
          if (round == 2 .and. problem%n_points <= most_points .and. problem%matrix%n_tangents == 1) then
             call stages%run(lemke_t(), problem)
@@ -149,12 +149,12 @@ contains
       call new_contact_solution(rest, problem%n_points, problem%matrix%n_tangents)
       call stages%run(newton_t(max_iterations=stages%max_iterations, max_regularization=maxval(max_regularizations)), &
          problem, rest)
-   end subroutine take_rounds
+   end subroutine alternate_methods
 
    !> Runs Newton's method with many steps from the best pair. If it stagnates, the proximal path follows from there; if
    !> that stagnates too, Newton's steps continue, since a front may need many. A reduced problem uses the path only in
    !> space, in place of Lemke's pivoting.
-   subroutine go_at_length(stages, problem, max_regularization)
+   subroutine newton_then_path(stages, problem, max_regularization)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: max_regularization !! largest regularization of Newton's steps [-]
@@ -178,7 +178,7 @@ contains
       call stages%run(proximal_path_t(max_iterations=n_end - size(stages%history)), problem, first)
       call stages%run(newton_t(max_iterations=n_end - size(stages%history), max_regularization=max_regularization), &
          problem, start)
-   end subroutine go_at_length
+   end subroutine newton_then_path
 
    !> Whether the problem is solved or the iterations are used up.
    pure logical function stages_is_done(self) result(is_done)

@@ -66,8 +66,8 @@ module amontons_newton
       integer(int64), allocatable :: key(:) !! a number for each of them
       real(dp) :: residual = huge(1.0_dp) !! the least residual so far [-]
    contains
-      procedure :: avoid => visited_sets_avoid
-      procedure :: note_residual => visited_sets_note_residual
+      procedure :: add => visited_sets_add
+      procedure :: clear_if_smaller => visited_sets_clear_if_smaller
    end type visited_sets_t
 
    !> The linear equations of active sets on one operator, with the factorization that successive active sets share.
@@ -165,11 +165,11 @@ contains
             ! No step: the same active set again, held more firmly, unless it was held as firmly as can be.
             if (.not. regularization < self%max_regularization) exit
             call solution%record_residual(previous)
-            call grow(regularization, self%max_regularization)
+            call increase(regularization, self%max_regularization)
             cycle
          end if
          last = active_set
-         call halt(problem, scale, before, displacement, force, imbalance, solution%effort)
+         call limit_step(problem, scale, before, displacement, force, imbalance, solution%effort)
          call active_set%update(problem, rho, displacement, force)
          residual = max(problem%violation(displacement, force), imbalance)/problem%force_scale(force, displacement)
          if (residual <= self%tolerance) then
@@ -183,13 +183,13 @@ contains
                solution%residual = residual
             end if
          end if
-         call visited%note_residual(residual)
-         call visited%avoid(active_set, last, is_repeated)
+         call visited%clear_if_smaller(residual)
+         call visited%add(active_set, last, is_repeated)
          ! Singular active sets have led the body far away.
          if (is_repeated) displacement = problem%reference()
          ! A singular active set stays, with the same residual, while the body travels to where another begins.
          if (residual/previous > merge(travels, 1.0_dp, active_set%equals(last))) then
-            call grow(regularization, self%max_regularization)
+            call increase(regularization, self%max_regularization)
          else if (.not. active_set%equals(last)) then
             min_regularization = least
             regularization = max(min_regularization, regularization/reduction)
@@ -209,7 +209,7 @@ contains
    !> Shortens a step of a loose body that, with the assumed active set, slides or flies much farther than forces of
    !> this size deform a body, since only the regularization holds it. The step ends where the forces of springs between
    !> points and obstacle, cut to the law, do as much work against it as the loads do along it.
-   pure subroutine halt(problem, scale, before, displacement, force, imbalance, effort)
+   pure subroutine limit_step(problem, scale, before, displacement, force, imbalance, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
       real(dp), intent(in) :: before(:) !! v before the step (2m) [L]
@@ -247,19 +247,19 @@ contains
       end do
       displacement = before + high*step
       imbalance = scale
-   end subroutine halt
+   end subroutine limit_step
 
    !> Increases a regularization.
-   pure subroutine grow(regularization, most)
+   pure subroutine increase(regularization, most)
       real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]
       real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp
 
       regularization = min(most, max(from_nothing, factor*regularization))
-   end subroutine grow
+   end subroutine increase
 
    !> Clears the list of active sets after a step with a smaller residual: the iteration is not in a cycle.
-   pure subroutine visited_sets_note_residual(self, residual)
+   pure subroutine visited_sets_clear_if_smaller(self, residual)
       class(visited_sets_t), intent(inout) :: self !! the active sets
       real(dp), intent(in) :: residual !! residual after a step [-]
       real(dp), parameter :: decrease = 0.9_dp
@@ -268,11 +268,11 @@ contains
       self%residual = min(residual, self%residual)
       if (allocated(self%key)) deallocate (self%key)
       allocate (self%key(0))
-   end subroutine visited_sets_note_residual
+   end subroutine visited_sets_clear_if_smaller
 
    !> Adds the active set of a step to the list; if it is there already, changes single points until it is new. If no
    !> such change leads to a new one, it stays, and the regularization has to break the cycle.
-   pure subroutine visited_sets_avoid(self, active_set, last, is_repeated)
+   pure subroutine visited_sets_add(self, active_set, last, is_repeated)
       class(visited_sets_t), intent(inout) :: self !! the active sets
       type(active_set_t), intent(inout) :: active_set !! the active set that a step leads to
       type(active_set_t), intent(in) :: last !! the active set before it
@@ -300,7 +300,7 @@ contains
          if (p > 0) active_set = trial
       end if
       self%key = [self%key, key_of(active_set)]
-   end subroutine visited_sets_avoid
+   end subroutine visited_sets_add
 
    !> A hash of an active set: equal for equal sets, different for different ones with near certainty.
    pure integer(int64) function key_of(active_set) result(key)
@@ -464,7 +464,7 @@ contains
          allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0), self%softness(size(force)))
       end if
       info = 0
-      call take_up_changes(self, problem, active_set, regularization, is_updated)
+      call add_changed_rows(self, problem, active_set, regularization, is_updated)
       if (allocated(self%error)) return
       if (.not. is_updated) then
          self%n_changed = 0
@@ -505,7 +505,8 @@ contains
          solution(unknown) = right(:, 1)
       end associate
       solution(m + 1:2*m) = solution(m + 1:2*m) + self%base%slip_direction*problem%friction*solution(:m)
-      if (info == 0 .and. self%n_changed > 0) call correct(self, problem, active_set, load, force, solution, info)
+      if (info == 0 .and. self%n_changed > 0) call correct_forces(self, problem, active_set, load, force, solution, &
+         info)
       if (.not. all(ieee_is_finite(solution))) info = 1
       if (info == 0) force = solution
       call active_set%turn(force, -1)
@@ -518,7 +519,7 @@ contains
    !> Adds the rows in which the active set differs from the factorized one, each with the solution of the factorized
    !> system for a unit right-hand side in this row. A new factorization is asked for instead where it is cheaper:
    !> always for a sparse compliance, and in space, where all slips turn a little.
-   subroutine take_up_changes(self, problem, active_set, regularization, is_updated)
+   subroutine add_changed_rows(self, problem, active_set, regularization, is_updated)
       class(newton_system_t), intent(inout) :: self !! the system; its error tells where memory ran out
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: active_set !! state of each point
@@ -584,11 +585,11 @@ contains
          self%response(m + 1:, k) = self%response(m + 1:, k) &
             + self%base%slip_direction*problem%friction*self%response(:m, k)
       end do
-   end subroutine take_up_changes
+   end subroutine add_changed_rows
 
    !> Corrects the forces of the factorized active set so that the equations of the changed rows hold as well: a linear
    !> system of the size of their number.
-   subroutine correct(self, problem, active_set, load, center, solution, info)
+   subroutine correct_forces(self, problem, active_set, load, center, solution, info)
       class(newton_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: active_set !! state of each point
@@ -625,7 +626,7 @@ contains
          if (info /= 0) return
          call add_product(self%response(:, :n), right, solution)
       end associate
-   end subroutine correct
+   end subroutine correct_forces
 
    !> Finds the pair of the stiffest springs.
    subroutine spring_start_solve(self, problem, solution, error)

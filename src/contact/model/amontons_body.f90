@@ -162,7 +162,7 @@ contains
       if (present(ties)) then
          call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
          if (allocated(error)) return
-         call set_jumps(body, supports, ties)
+         call set_preload_jumps(body, supports, ties)
       end if
       call add_rigid_drives(body, supports)
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
@@ -334,7 +334,7 @@ contains
 
    !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
    !> leading nodes along each jump.
-   pure subroutine set_jumps(body, supports, ties)
+   pure subroutine set_preload_jumps(body, supports, ties)
       type(body_t), intent(inout) :: body !! the body, its ties found
       type(support_t), intent(in) :: supports(:) !! the supports
       type(tie_t), intent(in) :: ties(:) !! the bonded sets
@@ -347,7 +347,7 @@ contains
             if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
          end associate
       end do
-   end subroutine set_jumps
+   end subroutine set_preload_jumps
 
    !> Number of the support that prescribes the jump of a preload.
    pure integer function support_of_jump(supports, name) result(number)

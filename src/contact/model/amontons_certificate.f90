@@ -2,7 +2,7 @@
 !> alone; and the sums of nodal forces and their work that it needs, computed in one pass.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: measure_terms, spring_forces, thermal_work
+   use amontons_assembly, only: spring_forces, sum_uncanceled_terms, thermal_work
    use amontons_body, only: body_t, bonds_of, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
@@ -149,8 +149,8 @@ contains
          ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
          ! not show in resultants and energy: a share of |K| |u| is a scale, too.
          if (certificate%imbalance > suspicious) then
-            call measure_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), uncanceled, &
-               strained_share)
+            call sum_uncanceled_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), &
+               uncanceled, strained_share)
             force_size = max(force_size, rounding_share*uncanceled)
          end if
          certificate%equilibrium = relative(certificate%equilibrium, force_size)
@@ -229,7 +229,7 @@ contains
       associate (of_all => magnitudes(body, displacement))
          magnitude(:, nodes) = of_all(:, nodes)
       end associate
-      call measure_terms(body%mesh, body%materials, moved, magnitude, uncanceled, strained_share)
+      call sum_uncanceled_terms(body%mesh, body%materials, moved, magnitude, uncanceled, strained_share)
       if (size_here > rounding*uncanceled .or. (strained_share > negligible_share .and. .not. is_heated)) return
       scale = rounding_share*uncanceled
    end function resting_scale

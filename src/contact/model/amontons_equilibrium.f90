@@ -125,8 +125,8 @@ contains
       do k = 1, size(pieces)
          first = last + 1
          last = last + body%motions(pieces(k))%n_free
-         call add_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, part, &
-            n_edges)
+         call add_piece_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, &
+            part, n_edges)
       end do
       most = [spread(huge(1.0_dp), 1, n_edges*body%zone%n_points), (load_case%slip_bound, k=1, &
          2*body%zone%n_tangents)]
@@ -180,7 +180,7 @@ contains
 
    !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme contact forces of the
    !> points, one column for each. Forces are of unit normal force, or of unit given slip bound.
-   pure subroutine add_works(cone, work, scale, motions, body, load_case, part, n_edges)
+   pure subroutine add_piece_works(cone, work, scale, motions, body, load_case, part, n_edges)
       real(dp), intent(inout) :: cone(:, :)
          !! works of the extreme forces: some for each point, then t of each, then -t (n_free, any)
       real(dp), intent(inout) :: work(:) !! works of the loads (n_free)
@@ -243,6 +243,6 @@ contains
             cone(:, edges + given + 1:) = -cone(:, edges + 1:edges + given)
          end associate
       end associate
-   end subroutine add_works
+   end subroutine add_piece_works
 
 end module amontons_equilibrium

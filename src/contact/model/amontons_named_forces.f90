@@ -166,7 +166,7 @@ contains
          return
       end if
       if (named%kind == of_support) then
-         motion = body%constraints%part_of(named%member, motion)
+         motion = body%constraints%supported_part(named%member, motion)
          test%held = body%dof_map%substitution%displacement(motion)
          ! The motion of rigid sets is that of their nodes already.
          do i = 1, size(body%constraints%rigid)

@@ -17,7 +17,7 @@ module amontons_rigid_fit
    ! Gaps are differences of coordinates: some tens of their rounding errors.
    real(dp), parameter :: rounding = 1.0e-14_dp
 
-   public :: fit_rigid_motion, fit_travel, lay_rigid_body, recover_with_travel, travel_of_nodes
+   public :: find_resting_motion, fit_rigid_motion, fit_travel, recover_with_travel, travel_of_nodes
 
 contains
 
@@ -49,7 +49,7 @@ contains
    !> all positions without overlap the one nearest to a distant point in the direction of the loads. Without loads it
    !> is the least motion from the closest fit to the gaps that removes all overlaps. None if there is no such position,
    !> or if the motion is much longer than the gaps.
-   subroutine lay_rigid_body(motion, body, load_case, load)
+   subroutine find_resting_motion(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
@@ -82,13 +82,14 @@ contains
       slip = matmul(body%rigid_modes, vector)
       slip = merge(slip, 0.0_dp, spread(counts .and. [(k > m, k=1, size(counts))], 2, size(value)))
       do k = n_slips + 1, size(value)
-         vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
-            *sqrt(real(count(counts(:m)), dp)/value(k))
+         vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), least_squares_amounts(slip(:, :n_slips), slip(:, &
+            k)))) *sqrt(real(count(counts(:m)), dp)/value(k))
       end do
       in_modes = vector(:, n_slips + 1:)
       way = matmul(body%rigid_modes, in_modes)
       n = size(way, 2)
-      amounts = amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim)
+      amounts = least_squares_amounts(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), &
+         aim)
       drive(:n) = matmul(load, way)
       if (any(abs(load) > 0.0_dp)) amounts = amounts + far*unit*matmul(in_modes, &
          drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
@@ -109,7 +110,7 @@ contains
          motion = matmul(body%rigid_modes, amounts - unit/remainder(n + 1)*matmul(in_modes, remainder(:n)))
          if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
       end if
-   end subroutine lay_rigid_body
+   end subroutine find_resting_motion
 
    !> Finds the free rigid motion that makes up nearly all of the displacements of the points; 0 if there is none.
    subroutine fit_travel(motion, body, displacement)
@@ -135,7 +136,7 @@ contains
          call recover_displacement(displacement, body, load_case, solution)
          return
       end if
-      amounts = amounts_of(body%rigid_modes, solution)
+      amounts = least_squares_amounts(body%rigid_modes, solution)
       call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts))
       first = 0
       do j = 1, size(body%motions)
@@ -171,7 +172,7 @@ contains
                modes(n*(i - 1) + 1:n*i, :) = motions%displacement(coordinates(:, motions%node(i)), &
                   motions%node(i))
             end do
-            travel(:, motions%node) = reshape(matmul(modes, amounts_of(modes, &
+            travel(:, motions%node) = reshape(matmul(modes, least_squares_amounts(modes, &
                reshape(displacement(:, motions%node), [size(modes, 1)]))), [n, size(motions%node)])
             deallocate (modes)
          end associate
@@ -203,7 +204,7 @@ contains
       allocate (motion(size(aim)), source=0.0_dp)
       associate (modes => body%rigid_modes)
          if (size(modes, 2) == 0) return
-         motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
+         motion = matmul(modes, least_squares_amounts(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
       end associate
       left = maxval(abs(aim - motion), mask=counts)
       if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
@@ -229,7 +230,7 @@ contains
 
    !> The coefficients of some modes whose sum is closest to a target, by least squares; of several solutions the
    !> smallest.
-   function amounts_of(modes, aim) result(amounts)
+   function least_squares_amounts(modes, aim) result(amounts)
       real(dp), intent(in) :: modes(:, :) !! displacements under each mode, 0 where they do not count (n_rows, k) [-]
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
       real(dp) :: amounts(size(modes, 2))
@@ -246,6 +247,6 @@ contains
          if (values(k) > negligible*maxval(values)) amounts = amounts &
             + gram(:, k)*dot_product(matmul(aim, modes), gram(:, k))/values(k)
       end do
-   end function amounts_of
+   end function least_squares_amounts
 
 end module amontons_rigid_fit

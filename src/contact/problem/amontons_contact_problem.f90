@@ -220,9 +220,9 @@ contains
       is_unloaded = .not. any(abs(acting) > 0.0_dp)
    end function contact_problem_is_unloaded
 
-   !> The force scale, by which residuals are divided: the largest acting force, see `acting_force`. Without any, the
-   !> force that would close the smallest gap, or 1 if there is no gap [F]. With v known, the scale is at least a small
-   !> share of rho |v|, which covers the rounding errors of S v.
+   !> The force scale, by which residuals are divided: `largest_acting_force`. Without any, the force
+   !> that would close the smallest gap, or 1 if there is no gap [F]. With v known, the scale is at least a small share
+   !> of rho |v|, which covers the rounding errors of S v.
    pure real(dp) function contact_problem_force_scale(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
@@ -230,7 +230,7 @@ contains
       real(dp) :: rho(self%matrix%n)
 
       rho = self%augmentation()
-      scale = acting_force(self, contact_force, displacement)
+      scale = largest_acting_force(self, contact_force, displacement)
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
          scale = max(scale, rounding_share*self%largest(rho*displacement))
@@ -247,7 +247,7 @@ contains
    !> A loose body moves out of an interference without forces: if the forces are known, the scale is at most these and
    !> the loads, as far as rounding allows. Of loads by heat or prescribed displacements a share counts. A loose body
    !> that follows prescribed displacements may do so without forces; the rounding errors of S are then in its forces.
-   pure real(dp) function acting_force(self, contact_force, displacement) result(scale)
+   pure real(dp) function largest_acting_force(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
@@ -285,7 +285,7 @@ contains
             pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled, &
             self%rounding/least_residual*self%largest(displacement))
       end if
-   end function acting_force
+   end function largest_acting_force
 
    !> Weights of the violations at each point. In a reduced problem the violation of a point is divided by its own
    !> scale, which is the force scale or the force of the largest free displacement at this point, whichever is larger:

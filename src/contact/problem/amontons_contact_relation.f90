@@ -136,13 +136,13 @@ contains
       allocate (matrix(2*m, 2*m))
       has_force = states%gives_force()
       do p = 1, 2*m
-         call take_column(p, has_force(p), matrix(:, p))
+         call fill_column(p, has_force(p), matrix(:, p))
       end do
       right = self%vector
       do p = 1, m
          if (states%slip_direction(p) == 0) cycle
          t = m + p
-         call take_column(t, .true., unknown)
+         call fill_column(t, .true., unknown)
          right = right - states%slip_direction(p)*self%slip_bound(p)*unknown
          if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%slip_direction(p)*self%friction(p)*unknown
       end do
@@ -165,7 +165,7 @@ contains
    contains
 
       !> The column of a force or distance in the relation `y + H x = h`.
-      pure subroutine take_column(i, is_force, column)
+      pure subroutine fill_column(i, is_force, column)
          integer, intent(in) :: i !! which component
          logical, intent(in) :: is_force !! whether its force is meant, else its distance
          real(dp), intent(out) :: column(:) !! the column (2m)
@@ -176,7 +176,7 @@ contains
             column = 0.0_dp
             column(i) = 1.0_dp
          end if
-      end subroutine take_column
+      end subroutine fill_column
 
    end subroutine contact_relation_solve_states
 

@@ -34,7 +34,7 @@ module amontons_contact_solution
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
-      procedure :: follow => contact_solution_follow
+      procedure :: prepend => contact_solution_prepend
       procedure :: is_stagnant => contact_solution_is_stagnant
       procedure :: measure => contact_solution_measure
       procedure :: take_better => contact_solution_take_better
@@ -165,14 +165,14 @@ contains
    end subroutine contact_solution_take_better
 
    !> Prepends the record of the solution that this one started from.
-   pure subroutine contact_solution_follow(self, first)
+   pure subroutine contact_solution_prepend(self, first)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_solution_t), intent(in) :: first !! the one that it started from
 
       self%history = [first%history(:first%n_iterations), self%history(:self%n_iterations)]
       self%n_iterations = size(self%history)
       call self%effort%add(first%effort)
-   end subroutine contact_solution_follow
+   end subroutine contact_solution_prepend
 
    !> Counts an iteration with the residual that the method itself computes. Such a residual never means converged.
    pure subroutine contact_solution_record_residual(self, residual)

@@ -3,9 +3,9 @@
 !> of the step, supports and loads. Everything else is ignored, with a warning where it affects results.
 module amontons_abaqus
    use amontons_abaqus_lines, only: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, &
-      insert_included, is_at_line_end, name_instance_sets, named_group, next_data_line, next_keyword, place_of_name, &
-      read_set, read_surface, read_tag, refuse_parameters, resolve_elements, start_instance, start_part, take_comma, &
-      take_fields, take_line_of_numbers, take_number
+      insert_included, is_at_line_end, name_instance_sets, next_data_line, next_keyword, place_of_name, read_set, &
+      read_surface, read_tag, refuse_parameters, resolve_elements, set_of_field, start_instance, start_part, &
+      take_comma, take_fields, take_line_of_numbers, take_number
    use amontons_constraints, only: new_support, support_t
    use amontons_element, only: max_nodes, quad4, quad8, tri3, tri6
    use amontons_error, only: error_t
@@ -373,7 +373,7 @@ contains
 
       call find_parameter(line, 'elset', region, is_there)
       call find_parameter(line, 'material', name, is_there)
-      group = named_group(raw, region)
+      group = set_of_field(raw, region)
       if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
       if (name == '' .or. len(name) > longest_name) call input%refuse( &
          '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
@@ -706,7 +706,7 @@ contains
          call raw%get_group(input, set, group)
          if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
       else
-         group = named_group(raw, trim(field))
+         group = set_of_field(raw, trim(field))
          if (group == 0) call input%refuse(keyword//": there is no set '"//trim(field)//"' above", input%position - 1)
          if (group > 0) set = raw%groups(group)%name
       end if
@@ -740,7 +740,7 @@ contains
          end do
          if (allocated(input%error)) return
          load%pressure = values(1)
-         group = named_group(raw, trim(fields(1)))
+         group = set_of_field(raw, trim(fields(1)))
          side = findloc(side_labels == lower_case(fields(2)), .true., dim=1)
          if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
             load%set = raw%groups(group)%name

@@ -12,8 +12,8 @@ module amontons_abaqus_lines
    private
 
    public :: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, insert_included, &
-      is_at_line_end, name_instance_sets, named_group, next_data_line, next_keyword, place_of_name, read_set, &
-      read_surface, read_tag, refuse_parameters, resolve_elements, start_instance, start_part, take_comma, &
+      is_at_line_end, name_instance_sets, next_data_line, next_keyword, place_of_name, read_set, read_surface, &
+      read_tag, refuse_parameters, resolve_elements, set_of_field, start_instance, start_part, take_comma, &
       take_fields, take_line_of_numbers, take_number
 
    character, parameter :: line_feed = achar(10)
@@ -441,7 +441,7 @@ contains
    end function place_of_name
 
    !> The number added to node and element numbers of an instance, given the prefix of its sets; 0 outside of instances.
-   pure integer function shift_of(raw, scope) result(shift)
+   pure integer function instance_shift(raw, scope) result(shift)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: scope !! what precedes the names of its sets
       integer :: instance
@@ -449,7 +449,7 @@ contains
       instance = place_of_name(raw%instances%name, scope(:len(scope) - 1))
       shift = 0
       if (instance > 0) shift = raw%instances(instance)%shift
-   end function shift_of
+   end function instance_shift
 
    !> Reads a field that is the number of a node or element, possibly preceded by the name of its instance and a point.
    pure subroutine read_tag(raw, field, tag, is_number)
@@ -462,7 +462,7 @@ contains
       scope = field(:index(field, '.', back=.true.))
       call read_integer(field(len(scope) + 1:), tag, is_number)
       if (scope == '') scope = raw%scope
-      if (is_number) tag = tag + shift_of(raw, scope)
+      if (is_number) tag = tag + instance_shift(raw, scope)
    end subroutine read_tag
 
    !> Finds the set that a keyword line names, or makes a new one.
@@ -510,7 +510,7 @@ contains
       call get_set(raw, input, line, keyword, group)
       scope = raw%scope
       if (is_in_instance) raw%scope = instance//'.'
-      shift = shift_of(raw, raw%scope)
+      shift = instance_shift(raw, raw%scope)
       if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
       do
          call next_data_line(input, is_there)
@@ -561,7 +561,7 @@ contains
 
    !> Index of the set that a field names, 0 if there is none: the set of this name in the present instance, or in the
    !> named one; otherwise that of the assembly; otherwise that of the only instance.
-   pure integer function named_group(raw, field) result(group)
+   pure integer function set_of_field(raw, field) result(group)
       type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
 
@@ -573,7 +573,7 @@ contains
          if (group == 0) group = raw%find_group(name)
          if (group == 0 .and. size(raw%instances) == 1) group = raw%find_group(scope_of(raw%instances(1))//name)
       end associate
-   end function named_group
+   end function set_of_field
 
    !> Removes the prefix from the names of sets that only one instance has, and of sets of the assembly whose name no
    !> instance has; renames the sets of supports, loads and sections accordingly.
@@ -634,7 +634,7 @@ contains
          call members%append(number)
          return
       end if
-      group = named_group(raw, field)
+      group = set_of_field(raw, field)
       if (group == 0) then
          call input%refuse(refusal//" '"//field(index(field, '.', back=.true.) + 1:)//"' above", input%position - 1)
       else if (of_nodes) then

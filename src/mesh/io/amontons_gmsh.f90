@@ -74,7 +74,7 @@ contains
 
    !> Makes named sets of a raw mesh from the physical groups. If there are physical surfaces, the body consists of
    !> their elements, and all others are removed.
-   pure subroutine put_groups(groups, raw, input)
+   pure subroutine add_sets(groups, raw, input)
       type(gmsh_groups_t), intent(in) :: groups !! the groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
       type(input_file_t), intent(inout) :: input !! the file
@@ -84,16 +84,17 @@ contains
 
       is_kept = raw%cell_kind%items() < 0
       do dimension = 0, 2
-         call put_dimension(groups%of_dimension(dimension), groups%has_entities, raw, input, is_kept, has_surfaces)
+         call add_sets_of_dimension(groups%of_dimension(dimension), groups%has_entities, raw, input, is_kept, &
+            has_surfaces)
       end do
       n_dropped = count(.not. is_kept)
       if (.not. has_surfaces .or. n_dropped == 0) return
       where (.not. is_kept) raw%cell_kind%item(:raw%cell_kind%n) = no_cell
       call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
-   end subroutine put_groups
+   end subroutine add_sets
 
    !> Makes named sets of a raw mesh from the physical groups of one dimension.
-   pure subroutine put_dimension(groups, has_entities, raw, input, is_kept, has_any)
+   pure subroutine add_sets_of_dimension(groups, has_entities, raw, input, is_kept, has_any)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
@@ -141,7 +142,7 @@ contains
             is_kept(cell) = .true.
          end do
       end do
-   end subroutine put_dimension
+   end subroutine add_sets_of_dimension
 
    !> Reads the type of an element; refuses types that are not supported.
    pure subroutine take_cell_kind(input, kind)
@@ -542,7 +543,7 @@ contains
       if (raw%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
       if (all(raw%cell_kind%items() < 0)) call input%refuse( &
          'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
-      if (.not. allocated(input%error)) call put_groups(groups, raw, input)
+      if (.not. allocated(input%error)) call add_sets(groups, raw, input)
    end subroutine read_gmsh
 
    !> Skips the end marker of a section.

@@ -94,7 +94,7 @@ contains
 
    !> Follows shorter sides of the elements on the other face from one corner of a side to the other, against their
    !> direction.
-   pure subroutine follow(incoming, coordinates, from, to, node)
+   pure subroutine follow_sides(incoming, coordinates, from, to, node)
       type(incoming_sides_t), intent(in) :: incoming !! the sides of the boundary
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, nodes) [L]
       integer, intent(in) :: from !! the corner to come from
@@ -127,7 +127,7 @@ contains
          reached = way(1)
       end do
       node = 0
-   end subroutine follow
+   end subroutine follow_sides
 
    !> Makes a mesh of a raw mesh. Faults are recorded in the input, notes in the raw mesh.
    subroutine new_clean_mesh(mesh, raw, input)
@@ -371,7 +371,7 @@ contains
          number = table%boundary(side)
          if (number == 0) cycle
          one = mesh%side(side_element(number), side_place(number))
-         call follow(incoming, mesh%coordinates, one(1), one(2), node)
+         call follow_sides(incoming, mesh%coordinates, one(1), one(2), node)
          if (node == 0) cycle
          call refuse_cell(input, raw, cell_of(side_element(number)), 'has a hanging node in one of its sides, at '// &
             to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &

@@ -9,7 +9,7 @@ module amontons_mesh_file
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_kinds, only: dp
-   use amontons_mesh, only: find_named, mesh_t, named_set_t, parents_t
+   use amontons_mesh, only: find_set, mesh_t, named_set_t, parents_t
    use amontons_mesh_cleanup, only: new_clean_mesh
    use amontons_text, only: newline
    implicit none (type, external)
@@ -120,8 +120,8 @@ contains
 
          if (.not. present(sets)) return
          do i = 1, size(sets)
-            is_double = find_named(mesh%sets, sets(i)%name) + find_named(mesh%node_sets, sets(i)%name) > 0
-            if (noun == 'region') is_double = find_named(mesh%regions, sets(i)%name) > 0
+            is_double = find_set(mesh%sets, sets(i)%name) + find_set(mesh%node_sets, sets(i)%name) > 0
+            if (noun == 'region') is_double = find_set(mesh%regions, sets(i)%name) > 0
             if (is_double .and. .not. allocated(error)) call new_error(error, input_refused, &
                'another &mesh has the '//noun//" '"//sets(i)%name//"' too; give each &mesh a name of its own")
          end do

@@ -13,7 +13,6 @@ module amontons_history_files
    use amontons_friction_law, only: status_names, tangential_norm
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t, step_state_t
-   use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_parameters, n_plain_numbers, parameter_names
    use amontons_input_file, only: read_text_file
    use amontons_key_results, only: lengths_t, new_lengths, wear_results
    use amontons_kinds, only: dp
@@ -25,6 +24,7 @@ module amontons_history_files
    use amontons_system, only: make_directory
    use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, put_decimals, put_integer, &
       read_reals, to_text
+   use amontons_time_stepping, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names, time_stepping_t
    use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
@@ -237,27 +237,27 @@ contains
    end function several
 
    !> The rows that the last step adds to a table; empty for that of the grids.
-   function table_rows(table, model, body, walk) result(rows)
+   function table_rows(table, model, body, stepping) result(rows)
       type(history_table_t), intent(in) :: table !! the table
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       character(:), allocatable :: rows
       real(dp), allocatable :: numbers(:)
 
       rows = ''
       select case (table%content)
       case (of_steps)
-         rows = history_row(model, body, walk%n_steps, walk%state)
+         rows = history_row(model, body, stepping%n_steps, stepping%state)
       case (of_points)
-         if (is_shown(walk%n_steps, model%history%points_every)) rows = points_rows(model, body, walk)
+         if (is_shown(stepping%n_steps, model%history%points_every)) rows = points_rows(model, body, stepping)
       case (of_states)
-         if (.not. is_shown(walk%n_steps, model%history%states_every)) return
-         numbers = walk%numbers()
-         rows = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
+         if (.not. is_shown(stepping%n_steps, model%history%states_every)) return
+         numbers = stepping%numbers()
+         rows = to_text(stepping%n_steps)//','//comma_separated(numbers(2:))//newline
       case (of_cycles)
-         if (.not. walk%watch%is_finished) return
-         numbers = walk%watch%numbers
+         if (.not. stepping%record%is_finished) return
+         numbers = stepping%record%numbers
          rows = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
             comma_separated(numbers(5:n_plain_numbers - 1))
          if (model%history%has_fretting) rows = rows//','//comma_separated(numbers(n_plain_numbers + 1:))
@@ -276,13 +276,13 @@ contains
       type(quantity_t), allocatable :: worn(:)
       integer :: i
 
-      numbers = [state%instant%time, state%instant%numbers, set_numbers(body, state), state%load_work, &
+      numbers = [state%instant%time, state%instant%numbers, contact_set_numbers(body, state), state%load_work, &
          state%support_work, state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
          state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(tangential_norm( &
          state%slip, size(state%worn)))), &
          max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual]
       do i = 1, several(size(body%zone%pairs))
-         numbers = [numbers, set_numbers(body, state, i)]
+         numbers = [numbers, contact_set_numbers(body, state, i)]
       end do
       worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
       numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named, worn%value]
@@ -290,7 +290,7 @@ contains
 
    !> Zone lengths and sums of contact forces of all contact sets, or of one: open, slip, stick, normal, tangential (5)
    !> [L], [F].
-   pure function set_numbers(body, state, set) result(numbers)
+   pure function contact_set_numbers(body, state, set) result(numbers)
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at the end of a step
       integer, intent(in), optional :: set !! the contact set
@@ -306,7 +306,7 @@ contains
          numbers = [lengths%open, lengths%slip, lengths%stick, sum(force(:m), mask=is_meant), &
             sum(force(m + 1:2*m), mask=is_meant)]
       end associate
-   end function set_numbers
+   end function contact_set_numbers
 
    !> The row of a step.
    pure function history_row(model, body, number, state) result(row)
@@ -323,20 +323,20 @@ contains
 
    !> The rows of the contact points of a step. The slip is the distance that a point has moved on the obstacle along
    !> its tangent, the gap is the remaining one.
-   pure function points_rows(model, body, walk) result(rows)
+   pure function points_rows(model, body, stepping) result(rows)
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
-      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       character(:), allocatable :: rows, start, lines(:)
       real(dp), allocatable :: record(:, :)
       real(dp) :: gap(body%zone%n_points)
       integer :: p, m, length
 
       m = body%zone%n_points
-      record = walk%point_record(body)
-      start = to_text(walk%n_steps)//','//to_text(walk%state%instant%time)//','
+      record = stepping%point_record(body)
+      start = to_text(stepping%n_steps)//','//to_text(stepping%state%instant%time)//','
       allocate (character(len(start) + (14 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
-      associate (state => walk%state, zone => body%zone)
+      associate (state => stepping%state, zone => body%zone)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
          do p = 1, m
@@ -354,11 +354,11 @@ contains
 
    !> Opens the files that the deck asks for; they continue those of an interrupted run of the same history.
    ! allow(S902): what the files are of, where they are, and what an earlier run left
-   subroutine open_history_files(files, model, body, walk, directory, label, key, progress, error)
+   subroutine open_history_files(files, model, body, stepping, directory, label, key, progress, error)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(history_walk_t), intent(in) :: walk !! the way, where it begins
+      type(time_stepping_t), intent(in) :: stepping !! the time stepping at its start
       character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! what the case is called
       character(*), intent(in) :: key !! what the history depends on, lines of text
@@ -371,7 +371,7 @@ contains
       files%folder = label%name//'.history/'
       files%units = label%units
       call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
-      call history_tables(files%tables, model, body, size(walk%watch%noted()))
+      call history_tables(files%tables, model, body, size(stepping%record%saved_numbers()))
       files%grids_table = findloc(files%tables%content, of_grids, dim=1)
       do i = 1, size(files%tables)
          call files%checkpoint%add_table(files%directory//files%name//files%tables(i)%ending//'.part', &
@@ -384,15 +384,15 @@ contains
    end subroutine open_history_files
 
    !> Adds the rows of a step to all tables.
-   subroutine history_files_add_step(self, model, body, walk)
+   subroutine history_files_add_step(self, model, body, stepping)
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       integer :: i
 
       do i = 1, size(self%tables)
-         call self%checkpoint%add_rows(i, table_rows(self%tables(i), model, body, walk))
+         call self%checkpoint%add_rows(i, table_rows(self%tables(i), model, body, stepping))
       end do
    end subroutine history_files_add_step
 

@@ -54,7 +54,7 @@ module amontons_history_model
    !> The data that all steps share.
    type :: history_model_t
       type(history_t) :: history !! times and changes
-      type(load_solver_t) :: solver !! loads, obstacles and friction, and the way to the solution of a step
+      type(load_solver_t) :: solver !! loads, obstacles and friction, and the solver of a step
       integer, allocatable, private :: part_of(:) !! part of each change; 0 for obstacles
       type(energy_form_t) :: energies !! energies in terms of factors and contact displacements
       type(surface_stress_t), allocatable :: surface !! stresses of the surface, where they are asked for
@@ -88,7 +88,7 @@ module amontons_history_model
 
    !> The state at the end of a step.
    type :: step_state_t
-      type(instant_t) :: instant !! what acts
+      type(instant_t) :: instant !! the loads
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
       real(dp), allocatable :: slip(:) !! slip of the step (n_rows - m) [L]
       real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
@@ -276,7 +276,7 @@ contains
       if (all(is_locked .eqv. body%condensation%is_locked)) return
       call lock_motions(body, problem, is_locked, error)
       if (allocated(error)) return
-      call self%solver%note_motions(body)
+      call self%solver%find_free_motions(body)
       call condense_history(self, body, problem, error)
    end subroutine history_model_set_locks
 
@@ -333,7 +333,7 @@ contains
       class(history_model_t), intent(in) :: self !! the model
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: time !! the time, not outside of the history [-]
-      type(instant_t), intent(out) :: instant !! what acts
+      type(instant_t), intent(out) :: instant !! the loads
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       real(dp), allocatable :: numbers(:)
       integer :: i
@@ -351,7 +351,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: time !! the time [-]
       real(dp), intent(in) :: numbers(:) !! the numbers of all changes, in the deck's order
-      type(instant_t), intent(out) :: instant !! what acts
+      type(instant_t), intent(out) :: instant !! the loads
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       type(obstacle_motion_t) :: motions(size(self%solver%loads%base%contacts))
       integer :: i, k, first

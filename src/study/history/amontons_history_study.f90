@@ -9,7 +9,6 @@ module amontons_history_study
    use amontons_history, only: history_t, is_shown, moved_things, steps_t
    use amontons_history_files, only: history_files_t, open_history_files, read_start
    use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
-   use amontons_history_walk, only: cycle_outcomes, history_walk_t, n_cycle_numbers, n_plain_numbers, new_history_walk
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
@@ -27,6 +26,8 @@ module amontons_history_study
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, lower_case, &
       n_characters, newline, scientific, short_text, to_text, unit_of, with_unit
+   use amontons_time_stepping, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers, new_time_stepping, &
+      time_stepping_t
    use amontons_uniqueness, only: new_uniqueness
    use amontons_version, only: version
    implicit none (type, external)
@@ -43,7 +44,7 @@ module amontons_history_study
       real(dp) :: value = 0.0_dp !! the largest [-]
       integer :: step = 0 !! the step; 0 if none had more than 0
    contains
-      procedure :: note => worst_step_note
+      procedure :: update => worst_step_update
    end type worst_step_t
 
    !> Index of a step's largest number: the residual of the contact problem.
@@ -68,12 +69,12 @@ module amontons_history_study
    !> The result of a history. Its steps are in files.
    type :: history_result_t
       type(result_t) :: last !! the last step, certified on the full model; its times are those of the history
-      type(history_walk_t) :: walk !! where the way ended
+      type(time_stepping_t) :: stepping !! the time stepping after the last step
       type(study_files_t) :: files !! the files that grew with it
       type(checkpoint_t) :: checkpoint !! their checkpoint, locked unless the history was interrupted
       real(dp), allocatable :: reached(:, :)
          !! the times of the deck that were reached, each with zones, forces, strain energy, work, dissipation (9, n)
-      real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_watch_t` has them (n_cycle_numbers, n)
+      real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_record_t` has them (n_cycle_numbers, n)
       real(dp), allocatable :: extremes(:, :)
          !! least and greatest of the numbers of all contact sets, of the probes, and of forces by name (n, 2)
       type(worst_step_t) :: worst(of_feedback) !! the largest of each number of the steps, `of_residual` and so on
@@ -87,8 +88,8 @@ module amontons_history_study
    contains
       procedure :: add_warnings => history_result_add_warnings
       procedure :: error_from_rest => history_result_error_from_rest
-      procedure :: note_certificate => history_result_note_certificate
-      procedure :: note_step => history_result_note_step
+      procedure :: record_certificate => history_result_record_certificate
+      procedure :: record_step => history_result_record_step
       procedure, private :: visit => history_result_visit
    end type history_result_t
 
@@ -119,8 +120,8 @@ contains
       call begin_history(cache, config, directory, model, files, result, error)
       if (allocated(error)) return
       call take_steps(cache, model, files, monitor, result, error)
-      result%last%is_complete = len(result%walk%fault) == 0
-      result%last%outcome = result%walk%outcome
+      result%last%is_complete = len(result%stepping%fault) == 0
+      result%last%outcome = result%stepping%outcome
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
       ! The tables of changes are among the files that were read.
       do i = 1, size(config%history%steps)
@@ -130,7 +131,7 @@ contains
       result%checkpoint = files%checkpoint
       if (result%is_interrupted) then
          call result%checkpoint%close()
-      else if (result%walk%n_steps == 0) then
+      else if (result%stepping%n_steps == 0) then
          call result%checkpoint%discard()
       else if (allocated(error)) then
          call result%checkpoint%close()
@@ -144,7 +145,7 @@ contains
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(history_model_t), intent(inout) :: model !! the history
       type(history_files_t), intent(out) :: files !! the files
-      type(history_result_t), intent(inout) :: result !! gains the way, and what is known of it
+      type(history_result_t), intent(inout) :: result !! gains the time stepping and its record
       type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
       type(archive_t), allocatable :: progress
       real(dp), allocatable :: start(:)
@@ -155,17 +156,17 @@ contains
       call start_history(result, cache, model, start, error)
       if (allocated(error)) return
       if (allocated(start)) key = key//comma_separated(start)//newline
-      call open_history_files(files, model, cache%body, result%walk, directory, config, key, progress, error)
+      call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
       if (allocated(error) .or. .not. allocated(progress)) return
       call result%visit(progress)
-      call result%walk%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
-      result%n_resumed = result%walk%n_steps
+      call result%stepping%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
+      result%n_resumed = result%stepping%n_steps
    end subroutine begin_history
 
    !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck: the
    !> state of another body or under other loads would have energy that no load has supplied.
    subroutine start_history(result, cache, model, numbers, error)
-      type(history_result_t), intent(inout) :: result !! gains the way, and no steps
+      type(history_result_t), intent(inout) :: result !! gains the time stepping, without steps
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
       type(history_model_t), intent(inout) :: model !! the history
       real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state; not allocated where none is named
@@ -176,12 +177,12 @@ contains
       real(dp) :: violation
 
       allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0), result%extremes(0, 2))
-      call new_history_walk(result%walk, model, cache%body)
+      call new_time_stepping(result%stepping, model, cache%body)
       if (.not. model%history%has_start()) return
       call read_start(numbers, model%history, error)
       if (allocated(error)) return
-      call result%walk%restore(model, cache%body, cache%problem, numbers, error)
-      if (.not. allocated(error)) call new_step_result(step, cache, model, result%walk, error)
+      call result%stepping%restore(model, cache%body, cache%problem, numbers, error)
+      if (.not. allocated(error)) call new_step_result(step, cache, model, result%stepping, error)
       if (.not. allocated(error)) then
          associate (certificate => step%certificate)
             violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
@@ -189,28 +190,29 @@ contains
                certificate%wrong_dissipation)
          end associate
          if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
-            result%walk%state%solution%residual)))) call new_error(error, input_refused, &
+            result%stepping%state%solution%residual)))) call new_error(error, input_refused, &
             'it is not in equilibrium with the body and what acts on it at the time '// &
-            to_text(result%walk%state%instant%time)//' (violation '//scientific(violation)//'): mesh, materials, '// &
+            to_text(result%stepping%state%instant%time)//' (violation '//scientific(violation)// &
+            '): mesh, materials, '// &
             'supports, friction and loads at that time must be those of the history that left it')
       end if
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
    end subroutine start_history
 
    !> Saves the progress of the history.
-   subroutine note_progress(files, result, error)
+   subroutine save_progress(files, result, error)
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! the history so far
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       type(archive_t) :: progress
       real(dp), allocatable :: numbers(:)
 
-      if (result%walk%n_steps == 0) return
+      if (result%stepping%n_steps == 0) return
       call result%visit(progress)
-      numbers = result%walk%numbers()
+      numbers = result%stepping%numbers()
       call progress%pass(numbers)
       call files%checkpoint%save(progress, error)
-   end subroutine note_progress
+   end subroutine save_progress
 
    !> Writes to an archive the record of the steps so far, or reads it.
    pure subroutine history_result_visit(self, archive)
@@ -277,37 +279,37 @@ contains
       type(history_model_t), intent(inout) :: model !! the history
       type(history_files_t), intent(inout) :: files !! gain the steps
       class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
-      type(history_result_t), intent(inout) :: result !! gains the way and its extremes
+      type(history_result_t), intent(inout) :: result !! gains the steps and their extremes
       type(error_t), allocatable, intent(out) :: error !! fields cannot be written
       integer, parameter :: n_between_reports = 64
       integer :: n_kept
       logical :: is_due
 
-      associate (walk => result%walk, history => model%history)
-         call monitor%report(walk%n_planned, size(history%planned), 'steps')
-         do while (.not. (walk%is_ended .or. result%is_interrupted))
-            n_kept = walk%n_steps
-            call walk%advance(model, cache%body, cache%problem)
+      associate (stepping => result%stepping, history => model%history)
+         call monitor%report(stepping%n_planned, size(history%planned), 'steps')
+         do while (.not. (stepping%is_ended .or. result%is_interrupted))
+            n_kept = stepping%n_steps
+            call stepping%advance(model, cache%body, cache%problem)
             result%is_interrupted = monitor%is_stopped()
-            if (walk%n_steps == n_kept) exit
-            call result%note_step(cache%body, model)
-            call files%add_step(model, cache%body, walk)
+            if (stepping%n_steps == n_kept) exit
+            call result%record_step(cache%body, model)
+            call files%add_step(model, cache%body, stepping)
             call certify_step(cache, model, files, result, error)
             if (allocated(error)) return
             ! A step may take microseconds, or seconds.
             is_due = files%checkpoint%is_due()
-            if (is_due .or. modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, &
+            if (is_due .or. modulo(stepping%n_steps, n_between_reports) == 0) call monitor%report(stepping%n_planned, &
                size(history%planned), 'steps')
-            if (is_due) call note_progress(files, result, error)
+            if (is_due) call save_progress(files, result, error)
             if (allocated(error)) return
          end do
       end associate
       call result%add_warnings(cache%body)
-      call note_progress(files, result, error)
+      call save_progress(files, result, error)
    end subroutine take_steps
 
    !> Updates the record of the steps with the last one: largest numbers, extremes and warnings.
-   pure subroutine history_result_note_step(self, body, model)
+   pure subroutine history_result_record_step(self, body, model)
       class(history_result_t), intent(inout) :: self !! the history so far
       type(body_t), intent(in) :: body !! the body
       type(history_model_t), intent(in) :: model !! the history
@@ -316,10 +318,10 @@ contains
       real(dp), allocatable :: numbers(:)
       logical :: is_warned(n_case_warnings)
 
-      associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
-         if (walk%is_jump) self%n_jumps = self%n_jumps + 1
-         call self%worst%note([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
-            merge(state%indicator, 0.0_dp, walk%is_jump), state%wear_feedback], walk%n_steps)
+      associate (stepping => self%stepping, state => self%stepping%state, m => body%zone%n_points)
+         if (stepping%is_jump) self%n_jumps = self%n_jumps + 1
+         call self%worst%update([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
+            merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
          contact = contact_numbers(body, state)
          numbers = [contact%value, model%probed(state%instant%factor, state%solution%displacement), state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
@@ -327,10 +329,10 @@ contains
             [size(numbers), 2])
          call find_case_warnings(is_warned, body, model%solver%size_of_body, &
             model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
-         where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
-         where (is_warned) self%last_warned = walk%n_steps
+         where (is_warned .and. self%n_warned == 0) self%warned_step = stepping%n_steps
+         where (is_warned) self%last_warned = stepping%n_steps
          self%n_warned = self%n_warned + merge(1, 0, is_warned)
-         if (walk%watch%is_finished) self%cycles = reshape([self%cycles, walk%watch%numbers], &
+         if (stepping%record%is_finished) self%cycles = reshape([self%cycles, stepping%record%numbers], &
             [n_cycle_numbers, size(self%cycles, 2) + 1])
          if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
@@ -339,7 +341,7 @@ contains
             state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
             [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
-   end subroutine history_result_note_step
+   end subroutine history_result_record_step
 
    !> Adds the numbers of the whole history to the result of the last step: works, the largest accumulated slip, the
    !> numbers of the last cycle, and the extremes of the steps.
@@ -353,7 +355,7 @@ contains
       type(quantity_t) :: probe(1 + body%zone%n_tangents)
       integer :: i, k
 
-      followed = contact_numbers(body, result%walk%state)
+      followed = contact_numbers(body, result%stepping%state)
       do i = 1, model%history%n_probes()
          do k = 1, size(probe)
             probe(k)%key = trim(displacements(k))//'_'//to_text(i)
@@ -363,9 +365,9 @@ contains
          followed = [followed, probe]
       end do
       followed = [followed, named_quantities(body)]
-      energies = energies_of(result%walk%state)
+      energies = energies_of(result%stepping%state)
       list = [energies(:3), energies(5), quantity_t('max_slip_accumulated', 'Max. accumulated slip', max(0.0_dp, &
-         maxval(result%walk%state%accumulated_slip)), dimension='L'), cycle_results(model%history, result%cycles)]
+         maxval(result%stepping%state%accumulated_slip)), dimension='L'), cycle_results(model%history, result%cycles)]
       ! A history that starts at its last time has no steps.
       do i = 1, merge(size(followed), 0, size(result%extremes) > 0)
          do k = 1, 2
@@ -395,13 +397,13 @@ contains
    end function history_result_error_from_rest
 
    !> Records the certificate of the last step.
-   pure subroutine history_result_note_certificate(self, violation)
+   pure subroutine history_result_record_certificate(self, violation)
       class(history_result_t), intent(inout) :: self !! the history so far
       real(dp), intent(in) :: violation !! the largest violation of the step [-]
 
-      call self%worst(of_violation)%note(violation, self%walk%n_steps)
+      call self%worst(of_violation)%update(violation, self%stepping%n_steps)
       self%n_certified = self%n_certified + 1
-   end subroutine history_result_note_certificate
+   end subroutine history_result_record_certificate
 
    !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory if those of
    !> the last step are not, which has its own warnings.
@@ -415,7 +417,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-6_dp
       integer :: i
 
-      associate (n_steps => self%walk%n_steps, warnings => self%last%warnings)
+      associate (n_steps => self%stepping%n_steps, warnings => self%last%warnings)
          associate (feedback => self%worst(of_feedback))
             if (feedback%value > well_below) call warnings%add('the depth worn in step '//to_text(feedback%step)// &
                ' would relieve a contact point of '//short_text(feedback%value)//' times its pressure: from '// &
@@ -445,27 +447,27 @@ contains
       type(result_t) :: step
       logical :: has_grids
 
-      has_grids = is_shown(result%walk%n_steps, model%history%fields_every)
-      if (.not. (has_grids .or. result%last_warned(end_of_set) == result%walk%n_steps)) return
+      has_grids = is_shown(result%stepping%n_steps, model%history%fields_every)
+      if (.not. (has_grids .or. result%last_warned(end_of_set) == result%stepping%n_steps)) return
       step%wants_error_estimate = result%last%wants_error_estimate
-      call new_step_result(step, cache, model, result%walk, error)
+      call new_step_result(step, cache, model, result%stepping, error)
       if (allocated(error)) return
-      call result%note_certificate(step%certificate%largest())
-      if (has_grids) call files%add_fields(cache%body, result%walk%n_steps, &
-         to_text(result%walk%state%instant%time), step, error)
+      call result%record_certificate(step%certificate%largest())
+      if (has_grids) call files%add_fields(cache%body, result%stepping%n_steps, &
+         to_text(result%stepping%state%instant%time), step, error)
    end subroutine certify_step
 
    !> Makes the result of a step: displacements of all nodes, and their certificate.
-   subroutine new_step_result(step, cache, model, walk, error)
+   subroutine new_step_result(step, cache, model, stepping, error)
       type(result_t), intent(inout) :: step !! gains load case, solution, displacements and certificate
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
-      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
 
-      call model%solver%loads%load_case(cache%body, walk%state%instant, step%load_case)
-      step%solution = walk%state%solution
-      step%slip_record = walk%point_record(cache%body)
+      call model%solver%loads%load_case(cache%body, stepping%state%instant, step%load_case)
+      step%solution = stepping%state%solution
+      step%slip_record = stepping%point_record(cache%body)
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
@@ -479,28 +481,30 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
-      if (result%walk%n_steps == 0) then
+      if (result%stepping%n_steps == 0) then
          ! That there is no first state is an answer; an obstacle that is out of place is none.
-         if (result%walk%fault_kind > 0 .and. result%walk%outcome /= outcome_no_equilibrium) call new_error(error, &
-            result%walk%fault_kind, result%walk%fault)
+         if (result%stepping%fault_kind > 0 &
+            .and. result%stepping%outcome /= outcome_no_equilibrium) call new_error(error, result%stepping%fault_kind, &
+            result%stepping%fault)
          return
       end if
       call result%last%timings%begin(phase_recover)
-      associate (state => result%walk%state)
-         call new_step_result(result%last, cache, model, result%walk, error)
+      associate (state => result%stepping%state)
+         call new_step_result(result%last, cache, model, result%stepping, error)
          if (allocated(error)) return
-         call result%note_certificate(result%last%certificate%largest())
+         call result%record_certificate(result%last%certificate%largest())
          call model%solver%loads%pose(cache%body, state%instant, cache%problem)
       end associate
       call add_result_warnings(result%last, cache%body)
       call add_history_results(result, model, cache%body)
       call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
-      call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
+      call files%finish(model, result%stepping%n_steps, result%n_resumed, result%files%files, result%files%manifest, &
+         error)
    end subroutine finish_history
 
    !> Updates the largest value with the number of a step.
-   elemental subroutine worst_step_note(self, value, step)
+   elemental subroutine worst_step_update(self, value, step)
       class(worst_step_t), intent(inout) :: self !! the largest so far
       real(dp), intent(in) :: value !! that of the step [-]
       integer, intent(in) :: step !! the step
@@ -508,7 +512,7 @@ contains
       if (.not. value > self%value) return
       self%value = value
       self%step = step
-   end subroutine worst_step_note
+   end subroutine worst_step_update
 
    !> Adds sections on the history to listing and summary of the last step, with the largest errors of the steps.
    subroutine describe_history(result, config)
@@ -525,16 +529,16 @@ contains
       integer :: i, k, n, width
 
       result%last%earlier_violation = max(result%worst(of_violation)%value, result%worst(of_identities)%value)
-      energies = energies_of(result%walk%state)
+      energies = energies_of(result%stepping%state)
       ! They have a scale, sums over the steps have none.
       extremes = pack(result%last%history_results, result%last%history_results%scale > 0.0_dp)
-      associate (state => result%walk%state)
+      associate (state => result%stepping%state)
          force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))
          length = max(0.0_dp, maxval(abs(state%solution%displacement)), maxval(abs(result%cycles(9:10, :))))
          energy = max(maxval(abs(energies%value)), maxval(abs(result%reached(7:, :))))
       end associate
       ! Makes the section of the listing.
-      associate (history => config%history, walk => result%walk)
+      associate (history => config%history, stepping => result%stepping)
          text = heading('Load history')
          do i = 1, size(history%steps)
             text = text//labeled('Changes', steps_text(history%steps(i)))
@@ -548,14 +552,14 @@ contains
          end do
          if (n > 0) note = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
          text = text//note
-         if (len(walk%fault) > 0) text = text//labeled('INCOMPLETE', walk%fault)
-         text = text//labeled('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
+         if (len(stepping%fault) > 0) text = text//labeled('INCOMPLETE', stepping%fault)
+         text = text//labeled('Steps', to_text(stepping%n_steps)//', row by row in '//config%name//'.history.csv')
          if (history%has_start()) text = text//labeled('Start', history%start)
          if (result%n_resumed > 0) text = text//labeled('Resumed', 'behind step '//to_text(result%n_resumed)// &
             ' of an interrupted run')
-         if (walk%n_given_up > 0) text = text//labeled('Halved', to_text(walk%n_given_up)//' steps')
-         text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
-            short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')
+         if (stepping%n_rejected > 0) text = text//labeled('Halved', to_text(stepping%n_rejected)//' steps')
+         text = text//labeled('Iterations', to_text(stepping%n_iterations)//', '// &
+            short_text(real(stepping%n_iterations, dp)/max(1, stepping%n_steps))//' per step')
          do i = 1, size(worst_labels)
             note = scientific(result%worst(i)%value)
             if (result%worst(i)%step > 0) note = note//' in step '//to_text(result%worst(i)%step)
@@ -672,13 +676,13 @@ contains
       character(:), allocatable :: text
       integer :: i, k, since
 
-      associate (walk => result%walk, state => result%walk%state)
-         text = '{'//quantity_members(numbers)//', "complete": '//json_logical(len(walk%fault) == 0)// &
-            ', "end": '//json_string(walk%fault)
-         if (len(walk%fault) > 0) text = text//', "end_time": '//json_number(walk%fault_time)
-         text = text//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
+      associate (stepping => result%stepping, state => result%stepping%state)
+         text = '{'//quantity_members(numbers)//', "complete": '//json_logical(len(stepping%fault) == 0)// &
+            ', "end": '//json_string(stepping%fault)
+         if (len(stepping%fault) > 0) text = text//', "end_time": '//json_number(stepping%fault_time)
+         text = text//', "steps": '//to_text(stepping%n_steps)//', "steps_done_earlier": '// &
             to_text(result%n_resumed)//', "steps_given_up": '// &
-            to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
+            to_text(stepping%n_rejected)//', "iterations": '//to_text(stepping%n_iterations)//', "changes": ['
          do i = 1, size(config%history%steps)
             do k = 1, config%history%steps(i)%n_numbers()
                if (i > 1 .or. k > 1) text = text//', '
@@ -793,19 +797,19 @@ contains
       call solve_on_meshes(cache, config, options%directory, monitor, result, word, error)
       if (allocated(error)) return
       if (result%is_interrupted) then
-         call outcome%interrupt('step '//to_text(result%walk%n_steps)//word)
+         call outcome%interrupt('step '//to_text(result%stepping%n_steps)//word)
          return
       end if
-      if (len(result%walk%fault) > 0) then
+      if (len(result%stepping%fault) > 0) then
          word = word_not_converged
-         if (result%walk%outcome == outcome_no_equilibrium) word = word_no_equilibrium
-         if (result%walk%outcome == outcome_numbers) word = word_numerical_failure
-         call outcome%lack(word, result%walk%fault)
+         if (result%stepping%outcome == outcome_no_equilibrium) word = word_no_equilibrium
+         if (result%stepping%outcome == outcome_numbers) word = word_numerical_failure
+         call outcome%lack(word, result%stepping%fault)
          ! Memory may have run out.
-         if (result%walk%outcome == outcome_numbers) outcome%status = result%walk%fault_kind
+         if (result%stepping%outcome == outcome_numbers) outcome%status = result%stepping%fault_kind
       end if
       outcome%warnings = result%last%warnings
-      if (result%walk%n_steps == 0) then
+      if (result%stepping%n_steps == 0) then
          result%last%answer = outcome%message
          call write_report(options%directory, config, cache%body, result%last, error, result%files)
          return
@@ -816,16 +820,17 @@ contains
       call result%checkpoint%close()
       if (allocated(error)) return
       from_rest = result%error_from_rest(self%config%history)
-      associate (walk => result%walk)
-         outcome%text = self%config%name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', &
-            'INCOMPLETE', len(walk%fault) == 0))//', residual at most '// &
+      associate (stepping => result%stepping)
+         outcome%text = self%config%name//': '//to_text(stepping%n_steps)//' steps, '//trim(merge('all solved', &
+            'INCOMPLETE', len(stepping%fault) == 0))//', residual at most '// &
             scientific(result%worst(of_residual)%value)// &
-            '; dissipation '//with_unit(short_text(sum(walk%state%dissipation)), self%config%units, 'F L')// &
-            ', energy error '//with_unit(short_text(walk%state%energy_error() - from_rest), self%config%units, 'F L')
-         if (abs(from_rest) > rounding*walk%state%strain_energy) outcome%text = outcome%text// &
+            '; dissipation '//with_unit(short_text(sum(stepping%state%dissipation)), self%config%units, 'F L')// &
+            ', energy error '//with_unit(short_text(stepping%state%energy_error() - from_rest), self%config%units, &
+            'F L')
+         if (abs(from_rest) > rounding*stepping%state%strain_energy) outcome%text = outcome%text// &
             ' and, in the first step from rest, '//with_unit(short_text(from_rest), self%config%units, 'F L')
       end associate
-      outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
+      outcome%numbers = [quantity_t('iterations', '', real(result%stepping%n_iterations, dp)), &
          quantity_t('residual', '', result%worst(of_residual)%value), result%last%key_results, &
          resultants(result%last%solution%force, size(result%last%solution%status))]
       outcome%has_grids = result%last%is_complete

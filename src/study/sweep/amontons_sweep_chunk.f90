@@ -91,7 +91,7 @@ module amontons_sweep_chunk
    !> The data of a sweep that all threads read.
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
-      type(load_solver_t) :: solver !! their loads, and the way to their solutions
+      type(load_solver_t) :: solver !! their loads and the solver
       type(force_form_t) :: forces !! the forces by name, where they are asked for
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case

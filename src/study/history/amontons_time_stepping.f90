@@ -1,14 +1,14 @@
-!> The way through a history: step after step, halved where a step does not converge or its energies do not balance; and
-!> the cycles on it.
+!> Time stepping through a history: steps between the planned times, each halved if it does not converge or its energies
+!> do not balance; and the records of the cycles.
 !>
-!> The way from one of the planned times to the next is divided by halves, so that a step always begins and ends at a
-!> multiple of its own length. What decides is computed numbers alone, rounded so that their last digits have no say:
-!> the steps are the same on every machine.
+!> The interval between two planned times is divided by halves, so that a step always begins and ends at a multiple of
+!> its own length. Decisions depend on computed numbers rounded to few digits, so that the steps are the same on every
+!> machine.
 !>
-!> Of a cycle: what it took, whether it went like the one before, and what the stresses of the surface and the slips say
-!> about fretting: the parameters of Ruiz, and that of Smith, Watson and Topper on the critical plane. These are made of
-!> the largest values of some numbers over the steps of the cycle, so that no step need be kept.
-module amontons_history_walk
+!> The record of a cycle compares it with the cycle before, and has parameters of fretting from surface stresses
+!> and slips: those of Ruiz, and that of Smith, Watson and Topper on the critical plane. These are computed from the
+!> largest values of some numbers over the steps of the cycle, so that no step needs to be stored.
+module amontons_time_stepping
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t
    use amontons_contact_problem, only: contact_problem_t
@@ -23,34 +23,34 @@ module amontons_history_walk
    implicit none (type, external)
    private
 
-   public :: cycle_outcomes, cycle_watch_t, history_walk_t, n_cycle_numbers, n_parameters, n_plain_numbers, &
-      new_history_walk, parameter_names
+   public :: cycle_outcomes, cycle_record_t, n_cycle_numbers, n_parameters, n_plain_numbers, new_time_stepping, &
+      parameter_names, time_stepping_t
 
-   !> What a cycle can be: the first, or without slip, like the one before, like the one before but for a shift, or
-   !> another.
+   !> Classes of cycles: the first; without slip; like the one before; like the one before except for a constant drift
+   !> of the points; different from the one before.
    character(10), parameter :: cycle_outcomes(*) = [character(10) :: 'first', 'shakedown', 'steady', 'ratcheting', &
       'changing']
-   !> Their numbers.
+   !> Indices of the classes in `cycle_outcomes`.
    integer, parameter :: first_cycle = 1, shakedown = 2, steady = 3, ratcheting = 4, changing = 5
-   !> Numbers of a cycle besides those of fretting, in the order of `cycle_numbers`.
+   !> Number of numbers of a cycle other than those of fretting, in the order of `cycle_numbers`.
    integer, parameter :: n_plain_numbers = 14
-   !> Numbers of a cycle, all of them.
+   !> Number of all numbers of a cycle.
    integer, parameter :: n_cycle_numbers = n_plain_numbers + 3
-   !> What is noted of each point.
+   !> Numbers of each point at the beginning of a cycle: those without direction, and those for each tangent.
    integer, parameter :: n_scalars = 3, n_tangentials = 3
 
-   !> Planes through a point, by the angle of their normals to the tangent: 2 degrees apart.
+   !> Number of planes through a point, by the angle of their normals to the tangent: 2 degrees apart.
    integer, parameter :: n_planes = 90
-   !> Numbers of a point whose largest values are kept: shear, stress along the surface, slip and its opposite; stress,
-   !> strain and the opposite of the strain along the normal of each plane.
+   !> Number of values of a point whose largest ones are kept: shear, stress along the surface, slip and its opposite;
+   !> stress, strain and the opposite of the strain along the normal of each plane.
    integer, parameter :: n_extremes = 4 + 3*n_planes
-   !> Number of parameters.
+   !> Number of fretting parameters.
    integer, parameter :: n_parameters = 5
-   !> What they are called in tables.
+   !> Names of the fretting parameters in tables.
    character(14), parameter :: parameter_names(n_parameters) = [character(14) :: 'surface_stress', 'ruiz_1', 'ruiz_2', &
       'swt', 'swt_angle']
 
-   !> The cycle so far.
+   !> Surface stresses and extremes of a cycle, for the fretting parameters.
    type :: fretting_t
       real(dp), allocatable :: stress(:, :) !! stresses of the surface at the end of the last step (4, m) [F/L^2]
       real(dp), allocatable :: extreme(:, :) !! largest values over the cycle (n_extremes, m)
@@ -59,8 +59,8 @@ module amontons_history_walk
       procedure :: parameters => fretting_parameters
    end type fretting_t
 
-   !> The cycle that is under way.
-   type :: cycle_watch_t
+   !> The record of the present cycle and the numbers of the last complete one.
+   type :: cycle_record_t
       logical :: is_finished = .false. !! whether the last step ended a cycle
       real(dp) :: numbers(n_cycle_numbers) = 0.0_dp !! that cycle, in the order of `cycle_numbers`
       type(fretting_t) :: fretting !! stresses and slips of the cycle so far
@@ -75,53 +75,53 @@ module amontons_history_walk
       real(dp), allocatable, private :: points(:, :)
          !! at its beginning contact forces, position, accumulated slip, dissipation; drift of the cycle before (m, any)
    contains
-      procedure :: note => cycle_watch_note
-      procedure :: noted => cycle_watch_noted
-      procedure :: restore => cycle_watch_restore
-      procedure, private :: start => cycle_watch_start
-      procedure, private :: finish => cycle_watch_finish
-   end type cycle_watch_t
+      procedure :: add_step => cycle_record_add_step
+      procedure :: saved_numbers => cycle_record_saved_numbers
+      procedure :: restore => cycle_record_restore
+      procedure, private :: start => cycle_record_start
+      procedure, private :: finish => cycle_record_finish
+   end type cycle_record_t
 
-   !> A planned step can be halved this many times at the most.
+   !> Largest number of halvings of a planned step.
    integer, parameter :: most_halvings = 10
-   !> Its length in the smallest steps.
+   !> Length of a planned step in the smallest steps (ticks).
    integer, parameter :: n_ticks = 2**most_halvings
 
-   !> Numbers that the way keeps besides those of its state.
+   !> Number of saved numbers other than those of the state and of the cycle.
    integer, parameter :: n_own = 5
 
-   !> Where the way has come to.
-   type :: history_walk_t
-      type(step_state_t) :: state !! the state at the end of the last step that was kept
-      type(cycle_watch_t) :: watch !! the cycle that is under way
+   !> The state of the time stepping after the last accepted step.
+   type :: time_stepping_t
+      type(step_state_t) :: state !! the state at the end of the last accepted step
+      type(cycle_record_t) :: record !! the present cycle
       integer :: n_planned = 0 !! number of planned times reached
-      integer :: n_steps = 0 !! number of steps kept
-      integer :: n_given_up = 0 !! number of steps given up for shorter ones
-      integer :: n_iterations = 0 !! iterations of all steps, those given up included
-      logical :: is_ended = .false. !! whether there is no way on: all times are reached, or a step cannot be taken
+      integer :: n_steps = 0 !! number of accepted steps
+      integer :: n_rejected = 0 !! number of steps rejected for shorter ones
+      integer :: n_iterations = 0 !! iterations of all steps, rejected ones included
+      logical :: is_ended = .false. !! whether all times are reached, or a step could not be taken
       character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
-      integer :: outcome = outcome_solved !! what came of the last step, kept or not
+      integer :: outcome = outcome_solved !! outcome of the last step, accepted or not
       integer :: fault_kind = 0 !! the kind of the error that it is; 0 for a step that does not converge
       real(dp) :: fault_time = 0.0_dp !! the time that the step would have led to [-]
       logical :: is_jump = .false. !! whether the energies of the last step do not balance
-      integer, private :: tick = 0 !! how far it is on the way to the next planned time, in smallest steps
+      integer, private :: tick = 0 !! progress towards the next planned time, in smallest steps
       integer, private :: length = n_ticks !! length of the next step in smallest steps
    contains
-      procedure :: advance => history_walk_advance
-      procedure :: keep => history_walk_keep
-      procedure :: numbers => history_walk_numbers
-      procedure :: point_record => history_walk_point_record
-      procedure :: restore => history_walk_restore
-      procedure :: shorten => history_walk_shorten
-      procedure, private :: can_halve => history_walk_can_halve
-      procedure, private :: plan => history_walk_plan
-   end type history_walk_t
+      procedure :: advance => time_stepping_advance
+      procedure :: accept => time_stepping_accept
+      procedure :: numbers => time_stepping_numbers
+      procedure :: point_record => time_stepping_point_record
+      procedure :: restore => time_stepping_restore
+      procedure :: shorten_to => time_stepping_shorten_to
+      procedure, private :: can_halve => time_stepping_can_halve
+      procedure, private :: next_time => time_stepping_next_time
+   end type time_stepping_t
 
 contains
 
-   !> Notes a step that was kept.
-   pure subroutine cycle_watch_note(self, model, before, after)
-      class(cycle_watch_t), intent(inout) :: self !! the cycle; gains the step
+   !> Adds an accepted step to the record.
+   pure subroutine cycle_record_add_step(self, model, before, after)
+      class(cycle_record_t), intent(inout) :: self !! the cycle; gains the step
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(step_state_t), intent(in) :: after !! the state at its end
@@ -139,9 +139,9 @@ contains
       self%n_steps = self%n_steps + 1
       self%turnover = self%turnover + abs(work(after) - work(before))
       if (model%cycle_at(after%instant%time) > 0 .and. after%instant%time > self%begin) call self%finish(model, after)
-   end subroutine cycle_watch_note
+   end subroutine cycle_record_add_step
 
-   !> Stresses of the surface in a state (4, m) [F/L^2].
+   !> Stresses at the surface in a state: normal, shear, along the surface, out of the plane (4, m) [F/L^2].
    pure function surface_stress(model, state) result(stress)
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state
@@ -150,7 +150,7 @@ contains
       stress = model%surface%stress(state%instant%factor, state%solution%displacement, state%solution%force)
    end function surface_stress
 
-   !> How far the points have moved along their tangents, on the obstacle (n_rows - m) [L].
+   !> Displacements of the points along their tangents relative to the obstacle (n_rows - m) [L].
    pure function position(state)
       type(step_state_t), intent(in) :: state !! a state
       real(dp) :: position(size(state%instant%motion))
@@ -165,9 +165,9 @@ contains
       work = state%load_work + state%support_work + state%obstacle_work
    end function work
 
-   !> Begins a cycle. What the one before has left stays.
-   pure subroutine cycle_watch_start(self, state)
-      class(cycle_watch_t), intent(inout) :: self !! the cycle; becomes a new one
+   !> Begins a cycle. The numbers of the one before are kept for the comparison.
+   pure subroutine cycle_record_start(self, state)
+      class(cycle_record_t), intent(inout) :: self !! the cycle; becomes a new one
       type(step_state_t), intent(in) :: state !! the state at its beginning
       self%is_begun = .true.
       self%n_steps = 0
@@ -179,11 +179,11 @@ contains
          self%points(:, :n) = reshape([state%solution%force, position(state), state%accumulated_slip, &
             state%dissipation], [m, n])
       end associate
-   end subroutine cycle_watch_start
+   end subroutine cycle_record_start
 
-   !> Ends a cycle: its numbers, and what the next one is compared with.
-   pure subroutine cycle_watch_finish(self, model, state)
-      class(cycle_watch_t), intent(inout) :: self !! the cycle; gains its numbers
+   !> Ends a cycle: computes its numbers, and keeps those that the next one is compared with.
+   pure subroutine cycle_record_finish(self, model, state)
+      class(cycle_record_t), intent(inout) :: self !! the cycle; gains its numbers
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at its end
       ! What rounding leaves of the slips of a cycle in which nothing slips, over the energy that went in and out.
@@ -219,10 +219,10 @@ contains
       self%has_before = .true.
       self%is_begun = .false.
       self%is_finished = .true.
-   end subroutine cycle_watch_finish
+   end subroutine cycle_record_finish
 
-   !> What a cycle is. In a steady one and in one that ratchets dissipation and forces are those of the cycle before; in
-   !> the first of these the points come back to where they were, in the second they drift as far as before.
+   !> The class of a cycle. In a steady and in a ratcheting cycle dissipation and forces are those of the cycle before;
+   !> in the former the points return to their positions, in the latter they drift by the same amount again.
    pure integer function outcome(has_before, is_without_slip, changes, slip, drift, tolerance)
       logical, intent(in) :: has_before !! whether there is a cycle before
       logical, intent(in) :: is_without_slip !! whether nothing slips in it
@@ -242,46 +242,47 @@ contains
       end if
    end function outcome
 
-   !> What the cycle must be restored from.
-   pure function cycle_watch_noted(self) result(numbers)
-      class(cycle_watch_t), intent(in) :: self !! the cycle
+   !> The numbers from which the record is restored.
+   pure function cycle_record_saved_numbers(self) result(numbers)
+      class(cycle_record_t), intent(in) :: self !! the cycle
       real(dp), allocatable :: numbers(:)
-      type(cycle_watch_t) :: watch
+      type(cycle_record_t) :: record
       type(archive_t) :: archive
 
-      watch = self
+      record = self
       allocate (archive%numbers(0))
-      call visit(watch, archive)
+      call visit(record, archive)
       numbers = archive%numbers(:archive%n)
-   end function cycle_watch_noted
+   end function cycle_record_saved_numbers
 
-   !> Writes to an archive what a cycle must be restored from, or reads it.
-   pure subroutine visit(watch, archive)
-      type(cycle_watch_t), intent(inout) :: watch !! the cycle
+   !> Writes the numbers of the record to an archive, or reads them.
+   pure subroutine visit(record, archive)
+      type(cycle_record_t), intent(inout) :: record !! the cycle
       type(archive_t), intent(inout) :: archive !! the archive
       integer :: i
 
-      if (size(watch%points) > 0) then
-         call archive%pass(watch%is_begun)
-         call archive%pass(watch%has_before)
-         call archive%pass(watch%n_steps)
-         call archive%pass(watch%begin)
-         call archive%pass(watch%work)
-         call archive%pass(watch%strain_energy)
-         call archive%pass(watch%turnover)
-         call archive%pass(watch%dissipation_before)
-         do i = 1, size(watch%points, 2)
-            call archive%pass(watch%points(:, i))
+      if (size(record%points) > 0) then
+         call archive%pass(record%is_begun)
+         call archive%pass(record%has_before)
+         call archive%pass(record%n_steps)
+         call archive%pass(record%begin)
+         call archive%pass(record%work)
+         call archive%pass(record%strain_energy)
+         call archive%pass(record%turnover)
+         call archive%pass(record%dissipation_before)
+         do i = 1, size(record%points, 2)
+            call archive%pass(record%points(:, i))
          end do
       end if
-      do i = 1, size(watch%fretting%extreme, 2)
-         call archive%pass(watch%fretting%extreme(:, i))
+      do i = 1, size(record%fretting%extreme, 2)
+         call archive%pass(record%fretting%extreme(:, i))
       end do
    end subroutine visit
 
-   !> Restores the cycle from its numbers. Those of a history with other cycles leave it to begin anew.
-   pure subroutine cycle_watch_restore(self, model, state, numbers)
-      class(cycle_watch_t), intent(inout) :: self !! the cycle, new
+   !> Restores the record from its numbers. Numbers of a history with other cycles are ignored, and the record begins
+   !> anew.
+   pure subroutine cycle_record_restore(self, model, state, numbers)
+      class(cycle_record_t), intent(inout) :: self !! the cycle, new
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at the end of the last step
       real(dp), intent(in) :: numbers(:) !! the numbers
@@ -289,12 +290,12 @@ contains
 
       self%fretting%extreme = -huge(1.0_dp)
       if (allocated(model%surface)) call self%fretting%add(model%surface, surface_stress(model, state), position(state))
-      if (size(numbers) /= size(self%noted())) return
+      if (size(numbers) /= size(self%saved_numbers())) return
       archive = archive_t(numbers, is_read=.true.)
       call visit(self, archive)
-   end subroutine cycle_watch_restore
+   end subroutine cycle_record_restore
 
-   !> Adds a state, the end of a step or the beginning of the cycle.
+   !> Adds a state: the end of a step or the beginning of the cycle.
    pure subroutine fretting_add(self, surface, stress, position)
       class(fretting_t), intent(inout) :: self !! the cycle; gains the state
       type(surface_stress_t), intent(in) :: surface !! the surface, for its material
@@ -305,7 +306,7 @@ contains
       self%extreme = max(self%extreme, sample(surface, stress, position))
    end subroutine fretting_add
 
-   !> The numbers of which the largest values are kept (n_extremes, m).
+   !> The values of a state whose largest ones are kept (n_extremes, m).
    pure function sample(surface, stress, position)
       type(surface_stress_t), intent(in) :: surface !! the surface, for its material
       real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
@@ -327,16 +328,17 @@ contains
       end do
    end function sample
 
-   !> The angle of the normal of a plane to the tangent, towards the outward normal: 0, 2, -2, 4, ... degrees [rad].
+   !> The angle between the normal of a plane and the tangent, towards the outward normal: 0, 2, -2, 4, ... degrees
+   !> [rad].
    pure real(dp) function plane_angle(plane) result(angle)
       integer, intent(in) :: plane !! number of the plane
 
       angle = acos(-1.0_dp)/n_planes*(plane/2*merge(1, -1, modulo(plane, 2) == 0))
    end function plane_angle
 
-   !> The parameters of each point over the cycle so far: stress along the surface at the end of the last step [F/L^2],
-   !> Ruiz' first [F/L] and second [F^2/L^3], that of Smith, Watson and Topper [F/L^2] and the angle of its plane [rad]
-   !> (m, n_parameters).
+   !> The fretting parameters of each point over the cycle so far: stress along the surface at the end of the last step
+   !> [F/L^2], Ruiz' first [F/L] and second [F^2/L^3], that of Smith, Watson and Topper [F/L^2] and the angle of its
+   !> plane [rad] (m, n_parameters).
    pure function fretting_parameters(self) result(parameters)
       class(fretting_t), intent(in) :: self !! the cycle so far
       real(dp) :: parameters(size(self%extreme, 2), n_parameters)
@@ -358,34 +360,34 @@ contains
       end do
    end function fretting_parameters
 
-   !> Begins before the first time.
-   pure subroutine new_history_walk(walk, model, body)
-      type(history_walk_t), intent(out) :: walk !! the way
+   !> Makes the state before the first time.
+   pure subroutine new_time_stepping(stepping, model, body)
+      type(time_stepping_t), intent(out) :: stepping !! the time stepping
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
 
-      call new_step_state(walk%state, model, body)
-      allocate (walk%watch%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), &
+      call new_step_state(stepping%state, model, body)
+      allocate (stepping%record%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), &
          n_scalars + n_tangentials*body%zone%n_tangents), source=0.0_dp)
-      allocate (walk%watch%fretting%extreme(n_extremes, merge(body%zone%n_points, 0, allocated(model%surface))), &
+      allocate (stepping%record%fretting%extreme(n_extremes, merge(body%zone%n_points, 0, allocated(model%surface))), &
          source=0.0_dp)
-      walk%fault = ''
-   end subroutine new_history_walk
+      stepping%fault = ''
+   end subroutine new_time_stepping
 
-   !> What the way must be restored from.
-   pure function history_walk_numbers(self) result(numbers)
-      class(history_walk_t), intent(in) :: self !! the way
+   !> The numbers from which the time stepping is restored.
+   pure function time_stepping_numbers(self) result(numbers)
+      class(time_stepping_t), intent(in) :: self !! the time stepping
       real(dp), allocatable :: numbers(:)
-      real(dp), allocatable :: noted(:)
+      real(dp), allocatable :: saved_numbers(:)
 
-      noted = self%watch%noted()
-      numbers = [real([self%n_steps, self%n_given_up, self%n_iterations, self%length, size(noted)], dp), &
-         self%state%numbers(), noted]
-   end function history_walk_numbers
+      saved_numbers = self%record%saved_numbers()
+      numbers = [real([self%n_steps, self%n_rejected, self%n_iterations, self%length, size(saved_numbers)], dp), &
+         self%state%numbers(), saved_numbers]
+   end function time_stepping_numbers
 
-   !> Goes to where the way was when it gave its numbers, perhaps through a history of other times.
-   subroutine history_walk_restore(self, model, body, problem, numbers, error)
-      class(history_walk_t), intent(inout) :: self !! the way, new
+   !> Restores the time stepping from its numbers, which may be those of a history with other times.
+   subroutine time_stepping_restore(self, model, body, problem, numbers, error)
+      class(time_stepping_t), intent(inout) :: self !! the time stepping, new
       type(history_model_t), intent(inout) :: model !! the model
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
@@ -412,9 +414,9 @@ contains
       if (.not. allocated(error)) call restore_step_state(self%state, model, body, problem, &
          numbers(n_own + 1:last), instant, error)
       if (allocated(error)) return
-      call self%watch%restore(model, self%state, numbers(last + 1:))
+      call self%record%restore(model, self%state, numbers(last + 1:))
       self%n_steps = nint(numbers(1))
-      self%n_given_up = nint(numbers(2))
+      self%n_rejected = nint(numbers(2))
       self%n_iterations = nint(numbers(3))
       associate (time => self%state%instant%time, history => model%history)
          self%n_planned = count(history%planned <= time)
@@ -428,11 +430,12 @@ contains
       do while (modulo(self%tick, self%length) /= 0)
          self%length = self%length/2
       end do
-   end subroutine history_walk_restore
+   end subroutine time_stepping_restore
 
-   !> Takes the next step, as short as it must be. At the end of all times, or where there is no way on, it stays.
-   subroutine history_walk_advance(self, model, body, problem)
-      class(history_walk_t), intent(inout) :: self !! the way
+   !> Takes the next step, with the length at which it succeeds. Does nothing after the last time, or after a step that
+   !> could not be taken.
+   subroutine time_stepping_advance(self, model, body, problem)
+      class(time_stepping_t), intent(inout) :: self !! the time stepping
       type(history_model_t), intent(inout) :: model !! the model
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
@@ -447,7 +450,7 @@ contains
       if (self%is_ended) return
       call model%enter_step(body, problem, self%state, error)
       do
-         time = self%plan(model%history)
+         time = self%next_time(model%history)
          ! Takes a step to a time, and counts its iterations.
          next%outcome = outcome_not_converged
          next%reason = ''
@@ -461,7 +464,7 @@ contains
             answer_time = time
          end if
          if (has_balance(next, model%history) .or. .not. self%can_halve(model%history)) exit
-         call halve(self)
+         call halve_step(self)
       end do
       if (allocated(answer) .and. next%outcome == outcome_not_converged .and. .not. allocated(error)) then
          ! That a longer step has no equilibrium says more than that a shorter one does not converge.
@@ -469,23 +472,23 @@ contains
          call move_alloc(answer, next%reason)
          time = answer_time
       end if
-      ! Keeps a step that is not made shorter, or ends the way where it could not be taken.
+      ! Keeps a step that is not made shorter, or ends the time stepping if it could not be taken.
       self%fault_time = time
       self%outcome = next%outcome
       if (allocated(error)) then
          self%fault_kind = error%kind
-         call give_up(self, time, error%message)
+         call end_stepping(self, time, error%message)
       else if (len(next%reason) > 0) then
          self%fault_kind = next%error_kind
-         call give_up(self, time, next%reason)
+         call end_stepping(self, time, next%reason)
       else if (.not. next%solution%is_converged) then
-         call give_up(self, time, 'not converged with the smallest step')
+         call end_stepping(self, time, 'not converged with the smallest step')
       else
-         call self%keep(model, next)
+         call self%accept(model, next)
       end if
-   end subroutine history_walk_advance
+   end subroutine time_stepping_advance
 
-   !> Whether a step that was taken converged and its energies balance.
+   !> Whether a step converged and its energies balance.
    pure logical function has_balance(state, history)
       type(step_state_t), intent(in) :: state !! the state at the end of the step
       type(history_t), intent(in) :: history !! the history
@@ -496,47 +499,47 @@ contains
          <= history%step_tolerance
    end function has_balance
 
-   !> Ends the way at the last step that was kept.
-   pure subroutine give_up(walk, time, reason)
-      type(history_walk_t), intent(inout) :: walk !! the way
+   !> Ends the time stepping at the last accepted step.
+   pure subroutine end_stepping(stepping, time, reason)
+      type(time_stepping_t), intent(inout) :: stepping !! the time stepping
       real(dp), intent(in) :: time !! the time that the step would have led to [-]
       character(*), intent(in) :: reason !! why it cannot be taken
 
-      walk%is_ended = .true.
-      walk%fault = 'step '//to_text(walk%n_steps + 1)//' (to '//to_text(time)//'): '//reason// &
-         '; the history ends at step '//to_text(walk%n_steps)
-   end subroutine give_up
+      stepping%is_ended = .true.
+      stepping%fault = 'step '//to_text(stepping%n_steps + 1)//' (to '//to_text(time)//'): '//reason// &
+         '; the history ends at step '//to_text(stepping%n_steps)
+   end subroutine end_stepping
 
-   !> Gives the next step up for one of half its length.
-   pure subroutine halve(walk)
-      type(history_walk_t), intent(inout) :: walk !! the way
+   !> Rejects the next step in favor of one of half its length.
+   pure subroutine halve_step(stepping)
+      type(time_stepping_t), intent(inout) :: stepping !! the time stepping
 
-      walk%n_given_up = walk%n_given_up + 1
-      walk%length = walk%length/2
-   end subroutine halve
+      stepping%n_rejected = stepping%n_rejected + 1
+      stepping%length = stepping%length/2
+   end subroutine halve_step
 
-   !> Halves the next step until it leads to a given time, as `advance` did when it went there.
-   pure subroutine history_walk_shorten(self, history, time, leads_there)
-      class(history_walk_t), intent(inout) :: self !! the way; its next step becomes shorter
+   !> Halves the next step until it ends at a given time, as `advance` did in an earlier run.
+   pure subroutine time_stepping_shorten_to(self, history, time, leads_there)
+      class(time_stepping_t), intent(inout) :: self !! the time stepping; its next step becomes shorter
       type(history_t), intent(in) :: history !! the history
       real(dp), intent(in) :: time !! the time [-]
       logical, intent(out) :: leads_there !! whether a step of this history leads to the time
       real(dp) :: rounding
 
       rounding = 1.0e-12_dp*maxval(abs(history%times))
-      do while (self%plan(history) > time + rounding .and. self%can_halve(history))
-         call halve(self)
+      do while (self%next_time(history) > time + rounding .and. self%can_halve(history))
+         call halve_step(self)
       end do
-      leads_there = abs(self%plan(history) - time) <= rounding
-   end subroutine history_walk_shorten
+      leads_there = abs(self%next_time(history) - time) <= rounding
+   end subroutine time_stepping_shorten_to
 
-   !> Keeps a step and goes on behind it. The next one is twice as long where that ends at a multiple of its length.
-   pure subroutine history_walk_keep(self, model, state)
-      class(history_walk_t), intent(inout) :: self !! the way
+   !> Accepts a step. The next one is twice as long if it then begins at a multiple of its own length.
+   pure subroutine time_stepping_accept(self, model, state)
+      class(time_stepping_t), intent(inout) :: self !! the time stepping
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at the end of the step
 
-      call self%watch%note(model, self%state, state)
+      call self%record%add_step(model, self%state, state)
       self%state = state
       self%n_steps = self%n_steps + 1
       ! What is loaded at once from rest jumps nowhere: before the first time there is no way for shorter steps.
@@ -545,23 +548,23 @@ contains
       if (self%tick == 0) self%n_planned = self%n_planned + 1
       self%is_ended = self%n_planned == size(model%history%planned)
       if (modulo(self%tick, 2*self%length) == 0) self%length = min(n_ticks, 2*self%length)
-   end subroutine history_walk_keep
+   end subroutine time_stepping_accept
 
-   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral [F/L], the depth worn [L] and, where
-   !> they are asked for, the parameters of fretting (m, 5 or 10).
-   pure function history_walk_point_record(self, body) result(record)
-      class(history_walk_t), intent(in) :: self !! the way
+   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral of the pressure over the slip [F/L],
+   !> the depth worn [L] and, if they are computed, the fretting parameters (m, 5 or 10).
+   pure function time_stepping_point_record(self, body) result(record)
+      class(time_stepping_t), intent(in) :: self !! the time stepping
       type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: record(:, :)
 
       record = self%state%slip_record(body)
-      if (size(self%watch%fretting%extreme) > 0) record = reshape([record, self%watch%fretting%parameters()], &
+      if (size(self%record%fretting%extreme) > 0) record = reshape([record, self%record%fretting%parameters()], &
          [size(record, 1), size(record, 2) + n_parameters])
-   end function history_walk_point_record
+   end function time_stepping_point_record
 
-   !> The time that the next step leads to [-].
-   pure real(dp) function history_walk_plan(self, history) result(time)
-      class(history_walk_t), intent(in) :: self !! the way
+   !> The time at which the next step ends [-].
+   pure real(dp) function time_stepping_next_time(self, history) result(time)
+      class(time_stepping_t), intent(in) :: self !! the time stepping
       type(history_t), intent(in) :: history !! the history
       real(dp) :: start
 
@@ -573,11 +576,11 @@ contains
       if (self%tick + self%length == n_ticks) return
       start = history%planned(self%n_planned)
       time = start + (time - start)*(real(self%tick + self%length, dp)/n_ticks)
-   end function history_walk_plan
+   end function time_stepping_next_time
 
-   !> Whether the next step may be halved. There is nothing to halve before the first time.
-   pure logical function history_walk_can_halve(self, history) result(can_halve)
-      class(history_walk_t), intent(in) :: self !! the way
+   !> Whether the next step may be halved: not before the first time, and not below the smallest step.
+   pure logical function time_stepping_can_halve(self, history) result(can_halve)
+      class(time_stepping_t), intent(in) :: self !! the time stepping
       type(history_t), intent(in) :: history !! the history
 
       can_halve = .false.
@@ -585,9 +588,9 @@ contains
       associate (planned => history%planned(self%n_planned + 1) - history%planned(self%n_planned))
          can_halve = planned*(real(self%length/2, dp)/n_ticks) >= history%min_step
       end associate
-   end function history_walk_can_halve
+   end function time_stepping_can_halve
 
-   !> A number with three digits.
+   !> A number rounded to three digits.
    pure real(dp) function rounded(value)
       real(dp), intent(in) :: value !! the number, at least 0
       character(12) :: buffer
@@ -596,4 +599,4 @@ contains
       read (buffer, '(es12.2e4)') rounded
    end function rounded
 
-end module amontons_history_walk
+end module amontons_time_stepping
