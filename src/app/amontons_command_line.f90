@@ -26,10 +26,10 @@ module amontons_command_line
    !> The options and decks given on the command line.
    type :: command_line_t
       type(file_name_t), allocatable :: decks(:) !! names of the decks, in their order
-      type(setting_t), allocatable :: settings(:) !! what takes the place of what the decks say
+      type(setting_t), allocatable :: settings(:) !! settings that replace values of the decks
       character(:), allocatable :: output !! output directory
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
-      logical, private :: is_given(size(option_names)) = .false. !! which options without a value are given
+      logical, private :: is_given(size(option_names)) = .false. !! whether each option without a value was given
    contains
       procedure :: asks => command_line_asks
    end type command_line_t
@@ -38,7 +38,7 @@ contains
 
    !> Reads the command line of this process.
    subroutine read_command_line(command_line, error)
-      type(command_line_t), intent(out) :: command_line !! what it asks for
+      type(command_line_t), intent(out) :: command_line !! the options and decks
       type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
       character(:), allocatable :: word
       integer :: i, n_decks
@@ -69,7 +69,7 @@ contains
 
    !> Checks that at least one deck, directory or reduced problem is given and that the options are compatible.
    subroutine check_decks(command_line, error)
-      type(command_line_t), intent(in) :: command_line !! what the command line asks for
+      type(command_line_t), intent(in) :: command_line !! the options and decks
       type(error_t), allocatable, intent(out) :: error !! no deck, options that do not go together
       character(:), allocatable :: expected
       integer :: i
@@ -151,7 +151,7 @@ contains
 
    !> Whether an option without a value was given.
    pure logical function command_line_asks(self, option) result(asks)
-      class(command_line_t), intent(in) :: self !! what the command line asks for
+      class(command_line_t), intent(in) :: self !! the options and decks
       character(*), intent(in) :: option !! the option
 
       asks = any(self%is_given .and. option_names == option)

@@ -18,7 +18,7 @@ module amontons_messages
    !> study after the current case or step.
    type, extends(study_monitor_t) :: progress_t
       private
-      character(6) :: things = '' !! what the last report was about; blank before the first one
+      character(6) :: things = '' !! noun of the last report; blank before the first one
       real(dp) :: start = 0.0_dp !! when the first report about them came [s]
       integer :: n_before = 0 !! number of them done then
    contains
@@ -42,7 +42,7 @@ contains
    !> any.
    subroutine print_outcome(command_line, outcome, error)
       type(command_line_t), intent(in) :: command_line !! the options
-      type(outcome_t), intent(in) :: outcome !! what became of the deck
+      type(outcome_t), intent(in) :: outcome !! the outcome of the deck
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
       character(:), allocatable :: lines
       integer :: i
@@ -81,7 +81,7 @@ contains
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
-      character(*), intent(in) :: things !! what they are: 'cases', 'steps' or 'fields'
+      character(*), intent(in) :: things !! noun for the items: 'cases', 'steps' or 'fields'
       real(dp), parameter :: longest = 3.6e8_dp, hundred = 100.0_dp
       character(:), allocatable :: text
       character(8) :: minutes

@@ -105,7 +105,7 @@ contains
    !> time.
    subroutine collect_grids(directory, outcomes, error)
       character(*), intent(in) :: directory !! output directory
-      type(outcome_t), intent(in) :: outcomes(:) !! what became of each deck
+      type(outcome_t), intent(in) :: outcomes(:) !! the outcome of each deck
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(output_file_t) :: files(1)
       character(:), allocatable :: entries
@@ -126,7 +126,7 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       type(cache_t), intent(inout) :: cache !! the body that decks share
       type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last one is this deck's
-      type(outcome_t), intent(out) :: outcome !! what became of it
+      type(outcome_t), intent(out) :: outcome !! its outcome
       class(study_t), allocatable :: study
       type(study_options_t) :: options
       type(progress_t) :: progress

@@ -8,7 +8,7 @@ module amontons_case_label
    !> Name, title, units and, for cases that come from one, the deck.
    type :: case_label_t
       character(:), allocatable :: name !! name of the case, and of its files
-      character(:), allocatable :: title !! what the case is about, for the listing
+      character(:), allocatable :: title !! title of the case, for the listing
       character(:), allocatable :: units !! names of the units of length, force and stress; empty if they are not named
       character(:), allocatable :: file !! name of the deck; not allocated for a body made in code
    contains
@@ -21,7 +21,7 @@ contains
    pure subroutine new_case_label(label, name, title)
       type(case_label_t), intent(out) :: label !! the label
       character(*), intent(in) :: name !! name of the case, and of its files
-      character(*), intent(in), optional :: title !! what the case is about; the name if it is not given
+      character(*), intent(in), optional :: title !! title of the case; the name if absent
 
       label%name = name
       label%title = name

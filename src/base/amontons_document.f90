@@ -21,13 +21,13 @@ module amontons_document
    type :: part_t
       character(:), allocatable :: text !! the lines, with their ends
       real(dp), allocatable :: scales(:)
-         !! what the first, second ... number of a line is measured by besides itself; the last one holds for the rest
+         !! scales of the first, second ... number of a line, if larger than these; the last one is for the rest
       logical :: is_recorded = .false. !! whether only the run that wrote it knows it
    end type part_t
 
    !> A text file.
    type :: document_t
-      character(:), allocatable :: ending !! what its name ends with, behind the name of the case
+      character(:), allocatable :: ending !! suffix of its name, after the name of the case
       integer :: n = 0 !! number of its parts
       type(part_t), allocatable :: parts(:) !! the parts, and room for more
    contains
@@ -181,7 +181,7 @@ contains
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines
       real(dp), intent(in), optional :: scales(:)
-         !! what the first, second ... number of a line is measured by besides itself, the last for the rest; default 0
+         !! scales of the first, second ... number of a line, if larger than these; the last is for the rest; default 0
       logical, intent(in), optional :: is_recorded !! whether only the run that wrote it knows it; not by default
 
       if (len(text) == 0) return
@@ -202,7 +202,7 @@ contains
    !> Appends the parts of another document.
    pure subroutine document_append(self, other)
       class(document_t), intent(inout) :: self !! the document
-      type(document_t), intent(in) :: other !! the other one
+      type(document_t), intent(in) :: other !! the other document
       integer :: i
 
       do i = 1, other%n

@@ -34,7 +34,7 @@ module amontons_error
    !> One fault of a file.
    type :: fault_t
       integer :: line = 0 !! where, counted from 1; 0 for the whole file, and where the sentence says it
-      character(:), allocatable :: sentence !! what is wrong
+      character(:), allocatable :: sentence !! the fault, as a sentence
    end type fault_t
 
    !> The faults found so far, ordered by line.
@@ -109,7 +109,7 @@ contains
    pure subroutine fault_list_add_in_file(self, file, sentence)
       class(fault_list_t), intent(inout) :: self !! the faults so far
       character(*), intent(in) :: file !! name of the file, or file and line
-      character(*), intent(in) :: sentence !! what is wrong
+      character(*), intent(in) :: sentence !! the fault, as a sentence
 
       call self%add(0, file//': '//printable(sentence))
    end subroutine fault_list_add_in_file
@@ -160,8 +160,8 @@ contains
    !> The first faults as lines of text, followed by the number of the others.
    pure function first_faults(list, head, most) result(text)
       type(fault_list_t), intent(in) :: list !! the faults
-      character(*), intent(in) :: head !! what each begins with, before the number of its line; or nothing
-      integer, intent(in) :: most !! how many are told; of the others only the number
+      character(*), intent(in) :: head !! text before the line number of each; may be empty
+      integer, intent(in) :: most !! largest number of faults in the text; the others are counted
       character(:), allocatable :: text, place
       integer :: i
 

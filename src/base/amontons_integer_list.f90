@@ -30,7 +30,7 @@ contains
 
    !> Sorts items by their bins; items of one bin keep their order.
    pure subroutine fill_bins(start, thing, bin, n_bins)
-      integer, allocatable, intent(out) :: start(:) !! where the things of each bin begin in `thing` (n_bins + 1)
+      integer, allocatable, intent(out) :: start(:) !! first place of each bin in `thing` (n_bins + 1)
       integer, allocatable, intent(out) :: thing(:) !! the things, bin by bin
       integer, intent(in) :: bin(:) !! bin of each thing, 1 to `n_bins`; 0 for none
       integer, intent(in) :: n_bins !! number of bins

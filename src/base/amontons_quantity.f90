@@ -15,9 +15,9 @@ module amontons_quantity
       character(longest_key) :: key = '' !! its name in files
       character(longest_key) :: label = '' !! its name in listings
       real(dp) :: value = 0.0_dp !! the number
-      real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
+      real(dp) :: scale = 0.0_dp !! scale of its rounding errors, if larger than the number itself
       real(dp) :: resolution = 0.0_dp !! share of a side that it is known to: 1 for a length from node to node [-]
-      character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
+      character(9) :: dimension = '' !! its dimension, as `unit_of` takes it
       logical :: has_place = .false. !! whether it is found at a place
       real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
    end type quantity_t
@@ -30,8 +30,8 @@ contains
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: value !! the number
       real(dp), intent(in) :: place(2) !! the place [L]
-      real(dp), intent(in) :: scale !! what rounding errors of it are measured by
-      character(*), intent(in) :: dimension !! what it is measured in
+      real(dp), intent(in) :: scale !! scale of its rounding errors
+      character(*), intent(in) :: dimension !! its dimension
       type(quantity_t) :: quantity
 
       quantity = quantity_t(key, label, value, scale, dimension=dimension, has_place=.true., place=place)

@@ -85,7 +85,7 @@ contains
    !> Skips a sign and reports it.
    pure subroutine scan_sign(text, position, is_negative)
       character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: position !! where a sign may stand; behind it on return
+      integer, intent(inout) :: position !! position of a possible sign; the one after it on return
       logical, intent(out) :: is_negative !! whether it is a minus
 
       is_negative = .false.
@@ -97,7 +97,7 @@ contains
    !> Scans a word that must be an integer.
    pure subroutine scan_integer(text, position, value, ok)
       character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: position !! where the word begins; behind it on success
+      integer, intent(inout) :: position !! position of the word; the one after it on success
       integer, intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the word is an integer in range
       integer(int64) :: magnitude
@@ -126,7 +126,7 @@ contains
    !> refused, not read as 0.
    pure subroutine scan_real(text, position, value, ok)
       character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: position !! where the word begins; behind it on success
+      integer, intent(inout) :: position !! position of the word; the one after it on success
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the word is a finite number
       integer, parameter :: beyond_every_real = 10000
@@ -178,7 +178,7 @@ contains
    !> Scans digits with at most one decimal point among them.
    pure subroutine scan_mantissa(text, at, mantissa, power, is_exact, ok)
       character(*), intent(in) :: text !! any text
-      integer, intent(inout) :: at !! where the digits begin; behind them
+      integer, intent(inout) :: at !! position of the digits; the one after them on return
       integer(int64), intent(out) :: mantissa !! their number, without the point
       integer, intent(out) :: power !! the power of ten that the point stands for
       logical, intent(out) :: is_exact !! whether the mantissa has all digits
@@ -214,7 +214,7 @@ contains
    !> Position of the last character of a line, before the newline or the end of the text.
    pure integer function line_end(text, first)
       character(*), intent(in) :: text !! the text
-      integer, intent(in) :: first !! where the line begins
+      integer, intent(in) :: first !! position of the first character of the line
 
       line_end = first + index(text(first:), newline) - 2
       if (line_end < first - 1) line_end = len(text)
@@ -222,7 +222,7 @@ contains
 
    !> A count with its noun: `1 node`, `2 nodes`.
    pure function counted(n, noun) result(text)
-      integer, intent(in) :: n !! how many
+      integer, intent(in) :: n !! the count
       character(*), intent(in) :: noun !! name of one
       character(:), allocatable :: text
 
@@ -312,7 +312,7 @@ contains
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_text(text, length, piece)
       character(*), intent(inout) :: text !! the text, with room for the piece
-      integer, intent(inout) :: length !! how much of it is filled
+      integer, intent(inout) :: length !! number of characters in use
       character(*), intent(in) :: piece !! the piece
 
       text(length + 1:length + len(piece)) = piece
@@ -323,7 +323,7 @@ contains
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_integer(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for 11 characters more
-      integer, intent(inout) :: length !! how much of it is filled
+      integer, intent(inout) :: length !! number of characters in use
       integer, intent(in) :: value !! the number
       integer, parameter :: base = 10
       character(11) :: digits
@@ -344,7 +344,7 @@ contains
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimals(text, length, values)
       character(*), intent(inout) :: text !! the text, with room for 25 characters more for each number
-      integer, intent(inout) :: length !! how much of it is filled
+      integer, intent(inout) :: length !! number of characters in use
       real(dp), intent(in) :: values(:) !! the numbers
       integer :: i
 
@@ -383,7 +383,7 @@ contains
    pure function replaced(text, old, new) result(changed)
       character(*), intent(in) :: text !! the text
       character(*), intent(in) :: old !! the part
-      character(*), intent(in) :: new !! what takes its place
+      character(*), intent(in) :: new !! the replacement
       character(:), allocatable :: changed
       integer :: first, length
 
@@ -541,7 +541,7 @@ contains
    ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimal(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for `longest_decimal` characters more
-      integer, intent(inout) :: length !! how much of it is filled
+      integer, intent(inout) :: length !! number of characters in use
       real(dp), intent(in) :: value !! the number
       character(longest_decimal) :: decimal
       integer(c_int) :: n
@@ -561,7 +561,7 @@ contains
    !> A line of the listing: a label and its value.
    pure function labeled(label, value) result(text)
       character(*), intent(in) :: label !! the label
-      character(*), intent(in) :: value !! what belongs to it
+      character(*), intent(in) :: value !! its value
       character(:), allocatable :: text
       character(max(20, len_trim(label) + 1)) :: column
 

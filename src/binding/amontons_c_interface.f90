@@ -108,7 +108,7 @@ contains
       real(c_double), intent(inout) :: residual !! residual reached [-]
       integer(c_int), intent(inout) :: n_iterations !! number of iterations done
       integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
       type(method_options_t) :: options
       type(reduced_system_t) :: system
@@ -159,7 +159,7 @@ contains
       integer(c_int), value, intent(in) :: name_size !! room in name
       character(c_char), intent(inout) :: name(name_size) !! name of the case
       integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
       type(outcome_t) :: outcome
 
@@ -189,7 +189,7 @@ contains
       integer(c_int), value, intent(in) :: name_size !! room in name
       character(c_char), intent(inout) :: name(name_size) !! name of the case
       integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
       type(outcome_t) :: outcome
       type(config_t) :: config
@@ -207,10 +207,10 @@ contains
    !> Solves a case and writes its files, as the program does.
    subroutine run_deck(config, error, deck, directory, outcome)
       type(config_t), intent(in) :: config !! the case
-      type(error_t), allocatable, intent(in) :: error !! what is wrong with its deck
+      type(error_t), allocatable, intent(in) :: error !! the faults of its deck
       character(*), intent(in) :: deck !! name of the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(outcome_t), intent(out) :: outcome !! what became of it
+      type(outcome_t), intent(out) :: outcome !! its outcome
       class(study_t), allocatable :: study
       type(cache_t) :: cache
       type(study_options_t) :: options
@@ -237,13 +237,13 @@ contains
       ! allow(assumed-size): C passes an address and no length
       character(c_char), intent(in) :: settings(*) !! settings, one a line
       type(c_ptr), intent(out) :: stepper !! the stepper; null if there is none
-      integer(c_int), intent(out) :: n_changes !! how many numbers change
+      integer(c_int), intent(out) :: n_changes !! number of changing numbers
       integer(c_int), intent(out) :: n_points !! number of contact points
-      integer(c_int), intent(out) :: n_state !! how many numbers a state has
+      integer(c_int), intent(out) :: n_state !! number of numbers in a state
       integer(c_int), value, intent(in) :: columns_size !! room in columns
       character(c_char), intent(inout) :: columns(columns_size) !! names of the numbers of a step
       integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
       type(load_stepper_t), pointer :: made
       type(config_t) :: config
@@ -276,18 +276,18 @@ contains
       gap, status, message, message_size) bind(c, name='amontons_step') result(code)
       type(c_ptr), value, intent(in) :: stepper !! the stepper
       real(c_double), value, intent(in) :: time !! the time at the end of the step [-]
-      integer(c_int), value, intent(in) :: n_changes !! how many numbers change
+      integer(c_int), value, intent(in) :: n_changes !! number of changing numbers
       real(c_double), intent(in) :: changes(n_changes) !! the numbers of all `&steps`
-      integer(c_int), value, intent(in) :: n_state !! how many numbers a state has
+      integer(c_int), value, intent(in) :: n_state !! number of numbers in a state
       real(c_double), intent(in) :: before(n_state) !! the state at the beginning
       real(c_double), intent(inout) :: after(n_state) !! the state at the end
-      integer(c_int), value, intent(in) :: n_columns !! how many numbers of the step are wanted
+      integer(c_int), value, intent(in) :: n_columns !! number of numbers of the step to be returned
       real(c_double), intent(inout) :: columns(n_columns) !! the first of them
       integer(c_int), value, intent(in) :: n_points !! room in status
-      real(c_double), intent(in), optional :: gap(n_points) !! what is added to the gap of each contact point
+      real(c_double), intent(in), optional :: gap(n_points) !! addition to the gap of each contact point [L]
       integer(c_int), intent(inout) :: status(n_points) !! status of each contact point
       integer(c_int), value, intent(in) :: message_size !! room in message
-      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
       type(load_stepper_t), pointer :: made
       type(error_t), allocatable :: error

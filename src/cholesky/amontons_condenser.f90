@@ -70,7 +70,7 @@ module amontons_condenser
          implicit none (type, external)
          class(condenser_t), intent(in) :: self !! the condenser
          real(dp), intent(in) :: b(:) !! the load (n)
-         real(dp), contiguous, intent(out) :: partial(:) !! what `expand` needs of the load (n)
+         real(dp), contiguous, intent(out) :: partial(:) !! partial result for `expand` (n)
          real(dp), intent(out) :: q(:) !! the condensed load, Schur variables in matrix order (n_schur)
       end subroutine condense
 
@@ -80,7 +80,7 @@ module amontons_condenser
          import :: condenser_t, dp
          implicit none (type, external)
          class(condenser_t), intent(in) :: self !! the condenser
-         real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+         real(dp), contiguous, intent(in) :: partial(:, :) !! partial results of `condense` (n, loads)
          real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
          real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads), the last ones equal to v
       end subroutine expand_all
@@ -123,7 +123,7 @@ module amontons_condenser
          implicit none (type, external)
          class(cholesky_t), intent(inout) :: self !! the factorization
          type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-         integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+         integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns
          type(error_t), allocatable, intent(out) :: error !! memory ran out
       end subroutine analyze
 
@@ -132,7 +132,7 @@ module amontons_condenser
          import :: cholesky_t, dp
          implicit none (type, external)
          class(cholesky_t), intent(in) :: self !! the factorization
-         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         integer, intent(in) :: n_steps !! number of columns, at least those of the interior
          real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       end subroutine substitute_forward
 
@@ -142,7 +142,7 @@ module amontons_condenser
          import :: cholesky_t, dp
          implicit none (type, external)
          class(cholesky_t), intent(in) :: self !! the factorization
-         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         integer, intent(in) :: n_steps !! number of columns, at least those of the interior
          real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
       end subroutine substitute_backward
 
@@ -161,7 +161,7 @@ contains
    !> Computes all unknowns from the Schur variables under one load.
    subroutine condenser_expand(self, partial, v, x)
       class(condenser_t), intent(in) :: self !! the condenser
-      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
+      real(dp), intent(in) :: partial(:) !! partial result of `condense` (n)
       real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
       real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
       real(dp), allocatable :: columns(:, :)
@@ -295,7 +295,7 @@ contains
    !> the factor.
    subroutine cholesky_expand_all(self, partial, v, x)
       class(cholesky_t), intent(in) :: self !! the factorization
-      real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+      real(dp), contiguous, intent(in) :: partial(:, :) !! partial results of `condense` (n, loads)
       real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
       real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
       real(dp), allocatable :: work(:, :)
@@ -327,7 +327,7 @@ contains
    pure subroutine cholesky_refuse(self, position, error)
       class(cholesky_t), intent(inout) :: self !! the factorization
       integer, intent(in) :: position !! position of the first pivot that is not positive
-      type(error_t), allocatable, intent(out) :: error !! what is wrong, naming the unknown
+      type(error_t), allocatable, intent(out) :: error !! the message, with the number of the unknown
 
       self%refused_unknown = self%order(position)
       call new_error(error, numerical_failure, 'the matrix is not positive definite: the pivot of unknown '// &

@@ -73,7 +73,7 @@ contains
    subroutine new_dissection(dissection, graph, place)
       type(dissection_t), intent(out) :: dissection !! the dissection
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
       integer, allocatable :: side(:)
       integer :: n, k
 
@@ -97,7 +97,7 @@ contains
    !> Orders a domain: what lies before the cut, what lies beyond it, the separator.
    recursive subroutine dissect(graph, place, side, first, last, dissection)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
       integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
       integer, intent(in) :: first !! position of the first supervariable of the domain
       integer, intent(in) :: last !! position of the last one
@@ -121,11 +121,11 @@ contains
    !> never empty.
    subroutine split(graph, place, side, domain, n_before, n_beyond)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
       integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
       integer, intent(inout) :: domain(:) !! the supervariables of the domain, in their order on return
-      integer, intent(out) :: n_before !! how many lie before the cut; none if all lie at one place
-      integer, intent(out) :: n_beyond !! how many lie beyond it and are not of the separator
+      integer, intent(out) :: n_before !! number before the cut; 0 if all have the same position
+      integer, intent(out) :: n_beyond !! number beyond the cut, without the separator
       integer :: old(size(domain)), next(3), i, k
       logical, allocatable :: is_before(:)
 
@@ -243,8 +243,8 @@ contains
 
    !> Performs the forward substitution of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
    pure subroutine forward_columns(n_rows, n_columns, l, x)
-      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
-      integer, intent(in) :: n_columns !! how many columns
+      integer, intent(in) :: n_rows !! number of rows, those of L_11 first
+      integer, intent(in) :: n_columns !! number of columns
       real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
       real(dp), intent(inout) :: x(n_rows) !! the vector on the rows
       integer :: j
@@ -264,9 +264,9 @@ contains
    !> Performs the backward substitution of some columns, x_1 := L_11^-T (x_1 - L_21^T x_2), for several vectors, with
    !> one pass over the columns.
    pure subroutine backward_columns(n_rows, n_columns, n_vectors, l, x)
-      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
-      integer, intent(in) :: n_columns !! how many columns
-      integer, intent(in) :: n_vectors !! how many vectors
+      integer, intent(in) :: n_rows !! number of rows, those of L_11 first
+      integer, intent(in) :: n_columns !! number of columns
+      integer, intent(in) :: n_vectors !! number of vectors
       real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
       real(dp), intent(inout) :: x(n_rows, n_vectors) !! the vectors on the rows
       real(dp) :: taken

@@ -194,9 +194,9 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(out) :: gain(:) !! what its row structure gains (n_structure)
+      real(dp), contiguous, intent(out) :: gain(:) !! sums for its row structure (n_structure)
       real(dp) :: stack(fronts%stack_size(k))
       integer :: i, middle, top
 
@@ -227,10 +227,10 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
       real(dp), intent(inout) :: stack(:) !! what row structures gain: that of its children is replaced by its own
-      integer, intent(inout) :: top !! how much of the stack is in use
+      integer, intent(inout) :: top !! number of stack entries in use
       real(dp) :: x(fronts%n_rows(k))
       integer(int64) :: at
       integer :: i, from
@@ -262,7 +262,7 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
       real(dp), contiguous, intent(in) :: known(:, :) !! the vectors on the row structure (vectors, n_structure)
       real(dp) :: stack(size(y, 2), fronts%stack_size(k))
@@ -294,11 +294,11 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
       real(dp), intent(inout) :: stack(:, :)
          !! the vectors on row structures: its own is replaced by those of its children (vectors, any)
-      integer, intent(inout) :: top !! how much of the stack is in use
+      integer, intent(inout) :: top !! number of stack entries in use
       real(dp) :: x(fronts%n_rows(k), size(y, 2))
       integer(int64) :: at
       integer :: i, v
@@ -328,7 +328,7 @@ contains
    subroutine multifrontal_analyze(self, matrix, n_schur, error)
       class(multifrontal_t), intent(inout) :: self !! the factorization
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(graph_t) :: graph
       type(dissection_t) :: dissection
@@ -440,7 +440,7 @@ contains
       type(fronts_t), intent(in) :: fronts !! the fronts
       integer, intent(in) :: k !! number of the front
       real(dp), contiguous, intent(inout) :: value(:) !! the blocks; those of the front and its descendants are filled
-      type(contribution_t), intent(inout) :: contributions(0:) !! what the fronts leave
+      type(contribution_t), intent(inout) :: contributions(0:) !! contribution blocks of the fronts
       integer :: i
 
       if (.not. fronts%is_large(k)) then
@@ -519,7 +519,7 @@ contains
    !> Performs the forward substitution of the first columns.
    subroutine multifrontal_substitute_forward(self, n_steps, y)
       class(multifrontal_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+      integer, intent(in) :: n_steps !! number of columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
 
       call substitute(self, .true., n_steps, 1, y)
@@ -528,7 +528,7 @@ contains
    !> Performs the backward substitution of the first columns, with one pass over the factor.
    subroutine multifrontal_substitute_backward(self, n_steps, y)
       class(multifrontal_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+      integer, intent(in) :: n_steps !! number of columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
 
       call substitute(self, .false., n_steps, size(y, 2), y)
@@ -538,8 +538,8 @@ contains
    subroutine substitute(self, is_forward, n_steps, n_vectors, y)
       type(multifrontal_t), intent(in) :: self !! the factorization
       logical, intent(in) :: is_forward !! whether the steps are those with L, of one vector; else with its transpose
-      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
-      integer, intent(in) :: n_vectors !! how many vectors
+      integer, intent(in) :: n_steps !! number of columns, at least those of the interior
+      integer, intent(in) :: n_vectors !! number of vectors
       real(dp), intent(inout) :: y(self%n, n_vectors) !! the vectors by position
       real(dp) :: none(n_vectors, 0)
       type(thread_state_t) :: threads

@@ -44,7 +44,7 @@ contains
    subroutine band_analyze(self, matrix, n_schur, error)
       class(band_cholesky_t), intent(inout) :: self !! the factorization
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: order(:)
 
@@ -90,7 +90,7 @@ contains
    !> Performs the forward substitution of the first columns.
    subroutine band_substitute_forward(self, n_steps, y)
       class(band_cholesky_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       integer :: j, last
 
@@ -104,7 +104,7 @@ contains
    !> Performs the backward substitution of the first columns.
    subroutine band_substitute_backward(self, n_steps, y)
       class(band_cholesky_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
       integer :: j, k, last
 
@@ -137,7 +137,7 @@ contains
       class(cholesky_t), allocatable, intent(out) :: cholesky !! the factorization
       character(*), intent(in) :: kind !! one of `factorization_names`
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns
       type(error_t), allocatable, intent(out) :: error !! this build has no such kind, or memory ran out
       integer, allocatable :: order(:)
       logical :: is_band

@@ -154,7 +154,7 @@ contains
    subroutine sparse_analyze(self, matrix, n_schur, error)
       class(sparse_cholesky_t), intent(inout) :: self !! the factorization
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: order(:)
       integer(int64), allocatable :: column_start(:), row(:)
@@ -233,7 +233,7 @@ contains
    !> Performs the forward substitution of the first columns.
    subroutine sparse_substitute_forward(self, n_steps, y)
       class(sparse_cholesky_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       real(dp), allocatable :: x(:)
       integer(int64) :: at, rows
@@ -256,7 +256,7 @@ contains
    !> Performs the backward substitution of the first columns.
    subroutine sparse_substitute_backward(self, n_steps, y)
       class(sparse_cholesky_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! number of columns
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
       real(dp), allocatable :: x(:, :)
       integer(int64) :: at, rows

@@ -31,7 +31,7 @@ module amontons_deck
    !> A deck and its faults.
    type :: deck_t
       character(:), allocatable :: file !! name the messages give to the deck
-      type(deck_contents_t) :: contents !! what stands in it
+      type(deck_contents_t) :: contents !! its groups, assignments and values
       type(setting_t), allocatable :: settings(:) !! the settings that are part of it
    contains
       procedure :: count_groups => deck_count_groups
@@ -133,7 +133,7 @@ contains
       class(deck_t), intent(inout) :: self !! the deck, gains the fault
       integer, intent(in) :: group !! the group, or 0 for the deck as a whole
       character(*), intent(in) :: key !! name of the key, in lower case
-      character(*), intent(in) :: sentence !! what is wrong and what was expected
+      character(*), intent(in) :: sentence !! the fault and what was expected, as a sentence
 
       if (group > 0) then
          if (hides_meaning(self%contents, group, key)) return
@@ -145,7 +145,7 @@ contains
    !> Whether a recorded fault makes the meaning of a key unknown: its value is faulty, or it may stand behind a fault
    !> of form.
    pure logical function hides_meaning(contents, group, key)
-      type(deck_contents_t), intent(in) :: contents !! what stands in the deck
+      type(deck_contents_t), intent(in) :: contents !! groups, assignments and values of the deck
       integer, intent(in) :: group !! the group
       character(*), intent(in) :: key !! name of the key
       integer :: assignment
@@ -243,7 +243,7 @@ contains
    subroutine deck_refuse_unknown_groups(self, known_names, also, repeatable_names)
       class(deck_t), intent(inout) :: self !! the deck, gains the faults
       character(*), intent(in) :: known_names(:) !! names of all groups a deck may have, in lower case, blank padded
-      character(*), intent(in) :: also(:) !! what other programs call each of them, blanks between the words
+      character(*), intent(in) :: also(:) !! names of each in other programs, separated by blanks
       character(*), intent(in) :: repeatable_names(:) !! those of them that may stand more than once
       integer :: i, first_line(size(known_names)), known
 

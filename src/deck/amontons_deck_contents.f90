@@ -55,7 +55,7 @@ module amontons_deck_contents
       integer :: first = 1 !! position of its first character in the text, the quote of a quoted text
       integer :: last = 0 !! position of its last character in the text
       integer :: line = 0 !! line it stands on
-      integer :: n_times = 1 !! how often it counts: 2 for `2*0.0`
+      integer :: n_times = 1 !! its repeat count: 2 for `2*0.0`
       logical :: is_text = .false. !! whether it stands in quotes
    end type deck_value_t
 
@@ -78,7 +78,7 @@ module amontons_deck_contents
       integer :: first_assignment = 1 !! its first assignment
       integer :: last_assignment = 0 !! its last assignment
       integer :: last_judged = 0 !! its last assignment before a fault of form: what follows may belong elsewhere
-      logical :: is_malformed = .false. !! whether its form is at fault
+      logical :: is_malformed = .false. !! whether its form is faulty
       logical :: is_faulty = .false. !! whether a fault of meaning has been recorded
       logical :: has_unknown_key = .false. !! whether a key is none of the group's
    end type deck_group_t
@@ -93,7 +93,7 @@ module amontons_deck_contents
       integer :: n_assignments = 0 !! number of assignments
       integer :: n_values = 0 !! number of values
       logical :: hides_groups = .false. !! whether text that is no group, or an unknown one, may hide one
-      type(fault_list_t) :: faults !! what is wrong with the deck
+      type(fault_list_t) :: faults !! the faults of the deck
    end type deck_contents_t
 
 contains
@@ -101,7 +101,7 @@ contains
    !> Parses the text of a deck; errors of form become faults, and everything sound is kept.
    subroutine parse_deck(text, contents)
       character(*), intent(in) :: text !! the deck's text, its lines ended by LF or CRLF
-      type(deck_contents_t), intent(out) :: contents !! what stands in it
+      type(deck_contents_t), intent(out) :: contents !! its groups, assignments and values
       type(cursor_t) :: cursor
       logical :: is_plain
       type(deck_group_t) :: group
@@ -600,9 +600,9 @@ contains
    pure function suggestion(word, words, also, before, noun) result(text)
       character(*), intent(in) :: word !! the word found, in lower case
       character(*), intent(in) :: words(:) !! the words known
-      character(*), intent(in) :: also(:) !! what other programs call each of them, blanks between the words
-      character(*), intent(in) :: before !! what the message puts before a word
-      character(*), intent(in) :: noun !! what the words are
+      character(*), intent(in) :: also(:) !! names of each in other programs, separated by blanks
+      character(*), intent(in) :: before !! text before each word
+      character(*), intent(in) :: noun !! noun for the words
       character(:), allocatable :: text
       integer :: i
 
@@ -646,8 +646,8 @@ contains
    !> Words separated by commas.
    pure function joined(words, before, behind) result(text)
       character(*), intent(in) :: words(:) !! the words, blank padded
-      character(*), intent(in) :: before !! what is put before each word
-      character(*), intent(in) :: behind !! what is put behind each word
+      character(*), intent(in) :: before !! text before each word
+      character(*), intent(in) :: behind !! text after each word
       character(:), allocatable :: text
       integer :: i
 
@@ -667,7 +667,7 @@ contains
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the faults
       integer, intent(in) :: group !! the group, or 0 where every key is absent
       character(*), intent(in) :: key !! name of the key, in lower case
-      character(*), intent(in) :: noun !! what one value is called
+      character(*), intent(in) :: noun !! noun for a value, for messages
       integer, intent(out) :: source(:) !! index of the value of each element, 0 where none is given
       integer :: i, given_at(size(source)), k, element, last, n_places, line
       character(:), allocatable :: misfit
@@ -718,7 +718,7 @@ contains
    pure function comma_hint(contents, assignment, n_expected) result(hint)
       type(deck_contents_t), intent(in) :: contents !! the deck
       type(deck_assignment_t), intent(in) :: assignment !! the assignment
-      integer, intent(in) :: n_expected !! how many numbers its key takes
+      integer, intent(in) :: n_expected !! number of values of its key
       character(:), allocatable :: hint
       integer :: i
 
@@ -781,7 +781,7 @@ contains
       integer, intent(in) :: group !! the group
       character(*), intent(in) :: key !! name of the key
       integer, intent(in) :: value !! index of the value
-      character(*), intent(in) :: expected !! what was expected
+      character(*), intent(in) :: expected !! the expected value
 
       call contents%faults%add(contents%values(value)%line, trim(key)//': expected '//expected//', found '// &
          excerpt(raw_value(contents, value))//column_text(contents%text, contents%values(value)%first))

@@ -36,10 +36,10 @@ module amontons_deck_visitor
    !> A key of a group, with everything that is known about it without its value.
    type :: key_t
       character(17) :: name = '' !! its name
-      character(190) :: meaning = '' !! what it says, in Markdown
+      character(190) :: meaning = '' !! its meaning, in Markdown
       character(6) :: unit = '' !! unit of its values
-      character(70) :: default = '' !! what holds where it is absent, in Markdown; empty for the value it has then
-      character(48) :: also = '' !! what other programs call it, blanks between the words
+      character(70) :: default = '' !! the default, in Markdown; empty for the initial value of the variable
+      character(48) :: also = '' !! its names in other programs, separated by blanks
       real(dp) :: above = -huge(1.0_dp) !! its numbers are larger than this
       real(dp) :: at_least = -huge(1.0_dp) !! its numbers are not smaller than this
       real(dp) :: below = huge(1.0_dp) !! its numbers are smaller than this
@@ -121,7 +121,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: value !! the number
-      logical, intent(inout), optional :: is_given !! as for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       real(dp) :: values(1)
 
       values = value
@@ -134,7 +134,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       integer, intent(inout) :: value !! the number
-      logical, intent(inout), optional :: is_given !! as for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       integer :: values(1)
 
       values = value
@@ -147,7 +147,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       integer, intent(inout) :: values(:) !! the numbers
-      logical, intent(inout), optional :: is_given !! as for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       type(key_t) :: whole_key
       real(dp) :: numbers(size(values))
 
@@ -163,7 +163,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       real(dp), allocatable, intent(inout) :: values(:) !! the numbers; they stay as they are where none are given
-      logical, intent(inout) :: is_given !! as for reals
+      logical, intent(inout) :: is_given !! see the procedure for reals
       real(dp), allocatable :: numbers(:)
 
       if (self%has(key%name)) then
@@ -184,7 +184,7 @@ contains
       ! allow(C072): words of different keys have different lengths
       character(*), intent(inout) :: value !! the word, blank padded
       character(*), intent(in) :: choices(:) !! the words it can be, in lower case, blank padded
-      logical, intent(inout), optional :: is_given !! as for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       character(:), allocatable :: word
 
       word = trim(value)
@@ -240,7 +240,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       logical, intent(in) :: holds !! the condition
       character(*), intent(in) :: key !! name of the key at whose line the fault is reported
-      character(*), intent(in) :: sentence !! what is wrong
+      character(*), intent(in) :: sentence !! the fault, as a sentence
 
       if (self%place > 0 .and. .not. holds) call self%deck%fault(self%place, key, sentence)
    end subroutine visitor_require
@@ -406,7 +406,7 @@ contains
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: choices(:) !! the words it can have
-      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      logical, intent(inout) :: is_chosen(:) !! whether each of them is chosen
       character(:), allocatable :: list
       integer :: i
 
@@ -422,7 +422,7 @@ contains
    subroutine writer_write_key(self, key, kind, value, is_given)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: kind !! what its values are, for tables
+      character(*), intent(in) :: kind !! kind of its values, for tables
       character(*), intent(in) :: value !! the value as a deck has it
       logical, intent(in), optional :: is_given !! whether it is written
       character(:), allocatable :: item
@@ -467,7 +467,7 @@ contains
    subroutine documenter_write_key(self, key, kind, value, is_given)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
       type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: kind !! what its values are
+      character(*), intent(in) :: kind !! kind of its values
       character(*), intent(in) :: value !! its default as a deck has it
       logical, intent(in), optional :: is_given !! whether this is its default, if present
       character(:), allocatable :: name, shown
@@ -581,7 +581,7 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(:), allocatable, intent(inout) :: value
          !! the text; an empty one where it is not allocated, and where that is no choice, the first of them
-      logical, intent(inout), optional :: is_given !! as for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
       character(:), allocatable :: text
       integer :: source(1)
@@ -629,7 +629,7 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
-      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      logical, intent(inout) :: is_chosen(:) !! whether each of them is chosen
       character(:), allocatable :: text
       integer, allocatable :: source(:)
       integer :: i
@@ -655,7 +655,7 @@ contains
    subroutine visitor_find(self, key, noun, source, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: noun !! what one value is called
+      character(*), intent(in) :: noun !! noun for a value, for messages
       integer, intent(out) :: source(:) !! which value of the deck each element has, 0 for none
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       logical :: has
@@ -679,8 +679,8 @@ contains
    subroutine visitor_judge(self, key, rule, found)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: rule !! what the value must be
-      character(*), intent(in), optional :: found !! what it is
+      character(*), intent(in) :: rule !! the rule, for the message
+      character(*), intent(in), optional :: found !! its kind
       character(:), allocatable :: sentence
 
       sentence = trim(key%name)//' must be '//rule

@@ -355,7 +355,7 @@ contains
    !> Performs the forward or backward half of a solution on all ranks. If memory runs out the result is NaN, which the
    !> caller refuses.
    subroutine half_solve(order, all_unknowns, of_schur)
-      integer, intent(in) :: order !! which half, and whether other ranks learn the result of the first one
+      integer, intent(in) :: order !! order for the half; another one if other ranks need the result of the first half
       real(dp), contiguous, intent(inout) :: all_unknowns(:, :) !! the loads, or all unknowns on return (n, loads)
       real(dp), contiguous, intent(inout) :: of_schur(:, :)
          !! the condensed loads, or the Schur variables (n_schur, loads)
@@ -414,7 +414,7 @@ contains
    subroutine rank_work_analyze(self, n_schur, shift, position, error)
       class(rank_work_t), intent(inout) :: self !! the work, its subdomain assembled
       integer, intent(in) :: n_schur !! number of Schur variables
-      real(dp), intent(in) :: shift !! what is added to their diagonal entries [F/L]
+      real(dp), intent(in) :: shift !! addition to their diagonal entries [F/L]
       integer, intent(inout) :: position(:) !! position of each unknown (n)
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer(int64) :: at
@@ -441,8 +441,8 @@ contains
 
    !> Refuses a task for which the memory of a machine does not suffice for all of its ranks.
    subroutine check_room(what, own_mb, error)
-      character(*), intent(in) :: what !! what takes the memory
-      real(dp), intent(in) :: own_mb !! how much it takes on this rank [MB]
+      character(*), intent(in) :: what !! the task that takes the memory
+      real(dp), intent(in) :: own_mb !! memory of the task on this rank [MB]
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice
       real(dp) :: wanted
 

@@ -26,7 +26,7 @@ module amontons_mumps
    !> An instance of MUMPS; the matrix belongs to the caller.
    type :: mumps_t
       type(c_ptr), private :: handle = c_null_ptr !! MUMPS's side of it
-      type(mumps_report_t) :: report !! what it reported last
+      type(mumps_report_t) :: report !! its last report
    contains
       procedure :: analyze => mumps_analyze
       procedure :: factorize => mumps_factorize
@@ -110,7 +110,7 @@ contains
       integer, intent(in) :: n !! number of unknowns; of rank 0
       integer, contiguous, intent(inout) :: row(:) !! rows of the entries that this rank has
       integer, contiguous, intent(inout) :: column(:) !! their columns; of each pair of symmetric entries one is given
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables; of rank 0
+      integer, intent(in) :: n_schur !! number of Schur variables, which are the last unknowns; used on rank 0
       integer, contiguous, intent(inout) :: position(:) !! position of each unknown; of rank 0
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: schur(:)
@@ -143,7 +143,7 @@ contains
    !> the Schur variables to all unknowns under these loads.
    subroutine mumps_solve(self, is_backward, all_unknowns, of_schur)
       class(mumps_t), intent(inout) :: self !! the instance, the matrix factorized
-      logical, intent(in) :: is_backward !! which half
+      logical, intent(in) :: is_backward !! forward or backward half
       real(dp), contiguous, intent(inout) :: all_unknowns(:, :)
          !! the loads, or all unknowns on return; of rank 0 (n, loads)
       real(dp), contiguous, intent(inout) :: of_schur(:, :)

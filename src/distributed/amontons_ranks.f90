@@ -161,7 +161,7 @@ contains
       class(channel_t), intent(in) :: channel !! the channel
       ! allow(assumed-size, assumed-size-character-intent): bytes of any type, for C
       type(*), intent(inout) :: bytes(*) !! the bytes
-      integer(int64), intent(in) :: n !! how many
+      integer(int64), intent(in) :: n !! the count
 
       call mpi_pass(bytes, int(n, c_int64_t), int(channel%peer, c_int), merge(1_c_int, 0_c_int, channel%is_sender))
    end subroutine pass_bytes
@@ -248,7 +248,7 @@ contains
    !> Appends columns of every rank to those of the whole on rank 0, in the order of the ranks. Every rank calls it.
    subroutine gather_columns(columns, place, whole)
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the columns of this rank
-      integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are
+      integer, allocatable, intent(inout) :: place(:) !! indices of the columns in the whole
       real(dp), intent(inout) :: whole(:, :) !! those of the whole; of no use but on rank 0
       type(channel_t) :: channel
       real(dp), allocatable :: received(:, :)

@@ -60,7 +60,7 @@ module amontons_constraints
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :)
-         !! what its direction has of the other axis of the plane, over what it has of this one (components, n_nodes)
+         !! component of its direction along the other axis of the plane, over that along this axis (components, n_nodes)
          !! [-]
    contains
       procedure :: frame => constraints_frame
@@ -113,11 +113,12 @@ module amontons_constraints
    !> The number of the unknown of each component of each node.
    type :: dof_map_t
       integer :: n_dofs = 0 !! number of unknowns
-      integer :: n_schur = 0 !! how many of them belong to the nodes put last
-      integer :: n_lockable = 0 !! how many of these, the last ones, no contact point has, and a history may lock
+      integer :: n_schur = 0 !! number of unknowns of the nodes that are numbered last
+      integer :: n_lockable = 0
+         !! number of the last ones, which belong to no contact point and which a history may lock
       integer, allocatable :: dof(:, :)
          !! unknown of the component along e1, e2, around the axis of a node, 0 if held (components, n_nodes)
-      type(substitution_t) :: substitution !! how the displacements of nodes follow from the unknowns
+      type(substitution_t) :: substitution !! displacements of the nodes in terms of the unknowns
    end type dof_map_t
 
 contains
@@ -248,7 +249,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector along which the support holds the node [-]
-      real(dp), intent(in) :: displacement !! where to [L]
+      real(dp), intent(in) :: displacement !! the prescribed displacement along the direction [L]
       type(error_t), allocatable, intent(out) :: error !! the motion along the direction is free, or another one
       real(dp) :: block(2, 2, 2), given
 
@@ -361,7 +362,7 @@ contains
       real(dp), intent(inout) :: prescribed(:) !! prescribed displacement of the node (components) [L]
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(:) !! unit vector (components) [-]
-      real(dp), intent(in) :: displacement !! where to [L]
+      real(dp), intent(in) :: displacement !! the prescribed displacement along the direction [L]
       integer, intent(in) :: support !! number of the support
       logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
       real(dp) :: frame(size(direction), size(direction)), missing, along(size(direction)), share(size(direction))

@@ -242,7 +242,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
-      integer, intent(in) :: n_near !! how many of them meet at its node
+      integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
       real(dp) :: c(3), xx, xy, yy
       type(moments_t) :: moments
@@ -361,7 +361,7 @@ contains
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
-      integer, intent(in) :: n_near !! how many of them meet at its node
+      integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp), contiguous, intent(in), optional :: stress(:, :) !! stresses of the samples (4, n_samples) [F/L^2]
       real(dp) :: p(max_terms), weight
       integer :: i, j, k, n

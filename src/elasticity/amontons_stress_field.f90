@@ -390,7 +390,7 @@ contains
       type(samples_t), intent(in) :: samples !! the samples of all elements
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (4, n_samples) [F/L^2]
       integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
-      integer, intent(in) :: n_near !! how many of them meet at its node
+      integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp) :: distance(2), weight, x, y
       integer :: i, k, component
 

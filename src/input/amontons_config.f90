@@ -54,7 +54,8 @@ module amontons_config
    type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       type(mesh_part_t), allocatable :: meshes(:) !! the parts of its mesh, a body each
-      integer :: n_used(size(use_names)) = 0 !! how many of materials, supports and loads, the first ones, come from it
+      integer :: n_used(size(use_names)) = 0
+         !! numbers of materials, supports and loads that come from it; they are the first ones
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
@@ -62,11 +63,11 @@ module amontons_config
       type(driven_set_t), allocatable :: preloads(:) !! its preloads; they are among its ties, too
       type(contact_t), allocatable :: contacts(:) !! its contact sets
       type(tie_t), allocatable :: ties(:) !! its bonded sets
-      type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
-      type(history_t) :: history !! what changes from step to step; not given for a single case
+      type(sweep_t) :: sweep !! the quantities that vary from case to case; none for a single case
+      type(history_t) :: history !! the load history; not given for a single case
       type(method_options_t) :: method !! the contact method
-      type(accuracy_options_t) :: accuracy !! what is asked of the accuracy of the results
-      type(condensation_options_t) :: condensation !! how the stiffness is condensed
+      type(accuracy_options_t) :: accuracy !! options on the accuracy of the results
+      type(condensation_options_t) :: condensation !! options of the condensation
    contains
       procedure :: deck_text => effective_deck
    end type config_t
@@ -78,8 +79,8 @@ contains
    subroutine read_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what it says
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
+      type(setting_t), intent(in), optional :: settings(:) !! settings that replace its values
       type(deck_visitor_t) :: reader
 
       call read_deck(reader%deck, file, error)
@@ -91,7 +92,7 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
       type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
-      type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what the deck says
+      type(setting_t), intent(in), optional :: settings(:) !! settings that replace values of the deck
       type(deck_visitor_t) :: reader
 
       call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
@@ -106,7 +107,7 @@ contains
       character(*), intent(in) :: file !! name of the deck; names of files in it are seen from its folder
       character(*), intent(in) :: text !! the deck
       character(*), intent(in) :: settings !! the settings, one a line
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       type(deck_visitor_t) :: reader
       type(setting_t), allocatable :: list(:)
 
@@ -120,7 +121,7 @@ contains
    subroutine read_groups(config, reader, error, settings)
       type(config_t), intent(inout) :: config !! the case
       type(deck_visitor_t), intent(inout) :: reader !! the reader, with its deck
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       type(setting_t), intent(in), optional :: settings(:) !! the settings
 
       config%file = reader%deck%file
@@ -389,7 +390,7 @@ contains
       !> Records a set or a region that is unknown.
       subroutine check_name(is_region, origin, name)
          logical, intent(in) :: is_region !! whether it is a region, or else a set
-         character(*), intent(in) :: origin !! where the name stands, as messages begin
+         character(*), intent(in) :: origin !! position of the name, as messages begin
          character(*), intent(in) :: name !! the name; empty for none
          type(error_t), allocatable :: fault
          integer, allocatable :: sides(:, :), elements(:)

@@ -167,7 +167,7 @@ contains
    !> Describes `&accuracy`.
    subroutine describe_accuracy(visitor, accuracy, begins_anew)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(accuracy_options_t), intent(inout) :: accuracy !! what is asked
+      type(accuracy_options_t), intent(inout) :: accuracy !! the options
       logical, intent(in) :: begins_anew !! whether the deck has neither a sweep nor a state to start from
       logical :: is_given
 
@@ -184,7 +184,7 @@ contains
 
    !> Whether errors are estimated.
    pure logical function accuracy_wants_estimate(self)
-      class(accuracy_options_t), intent(in) :: self !! what is asked
+      class(accuracy_options_t), intent(in) :: self !! the options
 
       accuracy_wants_estimate = self%estimate == estimate_names(1)
    end function accuracy_wants_estimate
@@ -484,7 +484,7 @@ contains
    !> Describes one `&preload`: a cut whose sides are moved together.
    subroutine describe_preload(visitor, motion, drive, tie)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(support_t), intent(inout) :: motion !! what is prescribed of the jump
+      type(support_t), intent(inout) :: motion !! the support that prescribes the jump
       type(load_t), intent(inout) :: drive !! the force
       type(tie_t), intent(inout) :: tie !! the two sides
       logical :: has_name, has_force, has_search
@@ -522,7 +522,7 @@ contains
    !> Describes when a rigid set or preload is locked.
    subroutine describe_lock(visitor, motion)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(support_t), intent(inout) :: motion !! what is prescribed of its motion; gains the time
+      type(support_t), intent(inout) :: motion !! the support that prescribes its motion; gains the time
       logical :: has_time
 
       has_time = motion%lock_time < huge(1.0_dp)
@@ -533,7 +533,7 @@ contains
    !> Checks the name of a rigid set or preload, which must fit in tables, and its lock.
    subroutine check_driven(visitor, motion, is_held)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(support_t), intent(in) :: motion !! what is prescribed of its motion
+      type(support_t), intent(in) :: motion !! the support that prescribes its motion
       logical, intent(in) :: is_held !! whether all of its motion is prescribed
 
       call visitor%require(len(motion%name) <= longest_name, 'name', 'name must have at most '// &

@@ -31,11 +31,11 @@ module amontons_history
 
    !> A change over the history: the numbers are one factor, or shift along x, shift along y and angle of an obstacle.
    type :: steps_t
-      integer :: target = stepped_load !! what it is
+      integer :: target = stepped_load !! its kind
       character(:), allocatable :: name !! name of the load or support; name or set of the contact
       real(dp), allocatable :: values(:, :)
          !! its numbers at the times of the history, unless a file has them (1 or 3, times) [-], [L] and [rad]
-      real(dp) :: pivot(2) = 0.0_dp !! what an obstacle turns about [L]
+      real(dp) :: pivot(2) = 0.0_dp !! pivot of the rotation of an obstacle [L]
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
       real(dp), allocatable :: table(:, :) !! times and numbers of the file, or of the history (2 or 4, rows)
       character(:), allocatable :: origin !! where it was specified, for messages: 'deck.nml:12: '
@@ -50,7 +50,7 @@ module amontons_history
    !> The times, the number of steps between them, and the changes.
    type :: history_t
       logical :: is_given = .false. !! whether there is a history
-      character(:), allocatable :: name !! what the pseudo-time is called in tables
+      character(:), allocatable :: name !! name of the pseudo-time in tables
       real(dp), allocatable :: times(:) !! the times, ascending; the body is at rest before the first [-]
       real(dp), allocatable :: substeps(:)
          !! number of equal steps from one time to the next, or that of each leg
@@ -62,10 +62,10 @@ module amontons_history
       real(dp) :: period = 0.0_dp !! length of each cycle; 0 where all times are listed [-]
       real(dp) :: cycle_tolerance = 1.0e-3_dp !! a smaller change from one cycle to the next counts as none [-]
       logical :: has_fretting = .false. !! whether stresses of the surface and parameters of fretting are computed
-      type(steps_t), allocatable :: steps(:) !! what changes
+      type(steps_t), allocatable :: steps(:) !! the changes
       integer :: fields_every = 0 !! the fields of the first step and of every so many behind it are written; 0 for none
-      integer :: points_every = 0 !! the same of the contact points
-      integer :: states_every = 0 !! the same of the states from which a history can go on
+      integer :: points_every = 0 !! likewise for the table of contact points
+      integer :: states_every = 0 !! likewise for the table of saved states
       character(:), allocatable :: start !! file of such states, of which one is the start; empty or not allocated: rest
       integer :: start_step = 0 !! the step of the state; 0 for the last one
       real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
@@ -121,7 +121,7 @@ contains
    !> Column name of one of the numbers: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
    pure function steps_label(self, number) result(label)
       class(steps_t), intent(in) :: self !! the steps
-      integer, intent(in) :: number !! which of its numbers
+      integer, intent(in) :: number !! index of the number
       character(:), allocatable :: label
       character(7), parameter :: motions(3) = [character(7) :: 'shift_x', 'shift_y', 'turn']
 
@@ -217,7 +217,7 @@ contains
    !> tabulated numbers (1 or 3).
    pure function history_numbers(self, which, time) result(numbers)
       class(history_t), intent(in) :: self !! the history
-      integer, intent(in) :: which !! which of the changes
+      integer, intent(in) :: which !! index of the change
       real(dp), intent(in) :: time !! the time, not outside of the history [-]
       real(dp), allocatable :: numbers(:)
       real(dp) :: share
@@ -403,7 +403,7 @@ contains
    !> Describes one `&steps`.
    subroutine describe_steps(visitor, steps)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(steps_t), intent(inout) :: steps !! what changes
+      type(steps_t), intent(inout) :: steps !! the changes
       real(dp), allocatable :: values(:)
       logical :: has_name(size(name_keys)), has_values(size(value_keys)), has_pivot, has_table
       integer :: i

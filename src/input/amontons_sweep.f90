@@ -32,7 +32,7 @@ module amontons_sweep
 
    !> A quantity and the values it takes.
    type :: sweep_axis_t
-      integer :: target = swept_load !! what it is
+      integer :: target = swept_load !! its kind
       character(:), allocatable :: name !! name of the load, or of the contact set; empty for all contact sets
       real(dp), allocatable :: values(:) !! its values [-]
       logical :: is_range = .false. !! whether the values lead in equal steps from the first to the last
@@ -325,7 +325,7 @@ contains
 
    !> The existing names, for the end of a message.
    pure function list(noun, names) result(text)
-      character(*), intent(in) :: noun !! what they name
+      character(*), intent(in) :: noun !! noun for the names
       character(*), intent(in) :: names !! the names, each with ', ' before it
       character(:), allocatable :: text
 

@@ -54,7 +54,7 @@ contains
       class(symmetric_band_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: row !! row of the entry
       integer, intent(in) :: column !! its column, at most `width` away
-      real(dp), intent(in) :: value !! what is added
+      real(dp), intent(in) :: value !! the addend
 
       associate (entry => self%entry(abs(row - column) + 1, min(row, column)))
          entry = entry + value
@@ -156,7 +156,7 @@ contains
       class(band_lu_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: row !! row of the entry
       integer, intent(in) :: column !! its column, at most `width` away
-      real(dp), intent(in) :: value !! what is added
+      real(dp), intent(in) :: value !! the addend
 
       associate (entry => self%entry(2*self%width + 1 + row - column, column))
          entry = entry + value

@@ -28,7 +28,7 @@ contains
       real(dp), allocatable, intent(inout) :: matrix(:, :) !! the matrix (n_rows, n_columns)
       integer, intent(in) :: n_rows !! number of its rows
       integer, intent(in) :: n_columns !! number of its columns
-      character(*), intent(in) :: owner !! what it is a matrix of, in the user's words
+      character(*), intent(in) :: owner !! name of the matrix for the message
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer :: status
 
@@ -306,7 +306,7 @@ contains
       real(dp), intent(in) :: vector(:) !! the vector (k)
       logical, intent(in) :: is_used(:) !! which columns are in use, k at the most (n)
       real(dp), intent(out) :: factor(:) !! their factors; 0 for the others (n)
-      real(dp), intent(out) :: remainder(:) !! what they leave of the vector (k)
+      real(dp), intent(out) :: remainder(:) !! remainder of the vector (k)
       real(dp) :: axes(size(vector), count(is_used)), share(count(is_used), count(is_used) + 1), length
       integer, allocatable :: column(:)
       integer :: i, n

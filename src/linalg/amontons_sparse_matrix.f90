@@ -271,7 +271,7 @@ contains
       class(sparse_matrix_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: first !! first unknown
       integer, intent(in) :: last !! last unknown
-      real(dp), intent(in) :: addend !! what is added
+      real(dp), intent(in) :: addend !! the addend
       integer :: j
 
       do j = first, last

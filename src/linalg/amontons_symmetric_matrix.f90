@@ -130,7 +130,7 @@ contains
    pure subroutine symmetric_matrix_add_column(self, column, factor, y)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix A
       integer, intent(in) :: column !! number of the column
-      real(dp), intent(in) :: factor !! what the column is multiplied by
+      real(dp), intent(in) :: factor !! factor of the column
       real(dp), contiguous, intent(inout) :: y(:) !! the vector (n)
       integer :: k
 

@@ -94,8 +94,8 @@ contains
    !> Limits everything called from this thread to one thread, until `restore_nested_threads`; with two levels all but
    !> the parallel loops of the caller itself.
    subroutine limit_nested_threads(state, n_levels)
-      type(thread_state_t), intent(out) :: state !! what to put back
-      integer, intent(in), optional :: n_levels !! how many nested parallel loops may still be active, by default none
+      type(thread_state_t), intent(out) :: state !! the settings to be restored
+      integer, intent(in), optional :: n_levels !! number of nested parallel loops that may be active, by default 0
 
       state%active_levels = omp_get_max_active_levels()
       state%blas_threads = blas_threads()
@@ -109,7 +109,7 @@ contains
 
    !> Restores the settings from before `limit_nested_threads`.
    subroutine restore_nested_threads(state)
-      type(thread_state_t), intent(in) :: state !! what it found
+      type(thread_state_t), intent(in) :: state !! the settings to be restored
 
       call omp_set_max_active_levels(state%active_levels)
       call use_blas_threads(state%blas_threads)

@@ -41,7 +41,7 @@ contains
    !> sets do not change.
    subroutine refine_mesh(mesh, n_times, error)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
-      integer, intent(in) :: n_times !! how often every element is cut in four
+      integer, intent(in) :: n_times !! number of uniform refinements
       type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
       ! As many as a generated mesh may have.
       real(dp), parameter :: most_nodes = 2.0_dp**27

@@ -48,7 +48,7 @@ module amontons_mesh
       type(named_set_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
       character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of a rectangle
       type(warning_list_t) :: files !! names of the files it was read from
-      type(warning_list_t) :: warnings !! what is doubtful about the file it was read from
+      type(warning_list_t) :: warnings !! warnings on the file it was read from
       logical :: has_pieces = .false. !! whether a file that it was read from has pieces that share no nodes
       character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains
@@ -109,7 +109,7 @@ contains
    !> Checks that the mesh is valid: positive Jacobians, every node used.
    subroutine mesh_check(self, error)
       class(mesh_t), intent(in) :: self !! the mesh
-      type(error_t), allocatable, intent(out) :: error !! the first element or node at fault
+      type(error_t), allocatable, intent(out) :: error !! the first element or node that fails a check
       logical :: is_used(self%n_nodes)
       real(dp) :: extent
       integer :: element, node

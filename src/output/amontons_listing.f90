@@ -463,7 +463,7 @@ contains
    !> Makes the listing.
    subroutine new_listing(listing, label, body, result)
       type(document_t), intent(out) :: listing !! the listing
-      class(case_label_t), intent(in) :: label !! what the case is called
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
@@ -554,7 +554,7 @@ contains
 
    !> Parts of the contact line, one line each.
    pure function intervals_text(label, intervals, units) result(text)
-      character(*), intent(in) :: label !! what they are
+      character(*), intent(in) :: label !! their kind
       type(interval_t), intent(in) :: intervals(:) !! the parts
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
@@ -579,7 +579,7 @@ contains
 
    !> Program, case and deck.
    pure function head_text(label) result(text)
-      class(case_label_t), intent(in) :: label !! what the case is called
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
       character(:), allocatable :: text
 
       text = 'Amontons '//version//': contact with Coulomb friction by the dual method'//newline//newline// &
@@ -667,7 +667,7 @@ contains
    !> The violations of a solution, one line each, and the verdict.
    pure function violations_text(violations, limit) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
-      real(dp), intent(in) :: limit !! what each may be at most [-]
+      real(dp), intent(in) :: limit !! the limit of all violations [-]
       character(:), allocatable :: text
       integer :: i
 

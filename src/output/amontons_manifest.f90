@@ -145,7 +145,7 @@ contains
    !> Appends a file with its present size and checksum.
    subroutine manifest_list_append(self, path, name, error)
       class(manifest_list_t), intent(inout) :: self !! the list
-      character(*), intent(in) :: path !! where the file is now
+      character(*), intent(in) :: path !! present path of the file
       character(*), intent(in) :: name !! its name in the list
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
       type(checksum_t) :: checksum
@@ -172,7 +172,7 @@ contains
 
    !> The difference between a file and its entry, as a sentence; empty if there is none.
    function manifest_file_fault(self, path) result(fault)
-      class(manifest_file_t), intent(in) :: self !! what is known of it
+      class(manifest_file_t), intent(in) :: self !! its size and checksum
       character(*), intent(in) :: path !! where it is
       character(:), allocatable :: fault
       type(error_t), allocatable :: error
@@ -194,7 +194,7 @@ contains
    subroutine manifest_list_check(self, faults, folder)
       class(manifest_list_t), intent(in) :: self !! the list
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
-      character(*), intent(in) :: folder !! what the names are seen from, with a slash; empty for the present folder
+      character(*), intent(in) :: folder !! directory of the names, with a slash; empty for the present folder
       character(:), allocatable :: fault
       integer :: i
 

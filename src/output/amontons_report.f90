@@ -32,7 +32,7 @@ module amontons_report
    !> The files that a study of several steps adds to those of the last one.
    type :: study_files_t
       type(output_file_t), allocatable :: files(:) !! the finished files
-      type(manifest_t) :: manifest !! what it has in a folder of its own, and what it has read
+      type(manifest_t) :: manifest !! its files in a folder of its own, and the files that it has read
    end type study_files_t
 
 contains
@@ -49,10 +49,10 @@ contains
    !> Adds the beginning of the object: the case, and whether it was solved.
    pure subroutine add_head(summary, label, method, outcome, warnings)
       type(document_t), intent(inout) :: summary !! gains the members
-      class(case_label_t), intent(in) :: label !! what the case is called
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
       character(*), intent(in) :: method !! the contact method
-      character(*), intent(in) :: outcome !! what became of it, a word of `amontons_result`
-      type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
+      character(*), intent(in) :: outcome !! its outcome, a word of `amontons_result`
+      type(warning_list_t), intent(in) :: warnings !! its warnings
       character(:), allocatable :: text
       integer :: i
 
@@ -124,7 +124,7 @@ contains
    !> The certificate as a member: the verdict, the limit, the violations, and related numbers.
    pure function certificate_member(violations, limit, others, head) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations [-]
-      real(dp), intent(in) :: limit !! what each may be at most [-]
+      real(dp), intent(in) :: limit !! the limit of all violations [-]
       type(quantity_t), intent(in) :: others(:) !! the other numbers
       character(*), intent(in), optional :: head !! members that stand before these
       character(:), allocatable :: text
@@ -173,7 +173,7 @@ contains
    !> Makes the summary.
    subroutine new_summary(summary, label, body, result)
       type(document_t), intent(out) :: summary !! the summary
-      class(case_label_t), intent(in) :: label !! what the case is called
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
@@ -322,7 +322,7 @@ contains
    !> Makes the text files of a case, except for the summary.
    subroutine case_documents(documents, label, body, result)
       type(document_t), allocatable, intent(out) :: documents(:) !! the files
-      class(case_label_t), intent(in) :: label !! what the case is called
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)

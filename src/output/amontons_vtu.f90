@@ -43,7 +43,7 @@ module amontons_vtu
    !> A grid being written.
    type :: vtk_file_t
       private
-      character(:), allocatable, public :: markup !! what stands between the array before and the next one
+      character(:), allocatable, public :: markup !! markup between the previous array and the next one
       real(dp), public :: scale = 0.0_dp
          !! what rounding errors of the next reals are measured by, if larger than they are; only comparisons ask
       character(:), allocatable :: section !! the section that is open

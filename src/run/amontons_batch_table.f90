@@ -115,7 +115,7 @@ contains
    !> Reads the existing rows; none if there is no table, or one of another version.
    subroutine read_rows(path, n_more, rows, n)
       character(*), intent(in) :: path !! name of the table
-      integer, intent(in) :: n_more !! how many rows may be added
+      integer, intent(in) :: n_more !! number of rows that may be added
       type(row_t), allocatable, intent(out) :: rows(:) !! the rows, and room for more
       integer, intent(out) :: n !! number of rows
       type(error_t), allocatable :: error
@@ -155,7 +155,7 @@ contains
    !> Reads the next field of a row.
    pure subroutine take_field(line, next, value)
       character(*), intent(in) :: line !! the row
-      integer, intent(inout) :: next !! where the field begins; then where the next one does
+      integer, intent(inout) :: next !! position of the field; that of the next one on return
       character(:), allocatable, intent(out) :: value !! the field, without its quotes
       integer :: first
       logical :: is_quoted
@@ -176,7 +176,7 @@ contains
    subroutine put_row(rows, n, outcome, notes)
       type(row_t), intent(inout) :: rows(:) !! the rows, and room for more
       integer, intent(inout) :: n !! number of rows
-      type(outcome_t), intent(in) :: outcome !! what became of the deck
+      type(outcome_t), intent(in) :: outcome !! the outcome of the deck
       type(warning_list_t), intent(inout) :: notes !! gains the decks whose results were replaced
       character(:), allocatable :: deck, sentence, text
       integer :: i, at

@@ -38,23 +38,23 @@ module amontons_key_results
    type :: trace_t
       real(dp), allocatable :: force(:) !! the forces that vanish outside of the zones (m) [F]
       integer :: n_summed = 1 !! number of points of each of the two sums of forces
-      real(dp), allocatable :: gap(:) !! the gaps beyond zones that are closed; 0 where they tell nothing (m) [L]
-      real(dp), allocatable :: slip(:) !! the slips beyond zones that stick; 0 where they tell nothing (m) [L]
+      real(dp), allocatable :: gap(:) !! the gaps beyond closed zones; 0 where they are not used (m) [L]
+      real(dp), allocatable :: slip(:) !! the slips beyond stick zones; 0 where they are not used (m) [L]
    end type trace_t
 
    !> Consecutive points of a contact set.
    type :: chain_t
       integer, allocatable :: point(:) !! the points (n)
       real(dp), allocatable :: arc(:) !! where they are along the line, from the first one on (n) [L]
-      real(dp), allocatable :: bound(:) !! where their tributary lengths end (0:n) [L]
+      real(dp), allocatable :: bound(:) !! ends of their tributary lengths (0:n) [L]
    end type chain_t
 
    !> Lengths of the three zones. Their sum is the length of the sides between contact points, for a pair of the parts
    !> that face the master, and of the cells.
    type :: lengths_t
-      real(dp) :: open = 0.0_dp !! where one end of a side at least is open [L]
-      real(dp) :: slip = 0.0_dp !! where both ends are closed and one at least slips [L]
-      real(dp) :: stick = 0.0_dp !! where both ends stick [L]
+      real(dp) :: open = 0.0_dp !! length of sides with an open end [L]
+      real(dp) :: slip = 0.0_dp !! length of sides with closed ends of which at least one slips [L]
+      real(dp) :: stick = 0.0_dp !! length of sides with two sticking ends [L]
    contains
       procedure :: quantities => lengths_quantities
    end type lengths_t
@@ -66,7 +66,7 @@ contains
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
-      type(trace_t), intent(in) :: trace !! what tells where the zone ends
+      type(trace_t), intent(in) :: trace !! forces, gaps and slips from which the ends of the zone are found
       type(chain_t) :: chain
       logical :: is_done(zone%n_points)
       integer :: first, last, n, p, n_intervals
@@ -153,7 +153,7 @@ contains
    !> Moves the beginning of a chain of slave corners to where the master begins to face them, which may be in the
    !> middle of a side.
    pure subroutine begin_where_covered(begin, pair, point)
-      real(dp), intent(inout) :: begin !! where the chain begins, counted from its first point [L]
+      real(dp), intent(inout) :: begin !! position of the beginning, as a length from the first point [L]
       type(mortar_pair_t), intent(in) :: pair !! the pair, or none
       integer, intent(in) :: point !! number of that point in the pair
       real(dp) :: length
@@ -180,7 +180,7 @@ contains
       type(chain_t), intent(in) :: chain !! the points that follow each other
       integer, intent(in) :: first !! the first point inside
       integer, intent(in) :: last !! the last point inside
-      type(trace_t), intent(in) :: trace !! what tells where the zone ends
+      type(trace_t), intent(in) :: trace !! forces, gaps and slips from which the ends of the zone are found
       real(dp) :: begin, end
       integer :: n
 
@@ -490,8 +490,8 @@ contains
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: values(:) !! the values (any)
       real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
-      real(dp), intent(in) :: scale !! what rounding errors of it are measured by
-      character(*), intent(in) :: dimension !! what it is measured in
+      real(dp), intent(in) :: scale !! scale of its rounding errors
+      character(*), intent(in) :: dimension !! its dimension
       type(quantity_t) :: quantity
 
       quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale, dimension)

@@ -48,10 +48,10 @@ module amontons_load_solver
 
    !> The data that all members of a family of loads share.
    type :: load_solver_t
-      type(load_family_t) :: loads !! what acts
+      type(load_family_t) :: loads !! loads, obstacles and friction
       class(contact_method_t), allocatable :: method !! the deck's method
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
-      real(dp) :: size_of_body = 0.0_dp !! the larger side of the box around the mesh [L]
+      real(dp) :: size_of_body = 0.0_dp !! the larger side of the bounding box of the mesh [L]
       logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
       logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
    contains
@@ -66,7 +66,7 @@ contains
       type(load_solver_t), intent(out) :: solver !! the solver
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
-      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(method_options_t), intent(in) :: options !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! there is no such method; a load or support does not fit
 
@@ -100,7 +100,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       class(acting_t), intent(in) :: acting !! the member
       type(contact_problem_t), intent(inout) :: problem !! its contact problem, posed; may gain its compliance
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
       integer, intent(out), optional :: error_kind !! kind of the error where the outcome is `outcome_numbers`
@@ -194,7 +194,7 @@ contains
    pure subroutine reset_to_rest(solution, problem, size_of_body)
       type(contact_solution_t), intent(inout) :: solution !! the solution
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       ! Of gaps, which are differences of coordinates, too: some tens of their rounding errors.
       real(dp), parameter :: rounding = 1.0e-14_dp
 
@@ -210,8 +210,8 @@ contains
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       real(dp), allocatable :: motion(:)
 
       if (any(body%motions%n_free > 0)) then
@@ -229,8 +229,8 @@ contains
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       type(contact_solution_t) :: first
       real(dp), allocatable :: travel(:)
 
@@ -286,7 +286,7 @@ contains
       class(contact_method_t), intent(in) :: method !! the contact method
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       type(contact_problem_t) :: counted
 
       counted = problem
@@ -332,8 +332,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
-      type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
-      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      type(contact_solution_t), intent(in) :: solution !! the solution, converged or not
+      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), allocatable :: amounts(:)
       character(:), allocatable :: motion
@@ -360,8 +360,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
-      type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
-      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      type(contact_solution_t), intent(in) :: solution !! the solution, converged or not
+      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       real(dp), allocatable :: on_round(:, :), spins(:, :)
       real(dp) :: rounding
       integer :: trial
@@ -394,7 +394,7 @@ contains
    pure logical function is_unbalanced(problem, force, rounding, amounts, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
-      real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
+      real(dp), intent(in) :: rounding !! rounding errors of load and force of a point, from those of S [F]
       real(dp), intent(in) :: amounts(:) !! amounts of the free motions of each piece (motions)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
@@ -499,7 +499,7 @@ contains
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if none is found (motions)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: rounding !! how much of load and force of a point may be rounding of S [F]
+      real(dp), intent(in) :: rounding !! rounding errors of load and force of a point, from those of S [F]
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)

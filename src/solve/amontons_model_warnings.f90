@@ -220,7 +220,7 @@ contains
    !> Warns of a table along the line that has no abscissa within the line.
    pure subroutine add_table_warning(warnings, name, field, zone, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! what the table is called
+      character(*), intent(in) :: name !! name of the table
       type(line_field_t), intent(in) :: field !! the quantity, with or without a table
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: set !! number of the contact set
@@ -243,7 +243,7 @@ contains
    !> Warns of a friction coefficient that is probably an error.
    pure subroutine add_large_friction(warnings, name, friction)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! how the warning begins
+      character(*), intent(in) :: name !! beginning of the warning
       real(dp), intent(in) :: friction !! the largest coefficient [-]
 
       if (friction > large_friction) call warnings%add(name//'friction of '//short_text(friction)// &
@@ -254,7 +254,7 @@ contains
    pure subroutine add_sweep_warnings(warnings, sweep, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(sweep_t), intent(in) :: sweep !! the sweep, which is given
-      type(load_case_t), intent(in) :: load_case !! the load case of the deck as it stands
+      type(load_case_t), intent(in) :: load_case !! the load case of the deck, without factors
       integer, intent(in) :: set(:) !! the contact set of each point (m)
       logical :: is_varied(size(load_case%contacts))
       integer :: i, k
@@ -282,7 +282,7 @@ contains
    pure subroutine add_history_warnings(warnings, history, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(history_t), intent(in) :: history !! the history, which is given
-      type(load_case_t), intent(in) :: load_case !! the load case of the deck as it stands
+      type(load_case_t), intent(in) :: load_case !! the load case of the deck, without factors
       integer, intent(in) :: set(:) !! the contact set of each point (m)
       logical :: is_varied(size(load_case%contacts))
       integer :: i, k
@@ -332,7 +332,7 @@ contains
    !> Warns of sides without contact points, because earlier sets have both ends.
    pure subroutine add_idle_sides(warnings, name, places)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! how the warning begins
+      character(*), intent(in) :: name !! beginning of the warning
       real(dp), intent(in) :: places(:, :) !! middles of the sides (2, sides) [L]
 
       if (size(places, 2) > 0) call warnings%add(name//'nothing acts on '//counted(size(places, 2), 'side')// &
@@ -345,7 +345,7 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: gap(:) !! gaps of its points, with what the deck adds [L]
-      real(dp), intent(in) :: extra_gap(:) !! what the deck adds [L]
+      real(dp), intent(in) :: extra_gap(:) !! addition of the deck [L]
       ! What the digits of mesh files leave of a gap of 0, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       ! Gaps larger than the bulge of sides by this factor are well resolved.

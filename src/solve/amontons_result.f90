@@ -40,7 +40,7 @@ module amontons_result
    !> A number of a result on refined meshes.
    type :: refined_quantity_t
       type(quantity_t) :: quantity !! the number on the finest mesh
-      type(convergence_t) :: convergence !! how it got there
+      type(convergence_t) :: convergence !! its convergence over the meshes
    end type refined_quantity_t
 
    !> Outcome of a load case: the residual is at most the tolerance.
@@ -90,9 +90,9 @@ module amontons_result
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (components, n_nodes) [L]
       type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
-      type(warning_list_t) :: warnings !! what is doubtful about the model and the result
+      type(warning_list_t) :: warnings !! warnings on the model and the result
       integer :: outcome = outcome_not_converged
-         !! what came of its loads, or of those of the next step of a history that ended early
+         !! the outcome, or that of the next step of a history that ended early
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
@@ -118,12 +118,12 @@ module amontons_result
          !! why there is no state to show: no equilibrium, or a first step of a history that did not converge
       real(dp) :: earlier_violation = 0.0_dp
          !! largest violation of the certificates of earlier steps of a study of several [-]
-      type(document_t) :: study_listing !! what a study of several steps says of them in the listing; empty for others
-      type(document_t) :: study_members !! what it says in the summary, members of a JSON object
+      type(document_t) :: study_listing !! section of the listing on a study of several steps; empty for others
+      type(document_t) :: study_members !! members of such a study in the summary
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
       character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
       type(factor_t) :: factor !! the factorization in use
-      type(timings_t) :: timings !! where the time went
+      type(timings_t) :: timings !! times of the phases
    end type result_t
 
 contains

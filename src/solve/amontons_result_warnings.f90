@@ -122,7 +122,7 @@ contains
    pure real(dp) function rounding_pressure(body, displacement, size_of_body) result(pressure)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement !! size of the displacements [L]
-      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       ! What rounding of displacements, 1e-16 of them, is as a strain of sides of a thousandth of the body, some of them
       ! summed up [-].
       real(dp), parameter :: rounding = 1.0e-12_dp
@@ -157,7 +157,7 @@ contains
 
    !> The sentence of a warning on a case of a sweep.
    pure function case_warning_sentence(kind, zone) result(sentence)
-      integer, intent(in) :: kind !! which of `case_warning_names`
+      integer, intent(in) :: kind !! index in `case_warning_names`
       type(contact_zone_t), intent(in) :: zone !! the contact points
       character(:), allocatable :: sentence
 
@@ -294,9 +294,9 @@ contains
 
    !> Finds the warnings on the solution of a contact problem that do not depend on the displacements of the body.
    pure subroutine find_case_warnings(is_raised, body, size_of_body, contacts, gap, solution)
-      logical, intent(out) :: is_raised(size(case_warning_names)) !! which of the warnings it deserves
+      logical, intent(out) :: is_raised(size(case_warning_names)) !! whether each warning applies
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
       real(dp), intent(in) :: gap(:) !! distances of the points before any displacement (m) [L]
       type(contact_solution_t), intent(in) :: solution !! the solution

@@ -65,7 +65,8 @@ module amontons_solve_case
       character(:), allocatable :: first_case !! the case that the body was made for
       logical :: is_condensed = .false. !! whether the body is factorized
       type(contact_problem_t) :: problem !! its contact problem, once it is condensed
-      type(state_t), allocatable :: state !! where the last case of this body ended; not allocated before the first
+      type(state_t), allocatable :: state
+         !! final contact state of the last case of this body; not allocated before the first
       logical :: is_refining = .false. !! whether the next body is the one at hand on a finer mesh, and keeps its state
    end type cache_t
 
@@ -73,10 +74,10 @@ contains
 
    !> Makes body and load case of a case, and so checks everything that its deck may get wrong.
    subroutine prepare_case(cache, config, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are invalid
       logical :: has_body
 
       call new_timings(result%timings)
@@ -101,7 +102,7 @@ contains
    subroutine make_body(cache, config, error)
       type(cache_t), intent(inout) :: cache !! gains the body
       type(config_t), intent(in) :: config !! the case
-      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports or contacts are at fault
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports or contacts are invalid
       type(mesh_t) :: mesh
       character(:), allocatable :: notes
 
@@ -124,10 +125,10 @@ contains
    !> Makes body and load case of a single case, and checks before the factorization whether its loads have an
    !> equilibrium.
    subroutine prepare_single_case(cache, config, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, the warnings, and that there is no equilibrium
-      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are invalid
       type(error_t), allocatable :: lack
 
       call prepare_case(cache, config, result, error)
@@ -140,10 +141,10 @@ contains
 
    !> Solves a single case. A missing equilibrium is its outcome, not an error.
    subroutine solve_case(cache, config, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the deck is invalid, or the computation failed numerically
 
       call prepare_single_case(cache, config, result, error)
       if (allocated(error) .or. result%outcome == outcome_no_equilibrium) return
@@ -176,7 +177,7 @@ contains
 
    !> Factorizes and condenses the body, and makes the tables of its error estimates, unless an earlier case did.
    subroutine condense_case(cache, config, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand
+      type(cache_t), intent(inout) :: cache !! the present body
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(inout) :: result !! gains the times, and the case whose factorization it shares
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
@@ -235,7 +236,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(inout) :: problem
          !! its contact problem; left with this load case, and the compliance if the method makes it
-      type(error_t), allocatable, intent(out) :: error !! there is no such method, or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! there is no such method, or the computation failed numerically
       type(load_solver_t), allocatable :: solver
       type(acting_t) :: acting
       type(uniqueness_t) :: known
@@ -379,7 +380,8 @@ contains
       type(method_options_t), intent(in) :: options !! the contact method
       type(result_t), intent(inout) :: result
          !! the result; one that converged for another load case of this body is where the method starts
-      type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error
+         !! supports, contacts or loads are invalid, or the computation failed numerically
       type(contact_solution_t) :: start
       type(uniqueness_t) :: known
       type(result_t) :: empty

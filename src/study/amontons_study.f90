@@ -28,12 +28,12 @@ module amontons_study
       character(:), allocatable :: deck !! name of the deck
       character(:), allocatable :: name !! name of its case; empty where the deck could not be read
       integer :: status = 0 !! exit status that the deck alone would give
-      character(:), allocatable :: word !! what became of it in a word, as batch.csv has it
+      character(:), allocatable :: word !! its outcome, a word of batch.csv
       character(:), allocatable :: text !! the line on its result; empty without a result
       character(:), allocatable :: message !! what went wrong, beginning with the name of the deck; empty if nothing did
       type(quantity_t), allocatable :: numbers(:) !! numbers of the result; not allocated without a result
       real(dp) :: seconds = 0.0_dp !! time that the deck took [s]
-      type(warning_list_t) :: warnings !! what is doubtful about model and result
+      type(warning_list_t) :: warnings !! warnings on model and result
       logical :: has_grids = .false. !! whether a single converged case left the grids NAME.vtu and NAME.contact.vtu
    contains
       procedure :: begin => outcome_begin
@@ -72,9 +72,9 @@ module amontons_study
          import :: cache_t, error_t, outcome_t, study_t
          implicit none (type, external)
          class(study_t), intent(in) :: self !! the study
-         type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
+         type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
          type(outcome_t), intent(inout) :: outcome !! gains its line and the warnings
-         type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+         type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       end subroutine check_procedure
 
       !> Solves everything that the deck asks for and writes its files.
@@ -82,11 +82,12 @@ module amontons_study
          import :: cache_t, error_t, outcome_t, study_monitor_t, study_options_t, study_t
          implicit none (type, external)
          class(study_t), intent(in) :: self !! the study
-         type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
-         type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+         type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
+         type(study_options_t), intent(in) :: options !! the options that are not in the deck
          class(study_monitor_t), intent(inout) :: monitor !! learns how far a study of many cases is, and may stop it
          type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
-         type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+         type(error_t), allocatable, intent(out) :: error
+            !! the deck is invalid, the computation failed numerically, or a file cannot be written
       end subroutine solve_procedure
    end interface
 
@@ -119,7 +120,7 @@ contains
    !> Records that the study was interrupted.
    pure subroutine outcome_interrupt(self, place)
       class(outcome_t), intent(inout) :: self !! the outcome
-      character(*), intent(in) :: place !! what it had come to: 'step 3'
+      character(*), intent(in) :: place !! the progress: 'step 3'
 
       self%status = status_interrupted
       self%word = 'interrupted'
@@ -130,7 +131,7 @@ contains
    pure subroutine outcome_lack(self, word, message)
       class(outcome_t), intent(inout) :: self !! the outcome
       character(*), intent(in) :: word !! `word_no_equilibrium`, `word_not_converged` or `word_numerical_failure`
-      character(*), intent(in) :: message !! what is lacking
+      character(*), intent(in) :: message !! the reason, as a sentence
 
       self%status = merge(status_not_converged, numerical_failure, word == word_not_converged)
       self%word = word
@@ -176,7 +177,7 @@ contains
       real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
       integer, intent(out) :: status !! 0 or `status_not_converged`
-      character(:), allocatable, intent(out) :: fault !! what the solution lacks; empty if nothing
+      character(:), allocatable, intent(out) :: fault !! what is wrong with the solution; empty if nothing
       ! A residual of sums of some hundred products; seldom is it less.
       real(dp), parameter :: rounding = 1.0e-14_dp
 
@@ -207,7 +208,7 @@ contains
       class(study_monitor_t), intent(inout) :: self !! the monitor
       integer, intent(in) :: n_done !! cases done, those of an earlier run included
       integer, intent(in) :: n_cases !! all cases
-      character(*), intent(in) :: things !! what they are: 'cases', 'steps' or 'fields'
+      character(*), intent(in) :: things !! noun for the items: 'cases', 'steps' or 'fields'
 
       associate (unused => self, done => n_done, all => n_cases, words => things)
       end associate
@@ -216,9 +217,9 @@ contains
    !> Checks a study; an error becomes its outcome.
    subroutine check_study(study, cache, options, outcome)
       class(study_t), intent(in) :: study !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      type(outcome_t), intent(out) :: outcome !! what became of the deck
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
+      type(outcome_t), intent(out) :: outcome !! the outcome of the deck
       type(error_t), allocatable :: error
 
       call outcome%begin(study%config%file, study%config%name)
@@ -231,10 +232,10 @@ contains
    !> Solves a study and writes its files; an error becomes its outcome.
    subroutine solve_study(study, cache, options, monitor, outcome)
       class(study_t), intent(in) :: study !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
       class(study_monitor_t), intent(inout) :: monitor !! learns how far a study of many cases is, and may stop it
-      type(outcome_t), intent(out) :: outcome !! what became of the deck
+      type(outcome_t), intent(out) :: outcome !! the outcome of the deck
       type(error_t), allocatable :: error
 
       call outcome%begin(study%config%file, study%config%name)

@@ -30,7 +30,7 @@ module amontons_checkpoint
       real(dp), allocatable :: numbers(:) !! the numbers, and room for more while they are written
       logical :: is_read = .false. !! whether they are read
       logical :: is_whole = .true. !! whether no part was asked for that is not there
-      integer :: n = 0 !! how many numbers were passed
+      integer :: n = 0 !! number of numbers passed
    contains
       procedure, private :: pass_integer => archive_pass_integer
       procedure, private :: pass_integers => archive_pass_integers
@@ -42,8 +42,8 @@ module amontons_checkpoint
 
    !> A growing table.
    type :: growing_table_t
-      character(:), allocatable :: path !! where it grows
-      character(:), allocatable :: header !! what it begins with
+      character(:), allocatable :: path !! path of the growing file
+      character(:), allocatable :: header !! its first lines
       character(:), allocatable :: rows !! rows that are not on the disk yet, and room for more
       integer :: length = 0 !! their length
       type(checksum_t) :: checksum !! checksum and bytes of what is on the disk
@@ -52,7 +52,7 @@ module amontons_checkpoint
    !> The tables of a study and their checkpoint file.
    type :: checkpoint_t
       private
-      character(:), allocatable :: path !! where the progress is noted
+      character(:), allocatable :: path !! path of the checkpoint file
       type(growing_table_t), allocatable :: tables(:) !! the tables
       logical, public :: is_anew = .false. !! whether an earlier run left rows that could not be gone on with
       real(dp) :: start = 0.0_dp !! when it was opened [s]
@@ -148,8 +148,8 @@ contains
    !> Adds a table.
    pure subroutine checkpoint_add_table(self, path, header)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, not open
-      character(*), intent(in) :: path !! where the table grows
-      character(*), intent(in) :: header !! what it begins with, lines of text
+      character(*), intent(in) :: path !! path of the growing file
+      character(*), intent(in) :: header !! its first lines
       type(growing_table_t) :: table
 
       table%path = path
@@ -161,8 +161,9 @@ contains
    !> Opens the checkpoint that an earlier run left, if it has the same key, or a new one.
    subroutine checkpoint_open(self, key, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, with its tables
-      character(*), intent(in) :: key !! what the rows depend on, lines of text
-      type(archive_t), allocatable, intent(out) :: progress !! what is done already; not allocated for nothing
+      character(*), intent(in) :: key !! everything that the rows depend on, lines of text
+      type(archive_t), allocatable, intent(out) :: progress
+         !! the progress of an earlier run; not allocated if there is none
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
       integer(int64) :: notes_bytes
       logical :: is_found
@@ -197,7 +198,7 @@ contains
    !> Looks for a checkpoint file with the same key, and for its last complete line.
    subroutine find_progress(checkpoint, key, progress, notes_bytes)
       class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
-      character(*), intent(in) :: key !! what the rows depend on
+      character(*), intent(in) :: key !! everything that the rows depend on
       type(archive_t), allocatable, intent(out) :: progress
          !! that of the last whole line; not allocated unless the tables are those that it tells of
       integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count

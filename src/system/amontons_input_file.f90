@@ -61,7 +61,7 @@ module amontons_input_file
       integer, private :: counted(2) = 1 !! the place whose line was asked for last, and the line
       integer, allocatable, private :: pieces(:, :)
          !! where each piece of the text begins, the line of its file there, and the number of its file (3, pieces)
-      integer :: position = 1 !! where to read next
+      integer :: position = 1 !! position of the next character to be read
       logical :: is_binary = .false. !! whether numbers are bytes rather than digits
       logical :: is_swapped = .false. !! whether the bytes of a number stand in the other order than this machine's
       type(error_t), allocatable :: error !! the first fault, once there is one
@@ -312,7 +312,7 @@ contains
    !> Records a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
    pure subroutine input_file_refuse(self, sentence, place)
       class(input_file_t), intent(inout) :: self !! the file
-      character(*), intent(in) :: sentence !! what is wrong
+      character(*), intent(in) :: sentence !! the fault, as a sentence
       integer, intent(in), optional :: place !! where; default: here
       character(:), allocatable :: file
       integer :: at, line
@@ -426,7 +426,7 @@ contains
    pure subroutine input_file_take_integer(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       character(8) :: bytes
 
       value = 0
@@ -446,7 +446,7 @@ contains
    pure subroutine input_file_take_numeral(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       character(:), allocatable :: found
       logical :: ok
 
@@ -464,7 +464,7 @@ contains
    pure subroutine input_file_take_count(self, n, things)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: n !! the number, not negative
-      character(*), intent(in) :: things !! what the things are
+      character(*), intent(in) :: things !! noun for the items, for messages
 
       n = 0
       if (allocated(self%error)) return
@@ -479,7 +479,7 @@ contains
    pure subroutine input_file_take_size(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       character(8) :: bytes
       integer(int64) :: long
       integer :: place
@@ -502,7 +502,7 @@ contains
    pure subroutine input_file_take_real(self, value, what)
       class(input_file_t), intent(inout) :: self !! the file
       real(dp), intent(out) :: value !! the number, 0 where there is a fault
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       character(8) :: bytes
       logical :: ok
 
@@ -527,7 +527,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of bytes
       character(8), intent(out) :: bytes !! the bytes, all zero where there is a fault
-      character(*), intent(in) :: what !! what the number means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       integer :: i
 
       bytes = repeat(achar(0), len(bytes))
@@ -550,7 +550,7 @@ contains
       class(input_file_t), intent(inout) :: self !! the file, behind the number
       integer, intent(in) :: n !! number of things announced, not negative
       integer, intent(in) :: least_bytes !! number of bytes that one takes at least
-      character(*), intent(in) :: things !! what they are, for the message
+      character(*), intent(in) :: things !! noun for the items, for the message
       integer :: n_left
 
       if (allocated(self%error)) return

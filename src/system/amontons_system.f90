@@ -231,7 +231,7 @@ contains
    !> Truncates a file to a number of bytes.
    subroutine cut_file(path, n_bytes, error)
       character(*), intent(in) :: path !! name of the file
-      integer(int64), intent(in) :: n_bytes !! how many of its bytes stay
+      integer(int64), intent(in) :: n_bytes !! number of bytes to be kept
       type(error_t), allocatable, intent(out) :: error !! the file cannot be cut
       integer :: code
 
@@ -348,7 +348,7 @@ contains
       type(checksum_t), intent(out) :: checksum !! the checksum of as many bytes as there are
       character(*), intent(in) :: path !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read
-      integer(int64), intent(in), optional :: most_bytes !! where to end at the latest; the end of the file by default
+      integer(int64), intent(in), optional :: most_bytes !! largest number of bytes; by default those of the whole file
       integer(c_int64_t) :: most
       integer :: code
 

@@ -118,7 +118,7 @@ contains
 
    !> Sets the present work for the status line, if there is one. May be called from any thread.
    subroutine note_work(work, is_timed)
-      character(*), intent(in) :: work !! what is done
+      character(*), intent(in) :: work !! the present work
       logical, intent(in) :: is_timed !! whether the seconds since the line was opened follow it
 
       call c_note_work(work//c_null_char, merge(1_c_int, 0_c_int, is_timed))

@@ -89,7 +89,7 @@ contains
    !> The text of a row, without the end of its line.
    pure function csv_table_row(self, row) result(text)
       class(csv_table_t), intent(in) :: self !! the table
-      integer, intent(in) :: row !! which row
+      integer, intent(in) :: row !! number of the row
       character(:), allocatable :: text
 
       text = self%text(self%start%item(row):self%start%item(row + 1) - 2)

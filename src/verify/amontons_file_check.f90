@@ -36,7 +36,7 @@ module amontons_file_check
       integer :: unit = -1 !! the open file
       integer(int64) :: position = 1_int64 !! the byte that comes next, from 1
       logical :: is_readable = .true. !! whether what comes next is where it should be
-      type(fault_list_t), public :: faults !! what does not agree
+      type(fault_list_t), public :: faults !! the disagreement
    contains
       procedure, public :: close => vtk_check_close
       procedure, public :: put_integers => vtk_check_put_integers
@@ -51,7 +51,7 @@ module amontons_file_check
       character(:), allocatable :: stem !! directory and name of the case
       character(:), allocatable :: summary !! all bytes of its summary; not allocated if it cannot be read
       type(config_t) :: config !! the case as its effective deck has it
-      type(fault_list_t) :: faults !! what does not agree
+      type(fault_list_t) :: faults !! the disagreement
       logical :: is_certified = .false. !! whether it converged and its certificate passes, or it has no equilibrium
    contains
       procedure :: compare => verified_case_compare
@@ -66,7 +66,7 @@ contains
    subroutine compare_document(faults, stem, document)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: stem !! directory and name of the case
-      type(document_t), intent(in) :: document !! what should stand in the file
+      type(document_t), intent(in) :: document !! the expected document
       character(:), allocatable :: stated, path, fault, header, head
       type(error_t), allocatable :: error
       real(dp) :: least_difference
@@ -135,12 +135,12 @@ contains
 
    !> Compares two lines.
    pure subroutine compare_line(fault, stated, computed, header, scales, least_difference, is_lost)
-      character(:), allocatable, intent(out) :: fault !! what does not agree; empty if all does
+      character(:), allocatable, intent(out) :: fault !! the disagreement; empty if there is none
       character(*), intent(in) :: stated !! the line as it was written
-      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: computed !! the expected text
       character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
       real(dp), intent(in) :: scales(:) !! scale of the first, second ... word, if larger than the word itself
-      real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
+      real(dp), intent(in) :: least_difference !! largest relative difference of numbers [-]
       logical, intent(out) :: is_lost !! whether the lines have other words
       character(:), allocatable :: name
       integer :: i, j, last_i, last_j, number
@@ -207,7 +207,7 @@ contains
    !> The position of the next character that is no blank; one past the end of the line if there is none.
    pure integer function next_sign(line, first) result(place)
       character(*), intent(in) :: line !! the line
-      integer, intent(in) :: first !! where to begin
+      integer, intent(in) :: first !! first position to be searched
 
       place = len(line) + 1
       if (first > len(line)) return
@@ -218,7 +218,7 @@ contains
    !> each word of a long line a copy would overflow the stack.
    pure integer function word_length(line, first) result(length)
       character(*), intent(in) :: line !! the line
-      integer, intent(in) :: first !! where to begin
+      integer, intent(in) :: first !! first position to be searched
 
       length = scan(line(first:), separators) - 1
       if (length < 0) length = len(line) - first + 1
@@ -313,7 +313,7 @@ contains
 
    !> Text describing two numbers that do not agree.
    pure function contradiction(what, stated, computed) result(sentence)
-      character(*), intent(in) :: what !! what they are
+      character(*), intent(in) :: what !! their kind
       real(dp), intent(in) :: stated !! the number that a file states
       real(dp), intent(in) :: computed !! the number that follows from the others
       character(:), allocatable :: sentence
@@ -488,7 +488,7 @@ contains
    !> Compares the markup.
    subroutine vtk_check_compare_markup(self, place)
       class(vtk_check_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: place !! where in the file it stands
+      character(*), intent(in) :: place !! its position in the file
       character(len(self%markup)) :: found
       integer :: status, i
 
@@ -537,7 +537,7 @@ contains
    !> The name of a number of an array in a grid, for messages.
    pure function entry_name(section, place, n_components) result(name)
       character(*), intent(in) :: section !! the section of the array
-      integer, intent(in) :: place !! which of its numbers, from 1
+      integer, intent(in) :: place !! index of the number, from 1
       integer, intent(in) :: n_components !! numbers per point or cell
       character(:), allocatable :: name
 
@@ -597,7 +597,7 @@ contains
    !> Reads the bytes of an array, which follow after their number.
    subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
       integer, intent(in) :: unit !! the open file
-      integer(int64), intent(in) :: position !! where its letters begin, from 1
+      integer(int64), intent(in) :: position !! position of its first letter, from 1
       character(*), intent(in) :: name !! name of the array
       integer(int64), intent(in) :: n_bytes !! number of bytes that it should have
       character(:), allocatable, intent(out) :: bytes !! the bytes, if they can be read
@@ -641,8 +641,8 @@ contains
    !> Adds a fault of a file, if there is one.
    pure subroutine verified_case_fault(self, ending, sentence)
       class(verified_case_t), intent(inout) :: self !! the case; gains the fault
-      character(*), intent(in) :: ending !! what the name of the file ends with, behind that of the case
-      character(*), intent(in) :: sentence !! what is wrong; empty if nothing is
+      character(*), intent(in) :: ending !! suffix of the file name, after the name of the case
+      character(*), intent(in) :: sentence !! the fault, as a sentence; empty if there is none
 
       if (len(sentence) > 0) call self%faults%add(self%stem//ending, sentence)
    end subroutine verified_case_fault

@@ -29,8 +29,8 @@ module amontons_verify
    type :: verdict_t
       logical :: is_verified = .false. !! whether its files are as they were written and agree with each other
       logical :: is_certified = .false. !! whether, moreover, it converged and its certificate passes
-      character(:), allocatable :: remark !! what could not be looked at, for the verdict; mostly empty
-      character(:), allocatable :: faults !! what is wrong, a line of text for each file or number; empty if nothing
+      character(:), allocatable :: remark !! text on what could not be checked, for the verdict; mostly empty
+      character(:), allocatable :: faults !! faults, a line of text for each file or number; empty if there are none
    end type verdict_t
 
 contains
@@ -64,7 +64,7 @@ contains
       type(file_name_t), intent(inout) :: names(:) !! names of the cases
       integer, intent(inout) :: n !! number of cases so far
       character(*), intent(in) :: file !! name of the file
-      character(*), intent(in) :: suffix !! what it may end with
+      character(*), intent(in) :: suffix !! the suffix
       integer :: i, length
 
       length = len(file) - len(suffix)
@@ -83,7 +83,7 @@ contains
 
    !> Verifies the files of a case.
    subroutine verify_files(verdict, cache, directory, name)
-      type(verdict_t), intent(out) :: verdict !! what was found
+      type(verdict_t), intent(out) :: verdict !! the verdict
       type(cache_t), intent(inout) :: cache !! the last body: cases that agree in it share it
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case

@@ -241,7 +241,7 @@ contains
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
       logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
-      type(law_scales_t), intent(in) :: scales !! what counts as none
+      type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
       character(:), allocatable :: place, wrong
       real(dp) :: bound, direction, slip
       integer :: p

@@ -37,7 +37,7 @@ module amontons_verify_history
    type, extends(history_table_t) :: stated_table_t
       type(csv_table_t) :: csv !! its rows
       real(dp) :: largest(n_kinds) = 0.0_dp !! the largest number of each kind
-      integer :: n_compared = 0 !! how many rows were compared
+      integer :: n_compared = 0 !! number of rows compared
    end type stated_table_t
 
    !> A history whose steps are taken again, with its tables.
@@ -46,7 +46,7 @@ module amontons_verify_history
       type(history_result_t) :: result !! the steps so far
       type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies, of the rows
-      character(:), allocatable :: entries !! what the collection of the grids has so far
+      character(:), allocatable :: entries !! entries of the collection of grids so far
    end type retrace_t
 
 contains
@@ -298,7 +298,7 @@ contains
    pure logical function hovers(state, body, scales)
       type(step_state_t), intent(in) :: state !! the state
       type(body_t), intent(in) :: body !! the body
-      type(law_scales_t), intent(in) :: scales !! what counts as none
+      type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
 
       hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force) <= scales%force)
    end function hovers
@@ -307,7 +307,7 @@ contains
    subroutine compare_rows(case, table, rows, row)
       type(verified_case_t), intent(inout) :: case !! the history; gains the fault
       type(stated_table_t), intent(inout) :: table !! the table
-      character(*), intent(in) :: rows !! what should stand there, lines of text
+      character(*), intent(in) :: rows !! the expected lines of text
       integer, intent(in) :: row !! row of the step
       character(:), allocatable :: fault
       integer :: first, last
@@ -429,7 +429,7 @@ contains
    !> Takes the largest number of all steps from the summary, if it agrees within rounding.
    subroutine take_stated_worst(case, number, n_steps, worst)
       type(verified_case_t), intent(in) :: case !! the history
-      integer, intent(in) :: number !! which number it is, a place in `worst_names`
+      integer, intent(in) :: number !! index of the number in `worst_names`
       integer, intent(in) :: n_steps !! number of the last step
       type(worst_step_t), intent(inout) :: worst !! the number as it was computed again
       real(dp), parameter :: rounding = 1.0e-8_dp

@@ -97,7 +97,7 @@ contains
       type(row_t), allocatable, intent(out) :: rows(:) !! the rows of cases that converged and whose fields are kept
       logical, allocatable, intent(out) :: has_converged(:) !! whether each case has converged
       type(body_t), intent(in) :: body !! the body
-      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
+      character(:), allocatable, intent(out) :: fault !! the fault, as a sentence; empty if there is none
       type(csv_table_t) :: table
       character(:), allocatable :: header
       integer :: i, n, n_quantities
@@ -155,7 +155,7 @@ contains
       type(csv_table_t), intent(in) :: table !! the table
       integer, intent(in) :: first !! column of the first quantity
       integer, intent(in) :: n_quantities !! number of quantities
-      character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
+      character(:), allocatable, intent(inout) :: fault !! the fault, as a sentence; empty if there is none
       character(:), allocatable :: runs
       integer :: i
       logical :: ok
@@ -187,9 +187,9 @@ contains
       type(verified_case_t), intent(in) :: case !! the sweep
       type(row_t), intent(in) :: row !! the row
       type(body_t), intent(in) :: body !! the body
-      type(case_result_t), intent(in) :: computed !! what should stand there
+      type(case_result_t), intent(in) :: computed !! the expected text
       real(dp), intent(in) :: row_scales(:) !! scale of the first, second ... number, if larger than the number itself
-      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
+      character(:), allocatable, intent(out) :: fault !! the fault, as a sentence; empty if there is none
       character(:), allocatable :: text, runs
       logical :: is_lost
 

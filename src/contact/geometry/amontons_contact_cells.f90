@@ -26,7 +26,7 @@ module amontons_contact_cells
    type :: segment_t
       integer :: side = 0 !! the side
       integer :: cell = 0 !! the cell
-      real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! where it begins and ends on the side, which goes from -1 to 1 [-]
+      real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! local coordinates of its ends on the side, from -1 to 1 [-]
       real(dp) :: arc_length = 0.0_dp !! length along the line where the side begins [L]
    end type segment_t
 
@@ -53,7 +53,7 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
-      type(cell_partition_t), intent(in) :: partition !! how to cut it
+      type(cell_partition_t), intent(in) :: partition !! the partition into cells
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
@@ -90,7 +90,7 @@ contains
          !! gains the number of cells, how they follow each other and their parts of the sides
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      type(cell_partition_t), intent(in) :: partition !! how to cut
+      type(cell_partition_t), intent(in) :: partition !! the partition into cells
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       real(dp), allocatable :: ends(:)
       real(dp) :: lengths(size(sides, 2)), arc_length
@@ -238,7 +238,7 @@ contains
    !> Replaces the corners of a pair by cells as its points; cells that face no master are left out.
    pure subroutine choose_cells(pair, partition, body, error)
       type(mortar_pair_t), intent(inout) :: pair !! the pair
-      type(cell_partition_t), intent(in) :: partition !! how to cut it
+      type(cell_partition_t), intent(in) :: partition !! the partition into cells
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error
          !! the partition does not fit the line, or supports hold all nodes of a cell along its normal

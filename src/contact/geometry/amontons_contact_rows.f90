@@ -232,7 +232,7 @@ contains
    !> Allocates the quadrature points, all numbers 0.
    pure subroutine contact_quadrature_begin(self, sizes)
       class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
-      integer, intent(in) :: sizes(:) !! how many each point has (m)
+      integer, intent(in) :: sizes(:) !! number of entries of each point (m)
 
       self%start = starts(sizes)
       associate (n => sum(sizes))
@@ -244,7 +244,7 @@ contains
    !> Allocates the parts of all points, all numbers 0.
    pure subroutine contact_rows_begin(self, sizes)
       class(contact_rows_t), intent(inout) :: self !! the rows
-      integer, intent(in) :: sizes(:) !! how many each point has (m)
+      integer, intent(in) :: sizes(:) !! number of entries of each point (m)
 
       self%start = starts(sizes)
       allocate (self%node(sum(sizes)), source=0)

@@ -21,8 +21,8 @@ module amontons_contact_set
       character(:), allocatable :: against
          !! name of the master's boundary set; empty or not allocated for a rigid obstacle
       real(dp) :: search = 0.0_dp
-         !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
-      character(8) :: gap = 'mesh' !! where gaps come from, one of `gap_names`
+         !! largest distance of the master along the slave's normal; 0 for twice the longest side [L]
+      character(8) :: gap = 'mesh' !! source of the gaps, one of `gap_names`
       logical :: is_tied = .false. !! whether the surfaces are bonded
    contains
       procedure :: has_mesh_gap => pairing_has_mesh_gap
@@ -36,7 +36,7 @@ module amontons_contact_set
       character(:), allocatable :: set !! name of the slave's boundary set
       character(:), allocatable :: to !! name of the master's boundary set
       real(dp) :: search = 0.0_dp
-         !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
+         !! largest distance of the master along the slave's normal; 0 for twice the longest side [L]
       logical :: has_jump = .false. !! whether it is a preload: the slave is shifted along its normal by a jump
       character(:), allocatable :: origin !! where the tie was specified, for messages: 'deck.nml:12: '
    end type tie_t
@@ -61,7 +61,7 @@ module amontons_contact_set
       logical :: is_constant = .false. !! whether the multipliers are constant on cells; nodal otherwise
       integer :: n_cells = 0 !! number of equal cells on each piece of the line; 0 for none asked for
       real(dp), allocatable :: ends(:)
-         !! where one cell ends and the next begins, ascending: lengths along the line; not allocated without [L]
+         !! boundaries between cells, ascending lengths along the line; not allocated if not given [L]
    contains
       procedure :: cell_ends => cell_partition_cell_ends
    end type cell_partition_t

@@ -52,8 +52,9 @@ module amontons_mortar_pair
       type(mortar_segment_t) :: segment !! the part
       integer :: point(2) = 0 !! the points, 0 for none
       real(dp) :: psi(2, 2) = 0.0_dp !! hats that make up the multiplier's function of each point (point, corner) [-]
-      real(dp) :: shear(2, 2) = 0.0_dp !! the same of its tangential function [-]
-      real(dp) :: hat(2, 2) = 0.0_dp !! the same of the function that gaps and friction are averaged with [-]
+      real(dp) :: shear(2, 2) = 0.0_dp !! hats that make up its tangential function (point, corner) [-]
+      real(dp) :: hat(2, 2) = 0.0_dp
+         !! hats that make up the weight of gaps and friction (point, corner) [-]
    end type mortar_piece_t
 
    !> Integrals of the points of a pair.
@@ -77,12 +78,12 @@ module amontons_mortar_pair
    type :: mortar_pair_t
       character(:), allocatable :: set !! name of the slave's boundary set
       character(:), allocatable :: against !! name of the master's boundary set
-      character(:), allocatable :: label !! what it is called, SLAVE/MASTER
+      character(:), allocatable :: label !! its name, SLAVE/MASTER
       type(boundary_line_t) :: line !! the slave's line
       type(surface_t) :: slave !! the surface that carries the multipliers
-      type(surface_t) :: master !! the other one
-      type(mortar_segment_t), allocatable :: segments(:) !! where they face each other
-      real(dp) :: search = 0.0_dp !! how far gaps may reach, either way [L]
+      type(surface_t) :: master !! the surface of the other body
+      type(mortar_segment_t), allocatable :: segments(:) !! segments in which they face each other
+      real(dp) :: search = 0.0_dp !! largest magnitude of a gap [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
@@ -102,12 +103,12 @@ module amontons_mortar_pair
          !! the cell is, 0 for none; not allocated where the points are corners
       real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
       character(:), allocatable :: shear_fault
-         !! what a contact set with friction is refused with; not allocated where shear can act on every side
+         !! error for a contact set with friction; not allocated if shear can act on every side
       real(dp) :: jump(2) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0, 0 without one [-]
       integer :: lead = 0 !! the node whose own unknown along this direction is the jump; 0 without one
       logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
-      real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
+      real(dp) :: sliver_share = 0.0_dp !! share of the side that faces the master [-]
    contains
       procedure :: is_set => mortar_pair_is_set
    end type mortar_pair_t
@@ -389,7 +390,7 @@ contains
       character(*), intent(in) :: set !! name of the slave's boundary set
       type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
+      integer, intent(in) :: follower(:) !! nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
@@ -512,7 +513,7 @@ contains
    pure subroutine number_points(pair, constraints, follower, master_line, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
+      integer, intent(in) :: follower(:) !! nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       type(boundary_line_t), intent(in) :: master_line !! the master's line
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(2, size(follower))
@@ -637,7 +638,7 @@ contains
    !> earlier sets have both ends is left to them, unless that leaves no point.
    pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
-      character(*), intent(in) :: remedy !! what to do where supports hold the slave
+      character(*), intent(in) :: remedy !! advice for the message if supports hold the slave
       logical, intent(in) :: needs_shear !! whether shear may act: friction, or bonded surfaces
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! there is such a side
@@ -680,9 +681,9 @@ contains
    !> The message that supports hold a part of a slave, so that contact forces do no work there.
    pure function held_slave_text(pair, position, what, remedy) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      real(dp), intent(in) :: position(2) !! where the part is [L]
-      character(*), intent(in) :: what !! what cannot act: force or shear
-      character(*), intent(in) :: remedy !! what to do about it
+      real(dp), intent(in) :: position(2) !! position of the part [L]
+      character(*), intent(in) :: what !! noun for what cannot act: force or shear
+      character(*), intent(in) :: remedy !! advice for the message
       character(:), allocatable :: text
 
       text = "supports hold the slave '"//pair%set//"' at "//place_text(position)//': no '//what// &
@@ -728,7 +729,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: position(2) !! the place, on the boundary of a body [L]
       real(dp), intent(in) :: direction(2) !! the way into it, a unit vector [-]
-      real(dp), intent(in) :: depth !! how far to look [L]
+      real(dp), intent(in) :: depth !! largest thickness of interest [L]
       ! The surfaces that overlap themselves lie at both ends of the way; 0.906 is the cosine of 25 degrees.
       real(dp), parameter :: at_an_end = 1.0e-6_dp, aslant = 0.906_dp
       integer, allocatable :: outer(:)

@@ -168,7 +168,7 @@ contains
    pure function conic_crossings(radius, c, x, e) result(crossings)
       real(dp), intent(in) :: radius !! the radius of curvature R; negative if hollow [L]
       real(dp), intent(in) :: c !! 1 of a circle, 0 of a parabola [-]
-      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
       ! A root this many lengths away is none.
@@ -210,7 +210,7 @@ contains
    !> The positions where a line crosses a polyline; it enters the obstacle from the polyline's left side.
    pure function polyline_crossings(line, x, e) result(crossings)
       real(dp), intent(in) :: line(:, :) !! points of the polyline (2, points) [L]
-      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
       real(dp) :: along(2), to_start(2), cross, place
@@ -256,7 +256,7 @@ contains
    !> The crossing where a line entered the obstacle that its start is in, or where it enters next; 0 if there is none.
    !> There is none either for a start on a surface that the line leaves there: the points behind the start lie inside.
    pure integer function find_entry(crossings) result(found)
-      type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
+      type(crossing_t), intent(in) :: crossings(:) !! the crossings of the line with the surface
       ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
       real(dp), parameter :: rounding = 1.0e-9_dp
       logical :: is_here(size(crossings)), enters(size(crossings))

@@ -22,7 +22,8 @@ module amontons_pair_substitution
    !> The displacement of a node as a sum of unknowns of nodes and displacements of nodes, each times a block.
    type :: sum_t
       integer, allocatable :: node(:) !! the nodes
-      real(dp), allocatable :: block(:, :, :) !! what theirs are multiplied by (components, components, nodes) [-]
+      real(dp), allocatable :: block(:, :, :)
+         !! factors of the nodes' displacements or unknowns (components, components, nodes) [-]
       logical, allocatable :: is_own(:) !! whether the own unknowns of the node are meant; else its displacement
       integer :: visit = 0 !! 0: not looked at, 1: being resolved, 2: all are own unknowns
    contains
@@ -252,7 +253,7 @@ contains
    pure subroutine sum_add(self, node, block, is_own)
       class(sum_t), intent(inout) :: self !! the sum
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: block(:, :) !! what it is multiplied by (components, components) [-]
+      real(dp), intent(in) :: block(:, :) !! factor of the term (components, components) [-]
       logical, intent(in) :: is_own !! whether its own unknowns are meant; else its displacement
       integer :: k
 

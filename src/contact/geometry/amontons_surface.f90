@@ -67,7 +67,7 @@ module amontons_surface
    type :: mortar_segment_t
       integer :: slave = 0 !! number of the side of the slave
       integer :: master = 0 !! number of the side of the master that it faces
-      real(dp) :: range(2) = 0.0_dp !! where it begins and ends on the slave's side, from -1 to 1 [-]
+      real(dp) :: range(2) = 0.0_dp !! local coordinates of its ends on the slave's side, from -1 to 1 [-]
    end type mortar_segment_t
 
    !> The intersection of a ray with a side of the master.
@@ -237,7 +237,7 @@ contains
       type(mortar_segment_t), allocatable, intent(out) :: segments(:) !! the segments
       type(surface_t), intent(in) :: slave !! the slave
       type(surface_t), intent(in) :: master !! the master
-      real(dp), intent(in) :: search !! how far a gap may reach, either way [L]
+      real(dp), intent(in) :: search !! largest magnitude of a gap [L]
       type(meeting_t) :: meeting
       type(surface_place_t) :: middle
       integer, allocatable :: near(:)
@@ -267,7 +267,7 @@ contains
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
       type(surface_t), intent(in) :: master !! the master
-      real(dp), intent(in) :: search !! how far a gap may reach, either way [L]
+      real(dp), intent(in) :: search !! largest magnitude of a gap [L]
       integer, allocatable :: near(:)
       ! A curved side may bulge out of the box of its nodes by an eighth of its length at the most.
       real(dp), parameter :: bulge = 0.125_dp
@@ -360,7 +360,7 @@ contains
       real(dp), intent(in) :: point(2) !! the point [L]
       real(dp), intent(in) :: low !! the one place [-]
       real(dp), intent(in) :: high !! the other place [-]
-      real(dp), intent(in) :: value_low !! how far the point lies aside there, of another sign than [L]
+      real(dp), intent(in) :: value_low !! value of `aside` there, of the opposite sign [L]
       real(dp), intent(in) :: value_high !! at the other place [L]
       integer, parameter :: most_steps = 60
       real(dp) :: a, b, f_a, f_b, f
@@ -392,7 +392,7 @@ contains
       type(surface_t), intent(in) :: master !! the master
       integer, intent(in) :: near(:) !! the sides to look at
       type(surface_place_t), intent(in) :: place !! the place on the slave
-      real(dp), intent(in) :: search !! how far a gap may reach, either way [L]
+      real(dp), intent(in) :: search !! largest magnitude of a gap [L]
       ! How far beyond its ends a side is still met: rays through a corner meet one of its sides.
       real(dp), parameter :: beyond = 1.0e-12_dp
       type(meeting_t) :: meeting

@@ -35,7 +35,7 @@ module amontons_acceleration
    type :: proximal_center_t
       real(dp), allocatable :: place(:) !! the displacements (2m) [L]
       real(dp), allocatable :: step(:) !! the last step from them (2m) [L]
-      real(dp) :: ahead = 0.0_dp !! how many steps the last move went ahead [-]
+      real(dp) :: ahead = 0.0_dp !! length of the last move ahead, in steps [-]
    contains
       procedure :: move => proximal_center_move
    end type proximal_center_t

@@ -47,7 +47,7 @@ module amontons_auto
       real(dp) :: tolerance = 0.0_dp !! residual that counts as solved [-]
       integer :: max_iterations = 0 !! most iterations of all together
       type(contact_solution_t) :: best !! the best pair so far
-      type(effort_t) :: effort !! what all took
+      type(effort_t) :: effort !! work of all methods
       real(dp), allocatable :: history(:) !! residual after each iteration [-]
       type(error_t), allocatable :: refusal !! why one of them could not begin, as without room for a dense matrix
    contains
@@ -65,7 +65,7 @@ contains
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! not solved, and memory ran out for one of the methods
       ! Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
       integer, parameter :: start_patience = 3
@@ -240,7 +240,7 @@ contains
    subroutine proximal_path_solve(self, problem, solution, error)
       class(proximal_path_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! where to begin, and the result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       ! Stiff springs spoil a step more than its residual does. Steps that are solved take about three of Newton's.
       real(dp), parameter :: stiffest = 1.0e3_dp, coarse = 1.0e-6_dp, first_factor = 10.0_dp

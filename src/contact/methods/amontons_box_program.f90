@@ -46,7 +46,7 @@ contains
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
-      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
+      real(dp), intent(inout) :: x(:) !! starting point; the minimizer on return (n)
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: rho(size(b)), reachable
@@ -78,7 +78,7 @@ contains
       real(dp), intent(in) :: force(:) !! the forces that x is added to (n) [F]
       real(dp), intent(in) :: radius(:) !! longest tangential force of each point, at least 0 (m) [F]
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
-      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
+      real(dp), intent(inout) :: x(:) !! starting point; the minimizer on return (n)
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! the solver is one for boxes, or memory ran out
       real(dp), parameter :: sufficient = 1.0e-4_dp, enough = 4.0_dp*epsilon(1.0_dp)
@@ -253,7 +253,7 @@ contains
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough
-      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
+      real(dp), intent(inout) :: x(:) !! starting point; the minimizer on return (n)
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       ! All scaled to a unit diagonal: what has its unit back by the scale, bounds, the point with the gradient there,
       ! and the conjugate direction, to be taken backwards.
@@ -394,7 +394,7 @@ contains
       real(dp), intent(in) :: gradient(:) !! the gradient there (n)
       real(dp), intent(in) :: low(:) !! lower bounds (n)
       real(dp), intent(in) :: high(:) !! upper bounds (n)
-      real(dp), intent(in) :: scale(:) !! what scaled components are multiplied by (n)
+      real(dp), intent(in) :: scale(:) !! factors from scaled components to components (n)
 
       violation = 0.0_dp
       if (size(y) > 0) violation = maxval(scale*abs(y - min(max(y - gradient, low), high)))

@@ -30,7 +30,7 @@ contains
    subroutine extragradient_solve(self, problem, solution, error)
       class(extragradient_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       ! How fast the vector may change along a step, over the step, and what the step is multiplied by beyond.
       real(dp), parameter :: too_fast = 0.9_dp, slow = 0.4_dp, shorter = 2.0_dp/3.0_dp

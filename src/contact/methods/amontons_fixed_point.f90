@@ -26,7 +26,7 @@ contains
    subroutine fixed_point_solve(self, problem, solution, error)
       class(fixed_point_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
       ! Tresca problems a hundredth as wrong as the forces may be.

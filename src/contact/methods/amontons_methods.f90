@@ -34,7 +34,7 @@ contains
    !> Makes the method with a given name.
    subroutine new_contact_method(method, options, error)
       class(contact_method_t), allocatable, intent(out) :: method !! the method
-      type(method_options_t), intent(in) :: options !! which one, and its options
+      type(method_options_t), intent(in) :: options !! name of the method, and its options
       type(error_t), allocatable, intent(out) :: error !! there is no such method
 
       select case (options%method)
@@ -63,8 +63,8 @@ contains
    subroutine solve_components(method, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! what the method refuses
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
+      type(error_t), allocatable, intent(out) :: error !! the method does not accept the problem
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: part
       type(contact_solution_t) :: found

@@ -54,7 +54,7 @@ module amontons_newton
    type, extends(contact_method_t) :: newton_t
       real(dp) :: max_regularization = 1.0_dp
          !! largest regularization, as part of the diagonal: more ends cycles, but is slow where there are none [-]
-      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
+      integer :: patience = huge(1) !! number of steps without a better pair that end the iteration
       real(dp) :: decrease = 0.999_dp !! least residual after a better pair, at the most, over the one before [-]
    contains
       procedure :: solve => newton_solve
@@ -72,14 +72,14 @@ module amontons_newton
 
    !> The linear equations of active sets on one operator, with the factorization that successive active sets share.
    type :: newton_system_t
-      type(effort_t) :: effort !! what the steps took so far
+      type(effort_t) :: effort !! work of the steps so far
       type(error_t), allocatable :: error !! memory ran out; no step was made then
       type(band_lu_t), private :: band_factors !! band: the factors of the last active set
       type(active_set_t), private :: base !! compliance: the active set that is factorized
       real(dp), private :: regularization = -1.0_dp !! regularization of the factorization; -1 if there is none [-]
       integer, allocatable, private :: unknown(:) !! the forces that are unknown in it
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A, where it is zero the largest of all (n) [L/F]
-      real(dp), allocatable, private :: softness(:) !! what the factorization has more on its diagonal (n) [L/F]
+      real(dp), allocatable, private :: softness(:) !! regularization on the diagonal of the factorized matrix (n) [L/F]
       integer, private :: n_changed = 0 !! number of rows that have changed since
       integer, allocatable, private :: changed(:) !! these rows
       real(dp), allocatable, private :: response(:, :)
@@ -100,9 +100,10 @@ module amontons_newton
    type :: equations_t
       logical, allocatable :: is_known(:) !! whether the displacement is known (n)
       real(dp), allocatable :: known(:) !! the known displacements, 0 else (n) [L]
-      real(dp), allocatable :: stiffening(:) !! what is added to the diagonal (n) [F/L]
+      real(dp), allocatable :: stiffening(:) !! addition to the diagonal (n) [F/L]
       real(dp), allocatable :: load(:) !! loads, with what goes with the stiffening (n) [F]
-      real(dp), allocatable :: slope(:) !! how many times the normal row is taken off a point's tangential one (m) [-]
+      real(dp), allocatable :: slope(:)
+         !! factor of the normal row that is subtracted from a point's tangential one (m) [-]
       real(dp), allocatable :: coupling(:) !! stiffness of a point's slip against its normal displacement (m) [F/L]
    end type equations_t
 
@@ -120,7 +121,7 @@ contains
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(newton_system_t) :: system
       type(active_set_t) :: active_set, last

@@ -35,7 +35,7 @@ module amontons_psor
       real(dp) :: scale = 1.0_dp !! force scale of the problem [F]
       real(dp), allocatable :: unknown(:) !! dual: lambda [F]; primal: v [L] (2m)
       real(dp), allocatable :: residual(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
-      type(effort_t) :: effort !! what the sweeps took
+      type(effort_t) :: effort !! work of the sweeps
       real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
       real(dp), allocatable, private :: block(:, :, :) !! its block of each point (1 + n_tangents, 1 + n_tangents, m)
@@ -83,7 +83,7 @@ contains
    subroutine psor_solve(self, problem, solution, error)
       class(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps)
       integer, parameter :: n_until_refresh = 100
       type(acceleration_t) :: acceleration
@@ -133,8 +133,8 @@ contains
    pure subroutine accelerate(acceleration, problem, before, sweep)
       type(acceleration_t), intent(inout) :: acceleration !! the acceleration
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(relaxation_t), intent(in) :: before !! where the sweep began
-      type(relaxation_t), intent(inout) :: sweep !! where it ended
+      type(relaxation_t), intent(in) :: before !! the state before the sweep
+      type(relaxation_t), intent(inout) :: sweep !! the state after the sweep
       type(relaxation_t) :: proposed
       real(dp) :: proposal(3*size(sweep%unknown))
       integer :: n
@@ -167,7 +167,7 @@ contains
       logical, intent(in) :: is_dual !! whether to sweep in the forces
       logical, intent(in) :: is_block !! whether to solve each point as a whole
       real(dp), intent(in) :: omega !! relaxation [-]
-      type(contact_solution_t), intent(in) :: solution !! where to start
+      type(contact_solution_t), intent(in) :: solution !! starting point
       integer :: i, j, k, m, n
 
       m = problem%n_points
@@ -321,7 +321,7 @@ contains
    pure subroutine set_unknown(sweep, problem, i, value)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: i !! which component
+      integer, intent(in) :: i !! index of the component
       real(dp), intent(in) :: value !! its value
       real(dp) :: change
 

@@ -60,7 +60,7 @@ contains
    subroutine splitting_solve(self, problem, solution, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
@@ -206,7 +206,7 @@ contains
       real(dp), intent(in) :: upper(:) !! largest forces (m) [F]
       real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(inout) :: force(:) !! the forces of the direction (m) [F]
-      real(dp), intent(out) :: change(:) !! what they change by (m) [F]
+      real(dp), intent(out) :: change(:) !! change of the forces (m) [F]
       type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
       type(error_t), allocatable, intent(out) :: error !! memory ran out
 
@@ -220,7 +220,7 @@ contains
    !> complement that it is called.
    subroutine new_printed_matrices(printed, variant, problem, effort, error)
       type(printed_matrices_t), intent(out) :: printed !! the matrices
-      character(*), intent(in) :: variant !! which reading
+      character(*), intent(in) :: variant !! variant, one of `variant_names`
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       type(effort_t), intent(inout) :: effort !! gains theirs
       type(error_t), allocatable, intent(out) :: error !! the problem is one in space, or memory ran out

@@ -54,7 +54,7 @@ module amontons_body
 
    !> Contact sets, supports or ties with the same name, whose forces are reported together.
    type :: named_forces_t
-      integer :: kind = 0 !! what they are
+      integer :: kind = 0 !! their kind
       character(64) :: name = '' !! their name
       integer, allocatable :: member(:) !! their numbers
    end type named_forces_t
@@ -63,11 +63,11 @@ module amontons_body
    !> unknown of a node. The nodal forces of a unit of the driving force do work on this motion alone.
    type :: driven_motion_t
       character(longest_name) :: name = '' !! name of the rigid set or preload
-      character(16) :: words(2) = '' !! what it and its force are called, as 'ux' and 'force_x'
+      character(16) :: words(2) = '' !! names of the motion and of its force, as 'ux' and 'force_x'
       character(7) :: kind = '' !! rigid or preload
-      character(3) :: dimensions(2) = '' !! what they are measured in
+      character(3) :: dimensions(2) = '' !! their dimensions
       integer :: support = 0 !! number of the support that may prescribe it
-      integer :: component = 0 !! which of the support's components it is, and of the load's force and moment
+      integer :: component = 0 !! index among the components of the support, and among force and moment of the load
       real(dp) :: lock_time = huge(1.0_dp) !! when a history locks it; huge where it cannot be locked [-]
       integer :: lead = 0 !! the node
       integer :: axis = 1 !! of a rigid set which of the node's own unknowns it is
@@ -80,7 +80,7 @@ module amontons_body
 
    !> A body, which many load cases share; constant once it is condensed.
    type, extends(meshed_body_t) :: body_t
-      character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
+      character(:), allocatable :: mesh_notes !! repairs by its reader, a line of text for each
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
       type(coloring_t) :: coloring !! colors of the elements
@@ -98,12 +98,12 @@ module amontons_body
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(contact_rows_t) :: tie_rows !! the rows of the points of all ties, one tie after the other
       type(contact_rows_t) :: checked_tie_rows !! these rows, integrated on another way
-      type(named_forces_t), allocatable :: named(:) !! what exerts forces on it, by name
+      type(named_forces_t), allocatable :: named(:) !! contact sets, supports and ties that exert forces on it, by name
       type(driven_motion_t), allocatable :: driven(:) !! the motions of rigid sets, and jumps of preloads
       integer, allocatable :: lockable(:) !! those of them that a history may lock
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
-      type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
+      type(recovery_tables_t), allocatable :: recovery !! tables for error estimates, after `prepare_estimates`
    contains
       procedure :: driven_field => body_driven_field
       procedure :: driven_forces => body_driven_forces
@@ -225,7 +225,7 @@ contains
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties)
-      type(named_forces_t), allocatable, intent(out) :: list(:) !! what has a name
+      type(named_forces_t), allocatable, intent(out) :: list(:) !! the named forces
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(tie_t), intent(in), optional :: ties(:) !! the bonded sets; none without them
@@ -247,8 +247,8 @@ contains
 
    !> Adds a contact set, support or tie to those of its kind and name.
    pure subroutine add_name(list, kind, number, set, other, name)
-      type(named_forces_t), allocatable, intent(inout) :: list(:) !! what has a name so far
-      integer, intent(in) :: kind !! what is added
+      type(named_forces_t), allocatable, intent(inout) :: list(:) !! the named forces so far
+      integer, intent(in) :: kind !! the addend
       integer, intent(in) :: number !! its number
       character(*), intent(in) :: set !! name of its set; may be empty
       character(*), intent(in) :: other !! its name if it has neither name nor set
@@ -322,9 +322,9 @@ contains
       !> Makes the error that a set shares a node with a rigid one.
       subroutine refuse(set, origin, node, why)
          character(*), intent(in) :: set !! name of the set
-         character(*), intent(in) :: origin !! where it was named, as messages begin
+         character(*), intent(in) :: origin !! position in the deck, as messages begin
          integer, intent(in) :: node !! the node
-         character(*), intent(in) :: why !! how the message ends
+         character(*), intent(in) :: why !! end of the message
 
          call new_error(error, input_refused, origin//"set '"//set//"' shares the node at "// &
             place_text(body%mesh%coordinates(:, node))//' with a rigid set '//why)
@@ -451,7 +451,7 @@ contains
    !> The displacements of all nodes for a unit of one driven motion (2, n_nodes) [L].
    pure function body_driven_field(self, number) result(field)
       class(body_t), intent(in) :: self !! the body
-      integer, intent(in) :: number !! which of the motions
+      integer, intent(in) :: number !! index of the motion
       real(dp), allocatable :: field(:, :)
 
       allocate (field(2, self%mesh%n_nodes), source=0.0_dp)
@@ -462,7 +462,7 @@ contains
    !> Numbers the unknowns: first the interior, then the contact points, last the motions that a history may lock.
    pure subroutine number_unknowns(body, substitution, error)
       type(body_t), intent(inout) :: body !! the body; gains the numbers
-      type(substitution_t), intent(in) :: substitution !! how displacements follow from the unknowns
+      type(substitution_t), intent(in) :: substitution !! displacements of the nodes in terms of the unknowns
       type(error_t), allocatable, intent(out) :: error !! cells of constant multipliers move with what may be locked
       integer, allocatable :: own(:), leads(:)
       integer :: i
@@ -486,7 +486,7 @@ contains
    subroutine lock_motions(body, problem, is_locked, error)
       type(body_t), intent(inout) :: body !! the body, condensed
       type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
-      logical, intent(in) :: is_locked(:) !! which of the motions that can be locked are
+      logical, intent(in) :: is_locked(:) !! whether each of the lockable motions is locked
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer :: i
 
@@ -563,7 +563,7 @@ contains
       type(body_t), intent(inout) :: body !! the body, from `new_body`
       type(contact_problem_t), intent(out) :: problem
          !! its contact problem, on an operator of the body; a load case sets load, gap and friction
-      type(condensation_options_t), intent(in) :: options !! how to condense
+      type(condensation_options_t), intent(in) :: options !! options of the condensation
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
@@ -649,7 +649,7 @@ contains
    !> bodies stay on rank 0; and a body without unknowns other than those of the contact points has nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
-      type(condensation_options_t), intent(in) :: options !! how to condense
+      type(condensation_options_t), intent(in) :: options !! options of the condensation
       ! Above what a band factorization is tried for.
       integer, parameter :: least_unknowns = 10000
 
@@ -720,9 +720,9 @@ contains
    !> an MPI run rank 0 holds the most memory besides the factor.
    subroutine estimate_body(body, options, n_dense, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
-      type(condensation_options_t), intent(in) :: options !! how to condense
+      type(condensation_options_t), intent(in) :: options !! options of the condensation
       integer, intent(in) :: n_dense
-         !! how many dense matrices of the contact points the method holds; 0 if it works on whatever there is
+         !! number of dense matrices of the contact points that the method holds; 0 if it needs none
       type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory

@@ -42,16 +42,17 @@ module amontons_certificate
          !! |K u - f_th - f + C^T lambda| on the unknowns / size of the forces, or more [-]
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
       real(dp) :: penetration_outside = 0.0_dp
-         !! the same of the free boundary beyond the ends of contact sets [-]
+         !! largest overlap of the free boundary beyond the ends of contact sets / largest displacement [-]
       real(dp) :: penetration_between = 0.0_dp
-         !! the same of corners of obstacles between contact points; negligible ones do not count [-]
+         !! largest overlap of obstacle corners between contact points / largest displacement; 0 if negligible [-]
       real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
       real(dp) :: complementarity = 0.0_dp
          !! largest smaller one of lambda_N / force_scale and gap / largest displacement [-]
-      real(dp) :: slip_below_bound = 0.0_dp !! the same of the slip |u_T - a| and what |lambda_T| lacks to its bound [-]
+      real(dp) :: slip_below_bound = 0.0_dp
+         !! largest smaller one of the slip |u_T - a| and of bound - |lambda_T|, each over its scale [-]
       real(dp) :: wrong_dissipation = 0.0_dp
-         !! the same of |lambda_T| and the slip where they point in opposite directions [-]
+         !! largest smaller one of |lambda_T| and the slip where they have opposite directions, each over its scale [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
       real(dp) :: energy = 0.0_dp
@@ -62,7 +63,7 @@ module amontons_certificate
       real(dp) :: pair_moment = 0.0_dp
          !! |their moment less the couple of the forces across the gaps| / (these magnitudes times half the size) [-]
       logical :: has_ties = .false. !! whether there are bonded surfaces
-      real(dp) :: tie_moment = 0.0_dp !! the same of the forces that bonded surfaces exert on each other [-]
+      real(dp) :: tie_moment = 0.0_dp !! likewise for the forces of bonded surfaces [-]
       real(dp), allocatable :: couple(:)
          !! the couple that the forces of each contact set, then of each tie make across its gap, 0 on rigid obstacles
          !! and in a body of revolution [F L]
@@ -72,7 +73,7 @@ module amontons_certificate
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
       real(dp) :: imbalance = 0.0_dp !! the norm that equilibrium is made of / size of the forces, never more [-]
-      real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
+      real(dp) :: force_scale = 0.0_dp !! scale of contact forces: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
@@ -262,7 +263,7 @@ contains
    pure subroutine split_imbalance(constraints, reaction, imbalance)
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(inout) :: reaction(:, :)
-         !! what is missing, and then its part along held directions (components, n_nodes) [F]
+         !! residual of equilibrium; on return its part along held directions (components, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
       real(dp) :: along, across, unit
       integer :: node
@@ -432,7 +433,8 @@ contains
    !> Checks that the sum of the moments of the forces on both sides of some points is the couple of these forces across
    !> the gaps.
    pure subroutine check_moment(violation, couple, scale, body, rows, set, force, on_nodes)
-      real(dp), intent(out) :: violation !! what is missing / (magnitudes of the forces times half the body's size) [-]
+      real(dp), intent(out) :: violation
+         !! missing moment over the magnitudes of the forces times half the body's size [-]
       real(dp), intent(inout) :: couple(:) !! gains the couple of the points of each set [F L]
       real(dp), intent(inout) :: scale(:) !! gains the moments of their forces about their middle, in magnitude [F L]
       type(body_t), intent(in) :: body !! the body
@@ -472,7 +474,7 @@ contains
    pure subroutine check_resultants(certificate, body, least_scale, sums, loads, contact, reaction, springs)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: least_scale !! what the forces are measured by at the least [F]
+      real(dp), intent(in) :: least_scale !! smallest scale of the forces [F]
       type(node_sums_t), intent(in) :: sums !! sums of the forces
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
@@ -505,7 +507,7 @@ contains
    !> The ratio of two numbers; 0 if the first is 0.
    elemental real(dp) function relative(value, scale)
       real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: scale !! what to divide by, at least 0
+      real(dp), intent(in) :: scale !! the divisor, at least 0
 
       relative = 0.0_dp
       if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale

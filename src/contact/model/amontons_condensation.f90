@@ -66,7 +66,7 @@ module amontons_condensation
    type :: condensed_load_t
       real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (components m) [F]
       real(dp), allocatable, private :: partial(:)
-         !! what the condenser needs of it to expand; with a band, the load itself (n)
+         !! partial result of the condenser; with a band, the load itself (n)
       real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns and those behind them (n_schur) [F]
    contains
       procedure :: add => condensed_load_add
@@ -110,7 +110,7 @@ contains
    subroutine new_condensation(condensation, stiffness, options, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(out) :: condensation !! the factorized body
       type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
-      type(condensation_options_t), intent(in) :: options !! how to condense
+      type(condensation_options_t), intent(in) :: options !! options of the condensation
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -398,8 +398,8 @@ contains
    !> Adds a multiple of another condensed load of the same body; condensation is linear.
    pure subroutine condensed_load_add(self, factor, other)
       class(condensed_load_t), intent(inout) :: self !! the condensed load
-      real(dp), intent(in) :: factor !! what the other load is multiplied by [-]
-      type(condensed_load_t), intent(in) :: other !! the other one
+      real(dp), intent(in) :: factor !! factor of the other load [-]
+      type(condensed_load_t), intent(in) :: other !! the other load
 
       self%load = self%load + factor*other%load
       self%partial = self%partial + factor*other%partial

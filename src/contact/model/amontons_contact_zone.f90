@@ -32,7 +32,7 @@ module amontons_contact_zone
       integer, allocatable :: node(:) !! these nodes, point by point; with cells those of their lines, too
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
-      type(contact_quadrature_t) :: quadrature !! where gaps and friction are measured
+      type(contact_quadrature_t) :: quadrature !! points where gaps and friction are evaluated
       real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
       real(dp), allocatable :: foot(:, :)
          !! mean position on the other body of a pair; the point's own with a rigid obstacle (2, m) [L]
@@ -159,7 +159,7 @@ contains
    pure subroutine let_guided_slaves_slip(zone, constraints, substitution)
       type(contact_zone_t), intent(inout) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
-      type(substitution_t), intent(in) :: substitution !! how displacements follow from the nodes' own unknowns
+      type(substitution_t), intent(in) :: substitution !! displacements of the nodes in terms of their own unknowns
       ! The share of the shear that the master must bear at the least; else supports bear it.
       real(dp), parameter :: least_share = 1.0e-2_dp
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
@@ -242,7 +242,7 @@ contains
    !> The nodes whose unknowns contribute to the displacements of the points.
    pure function contact_zone_own_nodes(self, substitution) result(own)
       class(contact_zone_t), intent(in) :: self !! the contact points
-      type(substitution_t), intent(in) :: substitution !! how displacements follow from the nodes' own unknowns
+      type(substitution_t), intent(in) :: substitution !! displacements of the nodes in terms of their own unknowns
       integer, allocatable :: own(:)
       integer :: p
 

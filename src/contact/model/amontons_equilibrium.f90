@@ -111,7 +111,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
-      real(dp), allocatable, intent(out) :: remainder(:) !! what is left, piece after piece (n_free of all)
+      real(dp), allocatable, intent(out) :: remainder(:) !! the remainder, piece after piece (n_free of all)
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works
       real(dp), allocatable :: cone(:, :), most(:), work(:)
       integer :: first, last, k, n_edges, n_given

@@ -41,7 +41,7 @@ module amontons_free_boundary
       logical :: is_of_master = .false. !! whether it is the set of the other body of the pair that ends
       integer :: point = 0 !! the contact point next to the end
       integer :: beyond = 0 !! the first node beyond it, its place in `free_boundary_t`
-      real(dp) :: position(2) = 0.0_dp !! where the set ends [L]
+      real(dp) :: position(2) = 0.0_dp !! position of the end [L]
    end type set_end_t
 
    !> The free boundary beyond the ends of all contact sets of a body.
@@ -327,7 +327,7 @@ contains
       type(extended_set_t), intent(in) :: other !! the boundary of the other body
       type(outline_t), intent(in) :: outline !! the sides of the boundary
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: search !! how far a distance may reach, either way [L]
+      real(dp), intent(in) :: search !! largest magnitude of a distance [L]
       real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
       ! What the digits of mesh files leave of a distance of 0, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
@@ -399,8 +399,8 @@ contains
    pure integer function nearest_facing(nodes, master, position, within) result(nearest)
       type(free_node_t), intent(in) :: nodes(:) !! the free nodes
       type(extended_set_t), intent(in) :: master !! the master with the boundary beyond it
-      real(dp), intent(in) :: position(2) !! where the master ends [L]
-      real(dp), intent(in) :: within !! how far away the place that it faces may be [L]
+      real(dp), intent(in) :: position(2) !! position of the master's end [L]
+      real(dp), intent(in) :: within !! largest distance of the position that it faces [L]
       real(dp) :: distance, least
       integer :: i, side
 
@@ -423,7 +423,7 @@ contains
    pure subroutine measure_node(node, contact, position, gap, is_met)
       type(free_node_t), intent(in) :: node !! the node
       type(contact_t), intent(in) :: contact !! its contact set, the obstacle where it is now
-      real(dp), intent(in) :: position(2) !! where the node is [L]
+      real(dp), intent(in) :: position(2) !! position of the node [L]
       real(dp), intent(out) :: gap !! the distance, negative inside [L]
       logical, intent(out) :: is_met !! whether its normal meets the obstacle or the other body
       real(dp) :: cosine
@@ -539,7 +539,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: extra_gap(:) !! what the deck adds to their gaps (m) [L]
+      real(dp), intent(in) :: extra_gap(:) !! additions of the deck to their gaps (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: depth !! the depth; 0 if no corner penetrates by more than a negligible one [L]
       real(dp), intent(out) :: place(2) !! where the side is penetrated [L]

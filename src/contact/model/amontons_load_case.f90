@@ -24,7 +24,7 @@ module amontons_load_case
       type(support_t), allocatable :: supports(:) !! the supports, with what they prescribe
       type(load_t), allocatable :: loads(:) !! the loads
       real(dp), allocatable :: factor(:)
-         !! what each load is multiplied by, in a sweep or a load history; not allocated where it is 1 (loads) [-]
+         !! factor of each load in a sweep or a load history; not allocated if all are 1 (loads) [-]
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (components, n_nodes) [F]
       real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
@@ -34,16 +34,17 @@ module amontons_load_case
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
-      real(dp), allocatable :: extra_gap(:) !! what of it the deck, wear or the caller of a stepper has added (m) [L]
+      real(dp), allocatable :: extra_gap(:)
+         !! part of the gap added by the deck, wear or the caller of a stepper (m) [L]
       real(dp), allocatable :: free_gap(:)
-         !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
+         !! the gap less the displacements that supports prescribe: d - n . u_p (m) [L]
       real(dp), allocatable :: anchor(:)
          !! displacement along the tangent that slips are counted from; 0 but in a load history (n_rows - m) [L]
       real(dp), allocatable :: obstacle_motion(:)
          !! way of the obstacle along the tangent since rest; 0 but in a load history (n_rows - m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
-      real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
+      real(dp), allocatable :: depth(:) !! depth in the obstacle of a point out of reach, 0 for the others (m) [L]
       logical, allocatable :: lies_outside(:)
          !! which nodes of the free boundary lie outside what they face, from `new_load_case` (free nodes)
       real(dp), allocatable :: friction(:)
@@ -102,7 +103,7 @@ contains
    !> Sets the displacements that supports prescribe, with those that follow from them by substitution.
    subroutine prescribe(load_case, constraints, body, supports, error)
       type(load_case_t), intent(inout) :: load_case !! gains the displacements
-      type(constraints_t), intent(out) :: constraints !! what the supports hold
+      type(constraints_t), intent(out) :: constraints !! the components that supports hold
       type(body_t), intent(in) :: body !! the body
       type(support_t), intent(in) :: supports(:) !! the supports
       type(error_t), allocatable, intent(out) :: error !! the supports do not fit the mesh

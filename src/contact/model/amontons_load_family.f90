@@ -29,7 +29,7 @@ module amontons_load_family
    type :: obstacle_motion_t
       real(dp) :: shift(2) = 0.0_dp !! shift along x and y [L]
       real(dp) :: turn = 0.0_dp !! angle, counterclockwise [rad]
-      real(dp) :: pivot(2) = 0.0_dp !! what it turned about [L]
+      real(dp) :: pivot(2) = 0.0_dp !! pivot of the rotation [L]
    contains
       procedure :: displacement => obstacle_motion_displacement
       procedure :: is_at_rest => obstacle_motion_is_at_rest
@@ -50,7 +50,7 @@ module amontons_load_family
    !> The parts of a family, and the data that its members share.
    type :: load_family_t
       type(load_case_t) :: base !! supports, loads, contact sets, gaps and slip bounds; no nodal forces or displacements
-      type(parting_t) :: parting !! what belongs to which part
+      type(parting_t) :: parting !! the part to which each load, support and contact set belongs
       type(load_case_t), allocatable :: parts(:)
          !! nodal forces, prescribed displacements and thermal strains of each part at the factor 1 (parts)
       logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
@@ -102,7 +102,7 @@ contains
       type(load_family_t), intent(out) :: family !! the family
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
-      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
       real(dp) :: prescribed(body%zone%n_rows)
       integer :: k, p
@@ -143,7 +143,7 @@ contains
       integer, intent(in) :: number !! number of the part
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
-      type(parting_t), intent(in) :: parting !! what belongs to which part
+      type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
       type(constraints_t) :: constraints
       type(support_t), allocatable :: supports(:)
@@ -394,7 +394,7 @@ contains
    !> digits (2) [L].
    pure function obstacle_motion_displacement(self, position) result(displacement)
       class(obstacle_motion_t), intent(in) :: self !! the motion
-      real(dp), intent(in) :: position(2) !! where the point was [L]
+      real(dp), intent(in) :: position(2) !! initial position of the point [L]
       real(dp) :: displacement(2)
 
       associate (arm => position - self%pivot)

@@ -39,7 +39,8 @@ module amontons_named_forces
 
    !> Named forces as functions of the factors of the parts of a family, contact displacements and contact forces.
    type :: force_form_t
-      real(dp), allocatable, private :: of_part(:, :) !! what each part adds without contact displacements (any, parts)
+      real(dp), allocatable, private :: of_part(:, :)
+         !! contribution of each part with contact displacements 0 (any, parts)
       real(dp), allocatable, private :: of_displacement(:, :) !! factors of the contact displacements (n_rows, any)
       real(dp), allocatable, private :: of_contact(:, :) !! factors of the contact forces (n_rows, any)
    contains
@@ -74,8 +75,8 @@ contains
    pure function named_quantities(body, values, scale, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in), optional :: values(:) !! the values; 0 without them
-      real(dp), intent(in), optional :: scale !! what rounding errors of the forces are measured by [F]
-      real(dp), intent(in), optional :: displacement !! what those of displacements are measured by [L]
+      real(dp), intent(in), optional :: scale !! scale of the rounding errors of the forces [F]
+      real(dp), intent(in), optional :: displacement !! scale of the rounding errors of displacements [L]
       type(quantity_t), allocatable :: list(:)
       integer, allocatable :: components(:, :)
       integer :: i, j, k
@@ -127,10 +128,10 @@ contains
 
    !> Finds the coefficients of one of the named numbers.
    pure subroutine new_test(test, body, components, number)
-      type(force_test_t), intent(out) :: test !! how it follows
+      type(force_test_t), intent(out) :: test !! its coefficients
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: components(:, :) !! components of the forces by name, from `components_of`
-      integer, intent(in) :: number !! which of the numbers, in the order of `named_quantities`
+      integer, intent(in) :: number !! index of the number, in the order of `named_quantities`
       integer :: of_motion
 
       of_motion = number - size(components, 2)
@@ -151,9 +152,9 @@ contains
 
    !> Finds the coefficients of a component of a force by name.
    pure subroutine new_named_test(test, body, named, component)
-      type(force_test_t), intent(out) :: test !! how it follows
+      type(force_test_t), intent(out) :: test !! its coefficients
       type(body_t), intent(in) :: body !! the body
-      type(named_forces_t), intent(in) :: named !! what exerts the force
+      type(named_forces_t), intent(in) :: named !! the contact sets, supports or ties that exert the force
       integer, intent(in) :: component !! the component
       real(dp), allocatable :: length(:), motion(:, :)
       real(dp) :: middle(2)
@@ -298,7 +299,7 @@ contains
    subroutine new_force_form(form, body, tests, parts, fields, loads)
       type(force_form_t), intent(out) :: form !! the form
       type(body_t), intent(in) :: body !! the body, condensed
-      type(force_test_t), intent(in) :: tests(:) !! how the numbers follow
+      type(force_test_t), intent(in) :: tests(:) !! coefficients of the numbers
       type(load_case_t), intent(in) :: parts(:) !! the parts
       real(dp), intent(in) :: fields(:, :, :) !! displacements under each part, from `find_responses` [L]
       real(dp), intent(in) :: loads(:, :, :) !! nodal forces of each part [F]

@@ -198,7 +198,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
       logical, intent(in) :: counts(:) !! whether they count (n_rows)
-      real(dp), intent(in) :: much !! how much of the aim is much [-]
+      real(dp), intent(in) :: much !! largest remainder, over the target [-]
       real(dp) :: left
 
       allocate (motion(size(aim)), source=0.0_dp)

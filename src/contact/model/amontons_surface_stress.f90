@@ -22,8 +22,8 @@ module amontons_surface_stress
       integer, allocatable, private :: start(:) !! first term of each sum, and one beyond the last (2m + 1)
       integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
       real(dp), allocatable, private :: row(:) !! its factor (terms) [F/L^3]
-      real(dp), allocatable, private :: part(:, :) !! what each part adds to the sums (2m, parts) [F/L^2]
-      real(dp), allocatable, private :: share(:, :) !! how much normal stress and shear each sum has besides (2, 2m) [-]
+      real(dp), allocatable, private :: part(:, :) !! contribution of each part to the sums (2m, parts) [F/L^2]
+      real(dp), allocatable, private :: share(:, :) !! contributions of normal stress and shear to each sum (2, 2m) [-]
       real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
       real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
       real(dp), allocatable :: compliance(:, :, :)
@@ -35,7 +35,7 @@ module amontons_surface_stress
    !> A quadrature point on a side.
    type :: place_t
       integer :: side = 0 !! number of the side
-      real(dp) :: xi = 0.0_dp !! where on it, from -1 to 1 [-]
+      real(dp) :: xi = 0.0_dp !! local coordinate, from -1 to 1 [-]
       real(dp) :: weight = 0.0_dp !! weight in the mean over the point's part of the line
    end type place_t
 

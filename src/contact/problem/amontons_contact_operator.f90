@@ -26,7 +26,7 @@ module amontons_contact_operator
          !! reduced problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the
          !! others; one number for both tangents of a point in space (n) [F/L]
       real(dp) :: least_augmentation = 0.0_dp
-         !! what none of these is below: the means over a few cells may have no stiffness of their own [F/L]
+         !! lower bound of rho: the means over a few cells may have no stiffness of their own [F/L]
       type(symmetric_matrix_t), allocatable :: stiffness
          !! S as a dense matrix; where there is a band, not before `prepare_stiffness` (n, n) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
@@ -60,7 +60,7 @@ contains
       real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); not allocated on return [F/L]
       logical, intent(in) :: is_held !! whether S is positive definite
       integer, intent(in), optional :: n_tangents !! number of tangential directions of a point; 1 if it is not given
-      real(dp), intent(in), optional :: least_augmentation !! what no entry of rho is below; 0 if absent [F/L]
+      real(dp), intent(in), optional :: least_augmentation !! lower bound of rho; 0 if absent [F/L]
 
       matrix%n = size(stiffness, 1)
       matrix%is_held = is_held

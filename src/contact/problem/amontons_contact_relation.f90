@@ -166,7 +166,7 @@ contains
 
       !> The column of a force or distance in the relation `y + H x = h`.
       pure subroutine fill_column(i, is_force, column)
-         integer, intent(in) :: i !! which component
+         integer, intent(in) :: i !! index of the component
          logical, intent(in) :: is_force !! whether its force is meant, else its distance
          real(dp), intent(out) :: column(:) !! the column (2m)
 

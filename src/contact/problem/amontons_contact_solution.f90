@@ -30,7 +30,7 @@ module amontons_contact_solution
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
       integer :: n_iterations = 0 !! number of iterations done
-      type(effort_t) :: effort !! what they took
+      type(effort_t) :: effort !! work of the iterations
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
@@ -78,7 +78,7 @@ module amontons_contact_solution
          implicit none (type, external)
          class(contact_method_t), intent(in) :: self !! the method
          type(contact_problem_t), intent(in) :: problem !! the problem; its operator may gain dense matrices
-         type(contact_solution_t), intent(inout) :: solution !! where to start, and the result
+         type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
          type(error_t), allocatable, intent(out) :: error !! the problem's data are unusable, or memory ran out
       end subroutine solve_interface
    end interface
@@ -142,7 +142,7 @@ contains
    !> Whether the smallest of the last residuals is more than a given share of the smallest residual before them.
    pure logical function contact_solution_is_stagnant(self, limit, decrease) result(is_stagnant)
       class(contact_solution_t), intent(in) :: self !! the solution
-      integer, intent(in) :: limit !! how many residuals are the last ones
+      integer, intent(in) :: limit !! number of residuals that count as the last ones
       real(dp), intent(in) :: decrease !! the part that it should be at the most [-]
       integer :: n
 
@@ -155,7 +155,7 @@ contains
    !> kept.
    pure subroutine contact_solution_take_better(self, other)
       class(contact_solution_t), intent(inout) :: self !! the solution
-      type(contact_solution_t), intent(in) :: other !! the other one
+      type(contact_solution_t), intent(in) :: other !! the other solution
 
       if (.not. other%residual < self%residual) return
       self%force = other%force
@@ -206,7 +206,7 @@ contains
    !> Counts products.
    pure subroutine effort_multiply(self, n_products)
       class(effort_t), intent(inout) :: self !! the effort
-      real(dp), intent(in) :: n_products !! how many products with the whole matrix they are worth [-]
+      real(dp), intent(in) :: n_products !! number of products, in units of one with the whole matrix [-]
 
       self%n_products = self%n_products + n_products
    end subroutine effort_multiply

@@ -64,7 +64,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points, or memory ran out
       real(dp), intent(in), optional :: skew_part(:, :)
-         !! what the compliance of a reduced problem has besides its symmetric part (2m, 2m) [L/F]
+         !! skew part of the compliance of a reduced problem (2m, 2m) [L/F]
       type(search_t) :: search
       integer :: j, most, i, m
       real(dp), allocatable :: rows(:, :)

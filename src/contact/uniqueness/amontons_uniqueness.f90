@@ -167,7 +167,7 @@ contains
       pure recursive logical function stays_positive(column, row, pivot, matrix)
          real(dp), intent(in) :: column(:) !! column of the unknown, at least (rest)
          real(dp), intent(in) :: row(:) !! the row (rest)
-         real(dp), intent(in) :: pivot !! where row and column meet
+         real(dp), intent(in) :: pivot !! the pivot
          real(dp), intent(in) :: matrix(:, :) !! rows and columns of the others (rest, rest)
 
          stays_positive = pivot > 0.0_dp

@@ -47,8 +47,8 @@ module amontons_abaqus
    !> The keywords that are ignored.
    type :: ignored_keywords_t
       private
-      integer :: n = 0 !! how many there are
-      integer :: n_named = 0 !! how many different ones
+      integer :: n = 0 !! number of keywords
+      integer :: n_named = 0 !! number of different ones
       character(:), allocatable :: keys !! the different ones in small letters, each between line ends
       character(:), allocatable :: names !! the same as messages name them, ', ' before each
       character(:), allocatable :: warned !! those of them that matter
@@ -68,7 +68,7 @@ contains
    !> Reads nodes, elements and sets; faults are recorded in the input. The text of a part is read once for each of its
    !> instances, at the end of the file if there are none.
    subroutine read_abaqus(raw, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
@@ -127,7 +127,7 @@ contains
 
    !> Reads nodes: number and up to three coordinates; missing ones are 0.
    pure subroutine read_nodes(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       ! Numbers behind the coordinates, as the normals of shells, are skipped.
@@ -166,7 +166,7 @@ contains
    !> Reads elements of one type with its hypothesis; lines have none. A comma at the end of a line continues it on the
    !> next one.
    pure subroutine read_elements(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       ! The first letters of the types of each of `hypothesis_names`.
@@ -302,7 +302,7 @@ contains
 
    !> Reads a keyword of a material. Constants that depend on the temperature are refused.
    pure subroutine read_material_keyword(raw, input, keyword, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
@@ -362,7 +362,7 @@ contains
 
    !> Reads a section: the element set of a material, the thickness there, and the orientation of its axes.
    pure subroutine read_section(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: section
@@ -400,7 +400,7 @@ contains
    !> Reads the axes of an orthotropic material: a point on the first axis and one in the plane of the first two; then,
    !> on a separate line, the axis and the angle of a further rotation. They turn with the instance.
    pure subroutine read_orientation(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: orientation
@@ -491,7 +491,7 @@ contains
    !> Completes the model after the last line: makes the material of each section, and a load of the temperatures of the
    !> step, as differences from the initial ones. Nodes without a temperature in the step keep the initial one.
    pure subroutine finish_model(raw, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its end
       character(:), allocatable :: label
       type(error_t), allocatable :: error
@@ -599,7 +599,7 @@ contains
 
    !> Reads prescribed displacements: nodes, first and last component (or a word for the components), value.
    pure subroutine read_boundary(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
@@ -651,7 +651,7 @@ contains
 
    !> Reads forces on nodes: nodes, component, value.
    pure subroutine read_cload(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
@@ -688,7 +688,7 @@ contains
    !> Finds the nodes of a data line: those of a set, or one by its number. Such a node is put into a new set, or into
    !> the set of the line before if both have the same values.
    pure subroutine take_nodes(raw, input, keyword, field, label, is_same, set_before, set)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
       character(*), intent(in) :: field !! the field of the nodes
@@ -714,7 +714,7 @@ contains
 
    !> Reads distributed loads: elements or a surface, kind, value. A set is made of the sides under pressure.
    pure subroutine read_dload(raw, input, keyword, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
@@ -764,7 +764,7 @@ contains
 
    !> Makes a load of a line of distributed loads on a region.
    pure subroutine interpret_dload(raw, input, keyword, group, fields, values, load)
-      type(raw_mesh_t), intent(in) :: raw !! what the file says
+      type(raw_mesh_t), intent(in) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       integer, intent(in) :: group !! the set that the line names, 0 for none

@@ -442,8 +442,8 @@ contains
 
    !> The number added to node and element numbers of an instance, given the prefix of its sets; 0 outside of instances.
    pure integer function instance_shift(raw, scope) result(shift)
-      type(raw_mesh_t), intent(in) :: raw !! what the file says
-      character(*), intent(in) :: scope !! what precedes the names of its sets
+      type(raw_mesh_t), intent(in) :: raw !! contents of the file
+      character(*), intent(in) :: scope !! prefix of the names of its sets
       integer :: instance
 
       instance = place_of_name(raw%instances%name, scope(:len(scope) - 1))
@@ -453,7 +453,7 @@ contains
 
    !> Reads a field that is the number of a node or element, possibly preceded by the name of its instance and a point.
    pure subroutine read_tag(raw, field, tag, is_number)
-      type(raw_mesh_t), intent(in) :: raw !! what the file says
+      type(raw_mesh_t), intent(in) :: raw !! contents of the file
       character(*), intent(in) :: field !! the field
       integer, intent(out) :: tag !! the number, behind those of the instances before
       logical, intent(out) :: is_number !! whether it is one
@@ -467,7 +467,7 @@ contains
 
    !> Finds the set that a keyword line names, or makes a new one.
    pure subroutine get_set(raw, input, line, parameter, group)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: parameter !! name of the parameter, in small letters
@@ -485,7 +485,7 @@ contains
    !> Reads a set of nodes or elements: numbers and names of earlier sets; or ranges, each with a first number, a last
    !> one and an increment, which is 1 if missing.
    pure subroutine read_set(raw, input, line, keyword)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
@@ -562,7 +562,7 @@ contains
    !> Index of the set that a field names, 0 if there is none: the set of this name in the present instance, or in the
    !> named one; otherwise that of the assembly; otherwise that of the only instance.
    pure integer function set_of_field(raw, field) result(group)
-      type(raw_mesh_t), intent(in) :: raw !! what the file says
+      type(raw_mesh_t), intent(in) :: raw !! contents of the file
       character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
 
       group = raw%find_group(raw%scope//field)
@@ -578,7 +578,7 @@ contains
    !> Removes the prefix from the names of sets that only one instance has, and of sets of the assembly whose name no
    !> instance has; renames the sets of supports, loads and sections accordingly.
    pure subroutine name_instance_sets(raw)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       character(:), allocatable :: name
       integer :: group, i, n
 
@@ -619,7 +619,7 @@ contains
 
    !> Adds the members that a field names: a node or element by its number, or all members of a set.
    pure subroutine add_members(raw, input, refusal, of_nodes, field, members)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the field
       character(*), intent(in) :: refusal !! what a message says before the name of a set that is not there
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
@@ -651,7 +651,7 @@ contains
    !> Reads a surface: each line has an element or a set, and a side of it; for a surface of nodes, nodes. A surface
    !> with anything else is left out.
    pure subroutine read_surface(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: field, type, value
@@ -691,7 +691,7 @@ contains
 
    !> Replaces element numbers in the sets by indices in the list of cells.
    pure subroutine resolve_elements(raw, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
       integer :: cell, group, i, n_sides, tag

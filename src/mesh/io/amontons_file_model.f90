@@ -37,7 +37,7 @@ module amontons_file_model
       real(dp) :: density = 0.0_dp !! mass per volume [M/L^3]
       real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of the region [L]
-      integer :: place = 0 !! where the file gives the section
+      integer :: place = 0 !! position of the section in the file
    end type file_material_t
 
    !> Temperatures of the nodes. Arrays have an entry for each node of the file read so far, in its order.
@@ -47,7 +47,7 @@ module amontons_file_model
       real(dp), allocatable :: step(:) !! temperatures of the step [K]
       logical, allocatable :: is_given(:) !! whether the step gives a temperature
       logical :: has_initial = .false. !! whether initial temperatures are given
-      integer :: place = 0 !! where the file gives those of the step; 0 if it does not
+      integer :: place = 0 !! position of those of the step in the file; 0 if it has none
    end type file_temperatures_t
 
    !> Materials, supports and loads of a mesh file.
@@ -90,7 +90,7 @@ module amontons_file_model
    type :: raw_group_t
       character(:), allocatable :: name !! its name
       integer :: n_scope = 0 !! number of characters of the name that tell the instance it belongs to
-      character(:), allocatable, private :: key !! what tells it from the others: the name, with or without its case
+      character(:), allocatable, private :: key !! the name for comparisons, in lower case if the format ignores case
       integer :: place = 0 !! the end of the line that names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
       type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
@@ -103,17 +103,17 @@ module amontons_file_model
       integer :: place = 0 !! where the text of a part begins
       integer :: n_before(4) = 0 !! numbers of nodes, cells, nodes of cells and named sets before an instance
       integer :: shift = 0 !! by how much numbers of nodes and elements of an instance are greater than in its text
-      real(dp) :: origin(3) = 0.0_dp !! where the origin of its coordinates is put [L]
+      real(dp) :: origin(3) = 0.0_dp !! position of the origin of its coordinates [L]
       real(dp) :: axis(2) = [1.0_dp, 0.0_dp] !! direction of its x axis, of length 1
    end type file_part_t
 
    !> The contents of a mesh file.
    type :: raw_mesh_t
       type(integer_list_t) :: node_tag !! number of each node in the file
-      type(integer_list_t) :: node_place !! where the file gives it
+      type(integer_list_t) :: node_place !! position of its definition in the file
       real(dp), allocatable :: coordinates(:, :) !! its coordinates (3, at least the number of nodes) [L]
       type(integer_list_t) :: cell_tag !! number of each cell in the file
-      type(integer_list_t) :: cell_place !! where the file gives it
+      type(integer_list_t) :: cell_place !! position of its definition in the file
       type(integer_list_t) :: cell_kind !! its kind
       type(integer_list_t) :: cell_start !! where its nodes begin in `node`
       type(integer_list_t) :: node !! nodes of the cells, by their numbers in the file
@@ -124,16 +124,17 @@ module amontons_file_model
       logical :: ignores_case = .false. !! whether capital letters do not tell names apart
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
       character(12) :: hypothesis = '' !! the hypothesis that the elements are of; empty if the file says none
-      type(file_model_t) :: model !! what is read beside the mesh
+      type(file_model_t) :: model !! materials, supports and loads
       type(file_part_t), allocatable :: parts(:) !! the parts so far
       type(file_part_t), allocatable :: instances(:) !! the instances of parts so far
       logical :: is_in_instance = .false. !! whether the last instance is being read
-      integer :: place_behind = 0 !! where the instance goes on whose part is being read; 0 if none is
-      character(:), allocatable :: scope !! what precedes the names of sets here: that of an instance with a point
+      integer :: place_behind = 0 !! position in the text after the instance whose part is being read; 0 if none is
+      character(:), allocatable :: scope
+         !! prefix of the names of sets at this position: that of an instance with a point
       character(:), allocatable :: warning !! what the file says that matters and is not read; not allocated if nothing
       integer :: n_doubled = 0 !! number of elements that the file gives once more in the same set, which are left out
       integer, private :: n_notes = 0 !! number of notes
-      character(:), allocatable :: notes !! what was put right or left out, a line of text for each
+      character(:), allocatable :: notes !! repairs and omissions, a line of text for each
    contains
       procedure :: add_cell => raw_mesh_add_cell
       procedure :: add_note => raw_mesh_add_note
@@ -176,7 +177,7 @@ contains
    !> Adds a note, unless it is there already.
    pure subroutine raw_mesh_add_note(self, sentence)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
-      character(*), intent(in) :: sentence !! what was put right or left out
+      character(*), intent(in) :: sentence !! the repair or omission
 
       if (.not. allocated(self%notes)) then
          self%notes = printable(sentence)
@@ -193,7 +194,7 @@ contains
    pure subroutine raw_mesh_add_node(self, tag, place, coordinates)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: tag !! its number in the file
-      integer, intent(in) :: place !! where the file gives it
+      integer, intent(in) :: place !! position of its definition in the file
       real(dp), intent(in) :: coordinates(3) !! its coordinates [L]
       integer, parameter :: least_room = 16
       real(dp), allocatable :: longer(:, :)
@@ -217,7 +218,7 @@ contains
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: kind !! its kind
       integer, intent(in) :: tag !! its number in the file
-      integer, intent(in) :: place !! where the file gives it
+      integer, intent(in) :: place !! position of its definition in the file
       integer, intent(in) :: nodes(:) !! its nodes, by their numbers in the file
 
       call self%cell_kind%append(kind)

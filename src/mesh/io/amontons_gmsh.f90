@@ -295,7 +295,7 @@ contains
       integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer, intent(out) :: n_blocks !! number of blocks
       integer, intent(out) :: n !! number of things
-      character(*), intent(in) :: things !! what the things are
+      character(*), intent(in) :: things !! noun for the items, for messages
       integer :: least, greatest
 
       call input%start_record()
@@ -315,7 +315,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n !! number of things in the block
       integer, intent(inout) :: n_left !! number of things that the section still has to hold
-      character(*), intent(in) :: things !! what the things are
+      character(*), intent(in) :: things !! noun for the items, for messages
 
       call input%take_size(n, 'the number of '//things//' of a block')
       if (n > n_left) call input%refuse('the blocks hold more '//things//' than the section announced')
@@ -329,7 +329,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer, intent(out) :: tag !! the number
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
 
       if (version == msh_40) then
          call input%take_integer(tag, what)
@@ -485,7 +485,7 @@ contains
 
    !> Reads a mesh section by section. Faults are recorded in the input.
    pure subroutine read_gmsh(raw, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its first section
       type(gmsh_groups_t) :: groups
       integer, parameter :: longest_name = 80
@@ -591,7 +591,7 @@ contains
 
    !> Reads the names of the physical groups.
    pure subroutine read_names(raw, groups, input)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
       type(input_file_t), intent(inout) :: input !! the file, at the number of names
       type(tag_map_t) :: map

@@ -179,9 +179,9 @@ contains
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
    pure subroutine check_tags(input, thing, tags, places)
       type(input_file_t), intent(inout) :: input !! the file
-      character(*), intent(in) :: thing !! what the things are
+      character(*), intent(in) :: thing !! noun for the items, for messages
       integer, intent(in) :: tags(:) !! their numbers
-      integer, intent(in) :: places(:) !! where the file gives them
+      integer, intent(in) :: places(:) !! positions of their definitions in the file
       type(tag_map_t) :: map
       integer :: item
 

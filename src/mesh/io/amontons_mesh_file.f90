@@ -21,10 +21,10 @@ module amontons_mesh_file
    type :: mesh_part_t
       character(:), allocatable :: name !! its name; empty where its sets keep theirs
       character(:), allocatable :: file !! name of the mesh file from the root on; empty for a rectangle
-      logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the file, too
+      logical :: is_used(size(use_names)) = .false. !! which of `use_names` are read from the file as well
       type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
-      real(dp) :: origin(2) = 0.0_dp !! where the origin of its own coordinates is put [L]
-      integer :: n_refinements = 0 !! how often every element is cut in four
+      real(dp) :: origin(2) = 0.0_dp !! position of the origin of its own coordinates [L]
+      integer :: n_refinements = 0 !! number of uniform refinements
       character(:), allocatable :: place !! where it was specified, for messages: 'deck.nml:12: '
    end type mesh_part_t
 
@@ -181,8 +181,8 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
       character(*), intent(in) :: file !! name of the file
       character(:), allocatable, intent(out) :: notes
-         !! what was put right or left out, a line of text for each
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+         !! repairs and omissions, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! the first fault of the file, with its position
       logical, intent(in), optional :: is_used(:) !! which of `use_names` are used; none without it
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
@@ -202,7 +202,7 @@ contains
       type(file_model_t), intent(out) :: model !! materials, supports and loads
       character(*), intent(in) :: file !! name of the file
       logical, intent(in) :: is_used(:) !! which of `use_names` are used
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(error_t), allocatable, intent(out) :: error !! the first fault of the file, with its position
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
 
@@ -214,7 +214,7 @@ contains
 
    !> Reads a mesh file without changes.
    subroutine read_raw_mesh(raw, input, file, error, is_used)
-      type(raw_mesh_t), intent(out) :: raw !! what it says
+      type(raw_mesh_t), intent(out) :: raw !! its contents
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
       character(*), intent(in) :: file !! its name
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read
@@ -242,8 +242,8 @@ contains
    subroutine new_mesh(mesh, parts, notes, error)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_part_t), intent(in) :: parts(:) !! its parts, one at the least
-      character(:), allocatable, intent(out) :: notes !! what was put right in files, a line of text for each
-      type(error_t), allocatable, intent(out) :: error !! a file or a rectangle is at fault
+      character(:), allocatable, intent(out) :: notes !! repairs in files, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! a file or a rectangle is invalid
       type(mesh_t) :: other
       character(:), allocatable :: more
       integer :: i, n_common
@@ -268,8 +268,8 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_part_t), intent(in) :: part !! the part
       integer, intent(in) :: n_common !! how often it will be refined together with the others
-      character(:), allocatable, intent(out) :: notes !! what was put right in a file, a line of text for each
-      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is at fault
+      character(:), allocatable, intent(out) :: notes !! repairs in a file, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is invalid
       integer :: node
 
       notes = ''

@@ -63,10 +63,10 @@ module amontons_history_files
 
    !> A table.
    type :: history_table_t
-      integer :: content = of_steps !! what it has
-      character(:), allocatable :: ending !! what the name of its file ends with, behind that of the case
-      character(:), allocatable :: header !! what it begins with, lines of text
-      integer, allocatable :: kinds(:) !! what kind of number each column has; `number_alone` of a word
+      integer :: content = of_steps !! its content, one of `of_steps` ...
+      character(:), allocatable :: ending !! suffix of its file name, after the name of the case
+      character(:), allocatable :: header !! its first lines
+      integer, allocatable :: kinds(:) !! kind of each column; `number_alone` for words
    contains
       procedure, private :: add => history_table_add
    end type history_table_t
@@ -360,9 +360,10 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at its start
       character(*), intent(in) :: directory !! output directory
-      class(case_label_t), intent(in) :: label !! what the case is called
-      character(*), intent(in) :: key !! what the history depends on, lines of text
-      type(archive_t), allocatable, intent(out) :: progress !! how far an earlier run came; not allocated for nothing
+      class(case_label_t), intent(in) :: label !! name, title and units of the case
+      character(*), intent(in) :: key !! everything that the history depends on, lines of text
+      type(archive_t), allocatable, intent(out) :: progress
+         !! the progress of an earlier run; not allocated if there is none
       type(error_t), allocatable, intent(out) :: error !! they cannot be written
       integer :: i
 
@@ -470,7 +471,7 @@ contains
 
    !> Text listing the steps whose states a file has; of many the first ones and the last.
    pure function steps_text(states) result(text)
-      character(*), intent(in) :: states !! what the file says
+      character(*), intent(in) :: states !! contents of the file
       character(:), allocatable :: text
       integer, parameter :: most_named = 12
       integer, allocatable :: starts(:)

@@ -45,7 +45,7 @@ module amontons_history_model
          !! factor grows by 1 [F L]; then the forces by name [F]
       real(dp) :: stiffness = 0.0_dp !! norm of the body's K [F/L]
       real(dp), allocatable :: prescribed(:, :)
-         !! what the parts prescribe of the contact displacements (n_rows, parts) [L]
+         !! contact displacements that the parts prescribe (n_rows, parts) [L]
    contains
       procedure :: load_work => energy_form_load_work
       procedure :: strain_energy => energy_form_strain_energy
@@ -110,7 +110,7 @@ module amontons_history_model
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
       real(dp) :: wear_feedback = 0.0_dp
          !! share of the pressure of a point that the depth worn in the step relieves, if no other point moves [-]
-      integer :: outcome = outcome_not_converged !! what came of the loads
+      integer :: outcome = outcome_not_converged !! the outcome
       character(:), allocatable :: reason !! why there is no solution; empty for one, and for one not converged
       integer :: error_kind = numerical_failure !! the kind of the error that this is
    contains
@@ -181,7 +181,7 @@ contains
       type(history_model_t), intent(out) :: model !! the model
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
-      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck, without factors
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
       type(parting_t) :: parting
@@ -438,7 +438,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
-      type(instant_t), intent(in) :: instant !! what acts at its end
+      type(instant_t), intent(in) :: instant !! loads, obstacles and friction at its end
       integer :: m
       logical :: is_held, may_continue
 
@@ -546,7 +546,7 @@ contains
       type(body_t), intent(inout) :: body !! the body; locked as it was
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
       real(dp), intent(in) :: numbers(:) !! the numbers
-      type(instant_t), intent(in) :: instant !! what acted, at the time among the numbers
+      type(instant_t), intent(in) :: instant !! loads, obstacles and friction at the time among the numbers
       type(error_t), allocatable, intent(out) :: error !! they are those of another body
       ! Of a bound, as far as forces that a method left or a file rounded reach it.
       real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp

@@ -104,12 +104,13 @@ contains
 
    !> Takes all steps of a history. The files keep their temporary names.
    subroutine solve_history(cache, config, directory, monitor, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the history needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(history_result_t), intent(out) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      type(error_t), allocatable, intent(out) :: error
+         !! the deck is invalid, the computation failed numerically, or a file cannot be written
       type(history_model_t) :: model
       type(history_files_t) :: files
       integer :: i
@@ -248,11 +249,11 @@ contains
 
    !> Prepares the steps: the condensed body and the model of the history.
    subroutine prepare_history(cache, config, model, last, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the history needs another
       type(config_t), intent(in) :: config !! the deck
       type(history_model_t), intent(out) :: model !! the history
       type(result_t), intent(inout) :: last !! gains what the result of the last step begins with
-      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the deck is invalid, or the computation failed numerically
       logical :: changes
       integer :: i
 
@@ -278,7 +279,7 @@ contains
       type(cache_t), intent(inout) :: cache !! the body
       type(history_model_t), intent(inout) :: model !! the history
       type(history_files_t), intent(inout) :: files !! gain the steps
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(history_result_t), intent(inout) :: result !! gains the steps and their extremes
       type(error_t), allocatable, intent(out) :: error !! fields cannot be written
       integer, parameter :: n_between_reports = 64
@@ -386,7 +387,7 @@ contains
    !> not reduce it, only loads that begin at zero. 0 for a history that starts from a saved state [F L].
    pure real(dp) function history_result_error_from_rest(self, history) result(energy_error)
       class(history_result_t), intent(in) :: self !! the history so far
-      type(history_t), intent(in) :: history !! what the deck says of it
+      type(history_t), intent(in) :: history !! the history
 
       energy_error = 0.0_dp
       if (history%has_start()) return
@@ -621,9 +622,9 @@ contains
 
    !> The first line of a table and, if the case names units, the second.
    pure function table_head(first, labels, dimensions, units, width) result(text)
-      character(*), intent(in) :: first !! what the first column is called, which is measured in nothing
-      character(*), intent(in) :: labels(:) !! what the others are called
-      character(*), intent(in) :: dimensions(:) !! what they are measured in
+      character(*), intent(in) :: first !! heading of the first column, which has no unit
+      character(*), intent(in) :: labels(:) !! headings of the other columns
+      character(*), intent(in) :: dimensions(:) !! their dimensions
       character(*), intent(in) :: units !! names of the units of the case
       integer, intent(in) :: width !! width of the columns
       character(:), allocatable :: text
@@ -712,9 +713,9 @@ contains
    !> Checks the history and reports its size.
    subroutine history_study_check(self, cache, outcome, error)
       class(history_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the history needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       type(config_t) :: config
       type(result_t) :: result
       integer, allocatable :: probes(:)
@@ -734,13 +735,14 @@ contains
    !> Takes all steps on one mesh after the other, if the deck asks for refined meshes, and judges the convergence of
    !> the numbers of the last step. The history on a coarser mesh has only the files that resuming it needs.
    subroutine solve_on_meshes(cache, config, directory, monitor, result, mesh, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced by that of the last mesh
+      type(cache_t), intent(inout) :: cache !! the present body, replaced by that of the last mesh
       type(config_t), intent(inout) :: config !! the deck; becomes that of the last mesh
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(history_result_t), intent(out) :: result !! the result on the last mesh
-      character(:), allocatable, intent(out) :: mesh !! which mesh that is: ' on mesh 2'; empty if there is one
-      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      character(:), allocatable, intent(out) :: mesh !! text naming this mesh: ' on mesh 2'; empty if there is one mesh
+      type(error_t), allocatable, intent(out) :: error
+         !! the deck is invalid, the computation failed numerically, or a file cannot be written
       type(config_t) :: coarse
       type(checkpoint_t) :: done(config%accuracy%n_refinements)
       type(quantity_t), allocatable :: list(:)
@@ -782,9 +784,9 @@ contains
    !> Takes the steps and writes their files.
    subroutine history_study_solve(self, cache, options, monitor, outcome, error)
       class(history_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the history needs another
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
       real(dp), parameter :: rounding = 1.0e-12_dp

@@ -21,10 +21,10 @@ module amontons_load_stepper
    !> A body whose loads, supports, obstacles and friction the calling program changes.
    type :: load_stepper_t
       type(cache_t) :: cache !! the body
-      type(history_model_t) :: model !! what changes
-      integer :: n_changes = 0 !! how many numbers change
+      type(history_model_t) :: model !! the changes
+      integer :: n_changes = 0 !! number of changing numbers
       integer :: n_points = 0 !! number of contact points
-      integer :: n_state = 0 !! how many numbers a state has
+      integer :: n_state = 0 !! number of numbers in a state
       character(:), allocatable :: columns !! names of the numbers that a step returns, commas between them
    contains
       procedure :: step => load_stepper_step
@@ -37,7 +37,7 @@ contains
    subroutine new_load_stepper(stepper, config, error)
       type(load_stepper_t), intent(out) :: stepper !! the stepper
       type(config_t), intent(in) :: config !! the deck
-      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the deck is invalid, or the computation failed numerically
       type(result_t) :: unused
       type(history_table_t), allocatable :: tables(:)
       integer :: i
@@ -71,9 +71,9 @@ contains
       real(dp), allocatable, intent(out) :: columns(:) !! the numbers that `columns` names
       integer, allocatable, intent(out) :: status(:) !! status of each contact point (n_points)
       logical, intent(out) :: is_converged !! whether the step converged
-      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the computation failed numerically
       real(dp), intent(in), optional :: gap(:)
-         !! what is added to the gaps of the contact points; nothing without it (n_points) [L]
+         !! addition to the gaps of the contact points; 0 if absent (n_points) [L]
       type(step_state_t) :: start, next
       type(instant_t) :: instant
       real(dp) :: added(self%n_points)

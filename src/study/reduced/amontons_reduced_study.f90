@@ -42,7 +42,7 @@ contains
       class(reduced_study_t), intent(in) :: self !! the study
       type(cache_t), intent(inout) :: cache !! not used: there is no body
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the problem
-      type(error_t), allocatable, intent(out) :: error !! the file is at fault
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid
       type(reduced_result_t) :: result
 
       call prepare_reduced(self%config, result, error)
@@ -61,7 +61,7 @@ contains
       type(study_options_t), intent(in) :: options !! options of the command line
       class(study_monitor_t), intent(inout) :: monitor !! not used: there is one case only
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
-      type(error_t), allocatable, intent(out) :: error !! the file is at fault, or no files can be written
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid, or no files can be written
       type(reduced_result_t) :: result
 
       call solve_reduced(self%config, result, error)

@@ -40,7 +40,7 @@ module amontons_reduced_system
       integer :: n = 0 !! number of entries
       integer, allocatable :: row(:) !! their rows, from 1 (at least n)
       integer, allocatable :: column(:) !! their columns, from 1 (at least n)
-      integer, allocatable :: place(:) !! where they stand in the file, for messages (at least n)
+      integer, allocatable :: place(:) !! their positions in the file, for messages (at least n)
       real(dp), allocatable :: value(:) !! the entries; those of one place add up (at least n) [L/F]
    contains
       procedure :: append => entries_append
@@ -57,7 +57,7 @@ module amontons_reduced_system
       real(dp), allocatable :: friction(:) !! mu (m) [-]
       real(dp) :: asymmetry = 0.0_dp !! largest difference of W from its transpose [L/F]
       real(dp) :: largest = 0.0_dp !! largest diagonal entry of W [L/F]
-      character(:), allocatable :: form !! how it came, for the listing: 'Siconos text, dense'
+      character(:), allocatable :: form !! its source, for the listing: 'Siconos text, dense'
       real(dp), allocatable :: u(:) !! displacements of a solution, if there is one (n) [L]
       real(dp), allocatable :: r(:) !! forces of that solution (n) [F]
    contains
@@ -83,7 +83,7 @@ contains
       integer, intent(in) :: row !! its row
       integer, intent(in) :: column !! its column
       real(dp), intent(in) :: value !! the entry [L/F]
-      integer, intent(in) :: place !! where it stands in the file
+      integer, intent(in) :: place !! its position in the file
       integer, allocatable :: room(:)
 
       if (.not. allocated(self%row)) allocate (self%row(0), self%column(0), self%place(0), self%value(0))
@@ -107,7 +107,7 @@ contains
       type(entries_t), intent(in) :: entries !! W, rows and columns within range
       real(dp), intent(in) :: q(:) !! u without forces (n) [L]
       real(dp), intent(in) :: friction(:) !! mu, not negative (m) [-]
-      character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
+      character(:), allocatable, intent(out) :: sentence !! the fault, as a sentence; not allocated if there is none
       integer, intent(out) :: place !! the place of the entry that it is about
       type(symmetric_matrix_t) :: w, transposed
       real(dp), allocatable :: diagonal(:)
@@ -149,7 +149,7 @@ contains
       type(reduced_system_t), intent(inout) :: system !! the reduced problem; gains its asymmetry
       type(symmetric_matrix_t), intent(in) :: transposed !! the transpose of W, column by column
       real(dp), intent(in) :: diagonal(:) !! the diagonal of W (n) [L/F]
-      character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
+      character(:), allocatable, intent(out) :: sentence !! the fault, as a sentence; not allocated if there is none
       integer, intent(out) :: fault(2) !! row and column of the entry that it is about
       real(dp) :: column(size(diagonal)), mirrored(size(diagonal)), scale, difference, off
       integer :: j, k
@@ -459,7 +459,7 @@ contains
    pure subroutine refuse(name, value, expected, error)
       character(*), intent(in) :: name !! the number's name, counted from 1
       real(dp), intent(in) :: value !! the number
-      character(*), intent(in) :: expected !! what was expected
+      character(*), intent(in) :: expected !! the expected value
       type(error_t), allocatable, intent(out) :: error !! says so
 
       call new_error(error, input_refused, name//' = '//to_text(value)//': expected '//expected)

@@ -176,7 +176,7 @@ contains
    pure subroutine take_count(input, n_things, things, least)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n_things !! the number, at least 0 where there is no fault
-      character(*), intent(in) :: things !! what the things are
+      character(*), intent(in) :: things !! noun for the items, for messages
       integer, intent(in) :: least !! the least number that is right
 
       call take_number(input, n_things, 'the number of '//things)
@@ -265,7 +265,7 @@ contains
    subroutine read_reduced_file(system, file, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       character(*), intent(in) :: file !! name of the file
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(error_t), allocatable, intent(out) :: error !! the first fault of the file, with its position
       type(input_file_t) :: input
 
       call new_input_file(input, file, error)
@@ -298,7 +298,7 @@ contains
       type(entries_t), intent(out) :: entries !! the matrix
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
-      character(:), allocatable, intent(out) :: form !! what kind of file this is
+      character(:), allocatable, intent(out) :: form !! name of the format, for messages
       character(:), allocatable :: line
       integer :: origin, n_entries, row, column, place
 
@@ -334,7 +334,7 @@ contains
    pure subroutine take_printed(input, value, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the count; from a million on, about
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       character(*), parameter :: of_a_number = '0123456789.e+'
       real(dp) :: number
       integer :: last, at
@@ -511,7 +511,7 @@ contains
    pure subroutine take_number(input, value, what)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
 
       call input%skip_white()
       call input%take_numeral(value, what)
@@ -521,7 +521,7 @@ contains
    pure subroutine take_choice(input, value, what, choices)
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: value !! the number
-      character(*), intent(in) :: what !! what it means, for the message
+      character(*), intent(in) :: what !! meaning of the number, for the message
       integer, intent(in) :: choices(:) !! the numbers that are right
 
       call take_number(input, value, what)
@@ -531,7 +531,7 @@ contains
    !> Refuses the word just read.
    pure subroutine refuse_word(input, sentence)
       type(input_file_t), intent(inout) :: input !! the file
-      character(*), intent(in) :: sentence !! what is wrong
+      character(*), intent(in) :: sentence !! the fault, as a sentence
 
       call input%refuse(sentence, max(1, input%position - 1))
    end subroutine refuse_word

@@ -41,9 +41,9 @@ module amontons_solve_reduced
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions
          !! all solutions, where they were asked for; their forces are r, all normal ones first
-      type(warning_list_t) :: warnings !! what is doubtful about the problem
+      type(warning_list_t) :: warnings !! warnings on the problem
       logical :: has_reduced_files = .false. !! whether the problem was written again
-      type(timings_t) :: timings !! where the time went
+      type(timings_t) :: timings !! times of the phases
    end type reduced_result_t
 
 contains
@@ -52,7 +52,7 @@ contains
    subroutine prepare_reduced(config, result, error)
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! gains the problem
-      type(error_t), allocatable, intent(out) :: error !! the file is at fault
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid
       ! Largest rounding error between an entry and its mirror image, relative to the diagonal.
       real(dp), parameter :: rounding = 1.0e-8_dp
 
@@ -74,7 +74,7 @@ contains
    subroutine solve_reduced(config, result, error)
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the file or the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid, or the computation failed numerically
 
       call prepare_reduced(config, result, error)
       if (allocated(error)) return
@@ -86,7 +86,7 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(method_options_t), intent(in) :: options !! the contact method
       type(reduced_result_t), intent(out) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
 
       call new_timings(result%timings)
       result%system = system
@@ -97,7 +97,7 @@ contains
    subroutine solve_prepared(options, result, error)
       type(method_options_t), intent(in) :: options !! the contact method
       type(reduced_result_t), intent(inout) :: result !! the problem; gains its solution
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       class(contact_method_t), allocatable :: method
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: problem
@@ -173,7 +173,7 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(contact_solution_t), intent(inout) :: solution !! the solution
-      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       type(effort_t) :: effort
       real(dp), allocatable :: history(:)
       real(dp) :: residual, tolerance
@@ -283,7 +283,7 @@ contains
    !> The ratio of two numbers; 0 if the first is 0.
    elemental real(dp) function relative(value, scale)
       real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: scale !! what to divide by, at least 0
+      real(dp), intent(in) :: scale !! the divisor, at least 0
 
       relative = 0.0_dp
       if (scale > 0.0_dp) relative = value/scale

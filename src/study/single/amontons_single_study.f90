@@ -36,9 +36,9 @@ contains
    !> Checks the case, and reports the size of the finest of its meshes.
    subroutine single_study_check(self, cache, outcome, error)
       class(single_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       type(config_t) :: config
       type(result_t) :: result
 
@@ -53,8 +53,8 @@ contains
    !> Solves the case on every mesh, the coarsest first, and writes the files of the finest one.
    subroutine single_study_solve(self, cache, options, monitor, outcome, error)
       class(single_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
       class(study_monitor_t), intent(inout) :: monitor !! not used: a mesh is not interrupted
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the case cannot be solved, or its files not be written
@@ -90,7 +90,7 @@ contains
    subroutine report_case(config, cache, options, result, outcome, error)
       type(config_t), intent(in) :: config !! the case
       type(cache_t), intent(inout) :: cache !! its body; the contact problem may gain its compliance
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
       type(result_t), intent(inout) :: result !! the result; gains what the options ask for
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
       type(error_t), allocatable, intent(inout) :: error

@@ -49,13 +49,13 @@ module amontons_sweep_chunk
 
    !> The stored result of one case.
    type :: case_result_t
-      integer :: outcome = outcome_not_converged !! what became of it
+      integer :: outcome = outcome_not_converged !! its outcome
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
-      real(dp) :: force_error = 0.0_dp !! what residual and rounding errors are of its forces [-]
+      real(dp) :: force_error = 0.0_dp !! residual and rounding errors, over its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
-      logical :: is_warned(size(case_warning_names)) = .false. !! what is doubtful about it, if it converged
+      logical :: is_warned(size(case_warning_names)) = .false. !! its warnings, if it converged
    contains
       procedure :: is_empty => case_result_is_empty
    end type case_result_t
@@ -64,7 +64,7 @@ module amontons_sweep_chunk
    type :: sweep_statistics_t
       integer :: n_cases = 0 !! number of cases
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
-      integer :: failed_case = 0 !! the first case whose numbers are at fault; 0 if there is none
+      integer :: failed_case = 0 !! the first case with a numerical failure; 0 if there is none
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
@@ -105,9 +105,9 @@ module amontons_sweep_chunk
       integer :: last = 0 !! its last case
       logical :: is_done = .false. !! whether it has been solved
       character(:), allocatable :: rows !! rows of its cases
-      type(sweep_statistics_t) :: statistics !! what is known of them together, numbered from 1
-      type(case_result_t) :: results(chunk_length) !! what is kept of its cases
-      character(:), allocatable :: fault !! why the numbers of its last case without any are at fault
+      type(sweep_statistics_t) :: statistics !! their statistics, numbered from 1
+      type(case_result_t) :: results(chunk_length) !! stored results of its cases
+      character(:), allocatable :: fault !! the numerical failure of its last case without a solution
       integer :: fault_kind = 0 !! the kind of that error; 0 for none
    contains
       procedure :: is_broken => chunk_is_broken
@@ -177,7 +177,7 @@ contains
    !> Appends the next case to the statistics.
    pure subroutine sweep_statistics_add(self, result)
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
-      type(case_result_t), intent(in) :: result !! what is kept of the case
+      type(case_result_t), intent(in) :: result !! stored result of the case
       type(sweep_statistics_t) :: one
 
       one%n_cases = 1
@@ -351,7 +351,7 @@ contains
 
    !> Reads warnings from their names; unknown ones are ignored.
    pure subroutine read_warnings(is_warned, names)
-      logical, intent(out) :: is_warned(size(case_warning_names)) !! which of `case_warning_names`
+      logical, intent(out) :: is_warned(size(case_warning_names)) !! index in `case_warning_names`
       character(*), intent(in) :: names !! the names, blanks between them
       integer :: i
 
@@ -363,10 +363,10 @@ contains
    !> Makes body and loads of a sweep, and so checks everything that its deck may get wrong.
    subroutine prepare_sweep(task, cache, config, result, error)
       type(sweep_task_t), intent(out) :: task !! the sweep; its loads are not condensed yet
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       type(result_t), intent(out) :: result !! gains the load case of the deck as it stands, and warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! the deck is at fault
+      type(error_t), allocatable, intent(out) :: error !! the deck is invalid
       type(config_t) :: least
       type(contact_t), allocatable :: contacts(:)
 

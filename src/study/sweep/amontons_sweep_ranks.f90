@@ -32,7 +32,7 @@ module amontons_sweep_ranks
    type :: share_t
       type(config_t) :: config !! the deck
       type(cache_t) :: cache !! the body
-      type(result_t) :: result !! the load case of the deck as it stands
+      type(result_t) :: result !! the load case of the deck, without factors
       type(sweep_task_t) :: task !! the sweep
       type(chunk_t), allocatable :: chunks(:) !! the chunks of the last batch
    end type share_t
@@ -232,7 +232,7 @@ contains
 
    !> Solves this rank's share of a batch.
    subroutine solve_share(share)
-      type(share_t), intent(inout) :: share !! what this rank has of the sweep; gains the chunks
+      type(share_t), intent(inout) :: share !! the data of the sweep on this rank; gains the chunks
       type(study_monitor_t) :: monitor
       type(channel_t) :: channel
       integer, allocatable :: batch(:)

@@ -60,7 +60,7 @@ module amontons_sweep_study
       type(manifest_t) :: grids !! the manifest of the fields
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       integer :: n_sharing = 1 !! number of ranks that share the others
-      character(:), allocatable :: fault !! why the numbers of a case are at fault, of the first one; of no case else
+      character(:), allocatable :: fault !! the message of the first case with a numerical failure; empty without any
       logical :: is_interrupted = .false. !! whether cases are left to do
       logical :: has_certificate = .true. !! whether the certificate is known, not only recorded in files
    contains
@@ -82,12 +82,13 @@ contains
    !> Solves all cases of a sweep that no earlier run has solved. The table keeps its temporary name and its lock until
    !> it is reported, unless the sweep was interrupted.
    subroutine solve_sweep(cache, config, directory, monitor, result, error)
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the sweep, and may stop it
       type(sweep_result_t), intent(out) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      type(error_t), allocatable, intent(out) :: error
+         !! the deck is invalid, the computation failed numerically, or a file cannot be written
       type(sweep_task_t) :: task
 
       call prepare_sweep(task, cache, config, result%certified, error)
@@ -160,7 +161,7 @@ contains
       type(cache_t), intent(in) :: cache !! the body
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the deck
-      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the sweep, and may stop it
       type(sweep_result_t), intent(inout) :: result !! gains the table, and the statistics of its rows
       type(error_t), allocatable, intent(out) :: error
          !! the table cannot be written, or another run writes it; memory ran out
@@ -236,7 +237,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       character(*), intent(in) :: stem !! directory and name of the case
-      class(study_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       character(:), allocatable :: folder, entry, entries(:)
@@ -478,9 +479,9 @@ contains
    !> Checks the sweep and reports its size.
    subroutine sweep_study_check(self, cache, outcome, error)
       class(sweep_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the sweep needs another
       type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults of the deck
       type(sweep_task_t) :: task
       type(result_t) :: result
       character(:), allocatable :: cases
@@ -496,9 +497,9 @@ contains
    !> Solves the cases, writes their files and judges the sweep by its statistics and by the certificate of one case.
    subroutine sweep_study_solve(self, cache, options, monitor, outcome, error)
       class(sweep_study_t), intent(in) :: self !! the study
-      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far the sweep is, and may stop it
+      type(cache_t), intent(inout) :: cache !! the present body, replaced if the sweep needs another
+      type(study_options_t), intent(in) :: options !! the options that are not in the deck
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the sweep, and may stop it
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solutions lack, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved or written
       type(sweep_result_t) :: result
