@@ -60,7 +60,7 @@ module amontons_constraints
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :)
-         !! component of its direction along the other axis of the plane, over that along this axis (components, n_nodes)
+         !! component of its direction along the other axis of the plane, over that along this one (components, n_nodes)
          !! [-]
    contains
       procedure :: frame => constraints_frame
