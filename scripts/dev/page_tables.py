@@ -7,8 +7,8 @@ A table stands between two lines that begin with <!-- from and <!-- end. What it
 
     amontons --reference GROUP      the keys of a group of decks, as the program prints them
     amontons.1 SECTION              the paragraphs of a section of the manual page, each below its heading
-    FILE...                         the comments of source files, `!= names | unit | meaning`, one after the other; a
-                                    line that begins with `!=   ` continues the one before
+    sources: NAME                   comments of the sources, `!=NAME names | unit | meaning`, in the order of the files;
+                                    a line that begins with `!=   ` continues the one before
 """
 import difflib
 import re
@@ -48,12 +48,11 @@ def marked(line):
     return f"`{''.join(parts) if kind == '.BI' else words.strip(chr(34))}`"
 
 
-def rows_of_comments(*names):
+def rows_of_comments(name):
     """The rows in the comments of source files."""
-    for name in names:
-        file, = (ROOT / "src").rglob(name)
+    for file in sorted((ROOT / "src").rglob("*.f90")):
         text = re.sub(r"\n *!=   ", " ", file.read_text(encoding="utf-8"))
-        yield from (f"| {row} |" for row in re.findall(r"^ *!= (.*)$", text, re.MULTILINE))
+        yield from (f"| {row} |" for row in re.findall(rf"^ *!={re.escape(name)} (.*)$", text, re.MULTILINE))
 
 
 def main():
@@ -65,7 +64,7 @@ def main():
         if kind == "amontons":
             shown.append(names[-1])
             return match[1] + " -->\n" + bodies[names[-1]]
-        rows = rows_of_manual(" ".join(names)) if kind == "amontons.1" else rows_of_comments(kind, *names)
+        rows = rows_of_manual(" ".join(names)) if kind == "amontons.1" else rows_of_comments(*names)
         return match[1] + match[2] + "\n".join(rows) + "\n"
 
     for page in sorted((ROOT / "doc").glob("*.md")):

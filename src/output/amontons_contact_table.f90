@@ -142,6 +142,26 @@ contains
       rows%around = pack(zone%rows%around, is_wanted)
    end function side_rows
 
+   !=contact.csv `point` | | number of the point, from 1
+   !=contact.csv `x`, `y` | L | coordinates of the node, or of the center of the cell
+   !=contact.csv `normal_x`, `normal_y` | – | unit outward normal $n$ of the body
+   !=contact.csv `weight` | L | tributary length, or length of the cell
+   !=contact.csv `gap` | L | distance left to the obstacle along the normal, $d - u_N$; 0 when closed
+   !=contact.csv `slip` | L | tangential displacement $u_T$ since rest; where a load history moves the obstacle, less
+   !=   its displacement there
+   !=contact.csv `normal_force` | F | $\lambda_N$, compression positive
+   !=contact.csv `tangential_force` | F | $\lambda_T$, with the sign of the slip; 0 where a support bears it
+   !=contact.csv `contact_pressure` | F/L² | normal force over tributary area, or over the area of the cell
+   !=contact.csv `contact_shear` | F/L² | tangential force over the same area
+   !=contact.csv `slip_theta`, `tangential_force_theta`, `contact_shear_theta` | L, F, F/L² | of a twisted body: the
+   !=   same around the axis
+   !=contact.csv `shear_bound` | F/L² | what friction can bear: friction times pressure, plus the given slip bound over
+   !=   the area
+   !=contact.csv `master_x`, `master_y` | L | with a pair: mean place on the master that the point faces; with a rigid
+   !=   obstacle the point's own
+   !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
+   !=   obstacle the set
+   !=contact.csv `status` | | `open`, `stick`, `slip+` or `slip-`; `slip` of a twisted body
    !> Makes the columns, in the order of the table.
    subroutine contact_columns(list, body, result)
       type(column_t), allocatable, intent(out) :: list(:) !! the columns

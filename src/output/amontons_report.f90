@@ -170,6 +170,60 @@ contains
       value = summary(first:last)
    end function member_value
 
+   !=summary `case`, `title`, `units` | | from the deck; `units` is empty if it names none
+   !=summary `version` | | version of the program
+   !=summary `method` | | the contact method
+   !=summary `outcome` | | `solved`, `not_converged`, `not_certified` or `no_equilibrium`: [what they
+   !=   mean](#exit-status-and-outcomes). Of the last, the summary has `message` and no numbers. A sweep is
+   !=   `no_equilibrium` where none of its cases has one, and has `message`, too
+   !=summary `converged` | | whether the residual is at most the tolerance
+   !=summary `warnings` | | what is doubtful about model and result, a text each; mostly empty
+   !=summary `iterations` | | iterations of the method; of all stages with `auto`
+   !=summary `products` | – | what they took, in products of $S$ or $A$ with a vector. A part of the matrix counts by
+   !=   its size, a sweep by the columns it uses, a pivot of `lemke` as 9/4 (its tableau is 3m x 3m); triangular solves
+   !=   do not count
+   !=summary `factorizations` | | factorizations they took, of any order; with methods that use $A$ the one of $S$ too,
+   !=   if it was not there from an earlier case
+   !=summary `residual` | – | residual of the contact problem
+   !=summary `residual_history` | – | residual after each iteration
+   !=summary `method_error` | – | only for a run that stagnated at a wrong answer: largest error of a contact force,
+   !=   over the largest exact one
+   !=summary `inf_sup` | – | only with constant multipliers: their inf-sup constant, the smallest of all contact sets
+   !=summary `condition` | – | only where the certificate comes near its limit in `equilibrium`, `resultant`, `moment`
+   !=   or `energy` (above 1e-9) and the number explains it (above 1e8): estimated condition number of the stiffness
+   !=   (1-norm), or $|K| |u| / |f|$ if this is larger, whose decimal logarithm is how many of 16 digits rounding may
+   !=   cost
+   !=summary `certificate` | | see below
+   !=summary `uniqueness.guaranteed` | | whether the friction is below a bound that makes the solution unique; `false`
+   !=   does not mean that there are several solutions
+   !=summary `uniqueness.friction_below` | – | that bound on the largest coefficient; `null` if none is known, or if any
+   !=   friction will do
+   !=summary `uniqueness.exact` | | whether just above the bound some loads have several solutions
+   !=summary `counts.nodes`, `.elements` | | size of the mesh
+   !=summary `counts.dofs` | | unknown displacement components
+   !=summary `counts.contact_points` | | contact points $m$
+   !=summary `counts.open`, `.stick`, `.slip` | | points by status; `slip` counts both directions
+   !=summary `factor.entries`, `.flops` | | stored entries of the factor, and floating-point operations it took
+   !=summary `key_results` | | see [Key results](#key-results)
+   !=summary `accuracy.error_norm` | √(F L) | estimated error of the stresses in the norm of the strain energy; see
+   !=   [Accuracy](#accuracy)
+   !=summary `accuracy.relative_error` | – | its ratio to the norm of the stresses
+   !=summary `convergence` | | only with `&accuracy refinements`: every number of [`NAME.convergence.csv`](#accuracy) by
+   !=   its name, with `values`, `verdict`, `order`, `extrapolated`, `error_bar`
+   !=summary `lengths.open_length`, `.slip_length`, `.stick_length` | L | see [Lengths](#lengths)
+   !=summary `closed_zones`, `stick_zones` | L | what is closed, and what sticks ([ends](#zones-and-their-ends)): of
+   !=   each part the contact set, length, `start_x`, `start_y`, `end_x`, `end_y`
+   !=summary `resultants.normal_force`, `.tangential_force` | F | sums of the normal and of the tangential forces
+   !=summary `seconds.read`, `.assemble`, `.factorize`, `.condense`, `.solve`, `.recover`, `.write`, `.total` | s |
+   !=   making mesh, supports, contact zone and loads, and checking their balance; element stiffness and assembly;
+   !=   ordering and Cholesky factorization; condensed stiffness and load; the contact method, and the search for all
+   !=   solutions; displacements of all nodes, certificate, lengths; the other files and their checksums; their sum
+   !=summary `peak_memory_mb` | MB | most memory the process held so far
+   !=summary `files` | | `name`, `bytes` and `checksum` of every other file that the case left, grids of a sweep
+   !=   included: its [manifest](#verification)
+   !=summary `inputs` | | the same of the files that it was read from: mesh, tables, reduced problem. A pipe, or a file
+   !=   that was gone when the results were written, is not in the list
+   !=summary `checksum` | | checksum of the summary itself, up to the line of this member
    !> Makes the summary.
    subroutine new_summary(summary, label, body, result)
       type(document_t), intent(out) :: summary !! the summary

@@ -367,6 +367,21 @@ contains
       call vtk%finish(files(2), error)
    end subroutine write_case_grids
 
+   !=vtu `displacement` | nodes, 3 components | L | displacement of every node
+   !=vtu `gap`, `slip` | nodes | L | as in the table; 0 at nodes that are no contact points; nodes of cells of constant
+   !=   multipliers have the mean of their cells, here and below
+   !=vtu `contact_pressure`, `contact_shear`, `shear_bound` | nodes | F/L² | as in the table; 0 at other nodes
+   !=vtu `status` | nodes | | 1 to 4, see [Statuses](#statuses); 0 at other nodes
+   !=vtu `nodal_stress` | nodes, 6 components | F/L² | stress xx, yy, zz, xy, yz, xz: what the elements around the node
+   !=   say there, on the mean; tension positive; zz follows from the hypothesis. Between two materials the mean of both
+   !=   sides
+   !=vtu `nodal_von_mises` | nodes | F/L² | von Mises stress of the nodal stress
+   !=vtu `stress` | cells, 6 components | F/L² | mean stress of the element
+   !=vtu `von_mises` | cells | F/L² | von Mises stress of the mean stress
+   !=vtu `strain_energy_density` | cells | F/L² | mean strain energy per volume
+   !=vtu `error_norm` | cells | √(F L) | estimated error of the stresses of the element, see [Accuracy](#accuracy); the
+   !=   root of the sum of squares is that of the body
+   !=vtu `material` | cells | | number of the `&material` group, in the order of the deck
    !> Passes the body and its result to a file, which writes or compares them.
    subroutine show_body(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file
@@ -417,6 +432,12 @@ contains
          vtk_cell_type(body%mesh%element_kind))
    end subroutine show_body
 
+   !=contact.vtu `normal` | nodes, 3 components | – | unit outward normal of the body
+   !=contact.vtu `set` | nodes | | number of the `&contact` group, in the order of the deck
+   !=contact.vtu `jump` | nodes, 3 components | L | with pairs: displacement of the slave relative to the master; 0 on
+   !=   the master
+   !=contact.vtu `force` | nodes, 3 components | F | with pairs: contact force on the body there: the transmitted ones
+   !=   on the master; they sum to 0
    !> Passes the contact line and its result to a file, which writes or compares them.
    subroutine show_contact_line(vtk, body, result)
       class(vtk_file_t), intent(inout) :: vtk !! the file

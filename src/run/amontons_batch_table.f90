@@ -100,6 +100,18 @@ contains
       call lock%release()
    end subroutine update_batch_table
 
+   !=batch.csv `deck`, `case` | | name of the deck as it was given, and of its case; the case is empty where the deck
+   !=   was refused
+   !=batch.csv `outcome` | | `solved`, `no_equilibrium`, `not_converged`, `not_certified`, `refused`,
+   !=   `numerical_failure`, `system_failure`, `interrupted` ([what they mean](#exit-status-and-outcomes)) or `replaced`
+   !=batch.csv `exit_status` | | the status that the deck alone gives
+   !=batch.csv `iterations`, `residual` | – | of the contact method; of a sweep and a history all iterations and the
+   !=   largest residual
+   !=batch.csv `max_contact_pressure`, `max_von_mises`, `max_displacement`, `normal_force`, `tangential_force` | stress,
+   !=   length, force | [key results](#key-results) of a single case, and of the last step of a history; of a sweep the
+   !=   greatest of all cases, sums of forces empty
+   !=batch.csv `seconds` | s | time of the deck
+   !=batch.csv `message` | | what went wrong, in one line
    !> The first line.
    pure function header() result(text)
       character(:), allocatable :: text

@@ -309,6 +309,41 @@ contains
          sum(abs(force)), dimension='F')]
    end function resultants
 
+   !=key_results `max_contact_pressure` | F/L² | largest contact pressure of a contact point
+   !=key_results `max_contact_shear` | F/L² | largest magnitude of the contact shear
+   !=key_results `max_slip` | L | largest magnitude of the slip of a closed point; points that a support holds
+   !=   tangentially are left out
+   !=key_results `max_von_mises` | F/L² | largest `nodal_von_mises` of `NAME.vtu`; of sweeps with [`key_results =
+   !=   'all'`](decks.md#output)
+   !=key_results `max_displacement` | L | largest magnitude of the displacement of a node; of sweeps likewise
+   !=key_results `contact_width`, `stick_width` | L | length of what is closed, and of what sticks, of a contact set,
+   !=   with [ends between the nodes](#zones-and-their-ends)
+   !=key_results `contact_centroid_x`, `contact_centroid_y` | L | center of pressure, the mean of the places weighted by
+   !=   the normal forces; 0 without normal forces
+   !=key_results `contact_force_x`, `contact_force_y` | F | resultant of the contact forces on the body
+   !=key_results `contact_moment` | F L | their moment about the origin, counter-clockwise positive; not of bodies of
+   !=   revolution
+   !=key_results `contact_torque` | F L | of a [twisted](theory.md#twist) body: their moment about the axis
+   !=key_results `rigid_NAME_ux`, `rigid_NAME_uy`, `rigid_NAME_turn` | L, L, none | motion of the [rigid
+   !=   set](decks.md#rigid-may-be-repeated-may-be-absent) NAME; of bodies of revolution `rigid_NAME_uy` only
+   !=key_results `rigid_NAME_force_x`, `rigid_NAME_force_y`, `rigid_NAME_moment` | F, F, F L | what drives it: given
+   !=   force and moment, or what it takes to prescribe the motion; the moment about its point
+   !=key_results `preload_NAME_shortening`, `preload_NAME_force` | L, F | shortening and force of the
+   !=   [preload](decks.md#preload-may-be-repeated-may-be-absent) NAME, of bodies of revolution all around the axis
+   !=key_results `max_wear_depth` | L | of a history with `wear`: the largest depth worn
+   !=key_results `wear_volume_NAME` | L³ | the volume that a contact set or pair of this name has lost
+   !=key_results `reaction_x_NAME`, `reaction_y_NAME` | F | [force by name](#forces-by-name): what a support, with its
+   !=   elastic foundation, exerts on the body
+   !=key_results `reaction_moment_NAME` | F L | its moment about the origin
+   !=key_results `force_normal_NAME`, `force_tangential_NAME` | F | sums of the normal and tangential forces of a
+   !=   contact set or pair
+   !=key_results `force_x_NAME`, `force_y_NAME` | F | its force on the body, of a pair on that of `set`
+   !=key_results `force_moment_NAME` | F L | its moment about the origin
+   !=key_results `tie_x_NAME`, `tie_y_NAME` | F | what a tie exerts on the body of its `set`
+   !=key_results `tie_moment_NAME` | F L | its moment about the origin; of a preload about the middle of the cut
+   !=key_results `tie_tangential_NAME` | F | shear of a preload along the cut, on the body of its `set`
+   !=key_results `reaction_torque_NAME`, `force_torque_NAME`, `tie_torque_NAME` | F L | of a twisted body: moments about
+   !=   the axis
    !> The largest pressure, shear and slip of the contact points. The slip of open points, and of points whose
    !> tangential direction a support holds, is left out. A body without contact points has no such results.
    pure function contact_peaks(body, slip, force, status, displacement) result(list)

@@ -124,7 +124,7 @@ class DocumentedNames(ProgramTest):
         for name, deck in DECKS.items():
             self.write(f"{name}.nml", f"&case name = '{name}' /\n{deck}")
         self.run_program("--quiet", "--output", "out", *(f"{name}.nml" for name in DECKS))
-        found = self.assert_files("out", documented("output.md"))
+        found = self.assert_files("out", documented("output.md", "theory.md"))
         # What nobody wrote would not be compared.
         self.assertLessEqual({"csv", "summary.json", "contact.csv", "convergence.csv", "sweep.csv", "history.csv",
                               "points.csv", "cycles.csv", "states.csv", "vtu", "contact.vtu"}, found)
@@ -133,9 +133,10 @@ class DocumentedNames(ProgramTest):
         self.run_program("--quiet", "--output", "out", "--write-reduced", "--all-solutions", self.write(
             "case.nml", block("support set = 'top'  ux = 0.0  uy = -0.01", CONTACT, PUSH,
                               mesh="size = 4.0, 2.0  cells = 4, 2")))
-        self.assertIn("solutions.csv", self.assert_files("out", documented("output.md")))
+        self.assertIn("solutions.csv", self.assert_files("out", documented("output.md", "theory.md")))
         self.run_program("--quiet", "--output", "reduced", "--reduced", "out/case.reduced.dat")
-        self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "library.md")))
+        self.assertIn("reduced.summary.json", self.assert_files(
+            "reduced", documented("output.md", "theory.md", "library.md")))
 
     def test_units_in_the_tables_of_results_are_those_that_the_program_writes(self):
         table = units_of_names((PAGES / "output.md").read_text(encoding="utf-8"))
@@ -204,14 +205,14 @@ class DocumentedNames(ProgramTest):
         theory = (PAGES / "theory.md").read_text(encoding="utf-8").split("\n## ")
         section, = (text for text in theory if text.startswith("8. Certificate"))
         table = section.partition("### ")[0]
-        self.assertEqual(set(re.findall(r"^\| ([a-z_]+) \| ", table, re.MULTILINE)) - {"name"}, found)
+        self.assertEqual(set(re.findall(r"^\| `([a-z_]+)` \| ", table, re.MULTILINE)), found)
         self.assertLessEqual({"pair_force", "duality_gap"}, found)
         verdicts = (PAGES.parent / "python" / "amontons" / "verdicts.py").read_text(encoding="utf-8")
         self.assertEqual(set(re.findall(r'^    "([a-z_]+)": "', verdicts, re.MULTILINE)), found)
 
     def test_no_name_is_a_missing_one(self):
         # The comparison itself: a name that no page has is found.
-        patterns = documented("output.md")
+        patterns = documented("output.md", "theory.md")
         with self.assertRaisesRegex(AssertionError, "certificate.pear"):
             self.assert_documented(["certificate.pear"], patterns, "none")
         self.assert_documented(["factor_push", "contact_width_2", "mesh_3", "ux_2", "counts.elements"], patterns,

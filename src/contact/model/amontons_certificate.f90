@@ -513,6 +513,33 @@ contains
       if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
    end function relative
 
+   !=certificate `equilibrium` | norm of the unbalanced nodal forces along free directions | largest of the norms of
+   !=   loads, reactions, contact forces (or more, see below)
+   !=certificate `penetration` | largest overlap with the obstacle | largest displacement component
+   !=certificate `penetration_outside` | the same of the nodes of the free boundary beyond the ends of the contact sets,
+   !=   see below | the same
+   !=certificate `penetration_between` | the same of corners of obstacles between contact points, see below | the same
+   !=certificate `tension` | largest $-\lambda_N$ | largest nodal force of loads, reactions and contact (or more)
+   !=certificate `friction_excess` | largest $\lvert\lambda_T\rvert - g - \varphi\lambda_N$ | the same
+   !=certificate `complementarity` | largest value of the smaller of force and gap at a point | force by the largest
+   !=   nodal force, gap by the largest displacement component
+   !=certificate `slip_below_bound` | largest value of the smaller of the slip $\lvert u_T - a\rvert$ and $g +
+   !=   \varphi\lambda_N - \lvert\lambda_T\rvert$ at a point whose tangential direction no support holds | as above
+   !=certificate `wrong_dissipation` | largest value of the smaller of $\lvert\lambda_T\rvert$ and $\lvert u_T -
+   !=   a\rvert$ where $\lambda_T (u_T - a) < 0$; in space the distance of the smaller one from the direction of the
+   !=   other | as above
+   !=certificate `resultant` | sum of loads, reactions and contact forces | sum of the magnitudes of all their
+   !=   components (or more)
+   !=certificate `moment` | moment of these, and of the forces that bonded surfaces exert on each other, about the
+   !=   middle of the body | that sum times half the body's larger side
+   !=certificate `energy` | $u \cdot (K u - f_\vartheta)$ minus the work of loads, contact forces and reactions | sum of
+   !=   the magnitudes of the terms of the former or, if larger, of these works, or the strain energy (or more)
+   !=certificate `pair_force` | sum of the contact forces on both bodies of all pairs | sum of their magnitudes
+   !=certificate `pair_moment` | sum of their moments about the origin, less the couple that the forces make across the
+   !=   gaps (0 where the bodies touch); none in a body of revolution | sum of their magnitudes times half the body's
+   !=   larger side
+   !=certificate `tie_moment` | as pair_moment, of the forces that bonded surfaces exert on each other | the same
+   !=certificate `duality_gap` | primal energy of $u$ minus dual energy of $\lambda$ | the same
    !> The violations, each over its natural scale; all must be below the limit [-].
    pure function certificate_violations(self) result(list)
       class(certificate_t), intent(in) :: self !! the certificate

@@ -31,6 +31,10 @@ module amontons_friction_law
    integer, parameter :: slip_minus = 4
    !> Status of a closed point that slides in space.
    integer, parameter :: slip_point = 5
+   !=statuses `open` | away from the obstacle, or touching it without force | 1
+   !=statuses `stick` | pressed on the obstacle, not slipping | 2
+   !=statuses `slip+` | pressed on the obstacle, slipping along $+t$, friction at its bound | 3
+   !=statuses `slip-` | pressed on the obstacle, slipping along $-t$, friction at its bound | 4
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(slip_point) = [character(5) :: 'open', 'stick', 'slip+', 'slip-', 'slip']
 

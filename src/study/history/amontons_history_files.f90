@@ -90,6 +90,19 @@ module amontons_history_files
 
 contains
 
+   !=cycles.csv `cycle`, `begin`, `end`, `steps` | – | number of the cycle as `cycles` counts, pseudo-times of its
+   !=   beginning and end, number of its steps
+   !=cycles.csv `work`, `strain_energy_change`, `dissipation` | F L | of all loads, supports and obstacles; end less
+   !=   beginning; what friction took
+   !=cycles.csv `energy_error` | F L | `work` less the other two
+   !=cycles.csv `max_slip_accumulated` | L | largest sum of the slips of a point in the cycle, each counted positive
+   !=cycles.csv `max_drift` | L | largest slip from its beginning to its end
+   !=cycles.csv `dissipation_change`, `force_change` | – | dissipation less that of the cycle before, over the larger;
+   !=   largest difference of a contact force between beginning and end, over the largest force
+   !=cycles.csv `drift_change` | L | largest difference of a point's drift from that in the cycle before
+   !=cycles.csv `max_ruiz_1`, `max_ruiz_2`, `max_swt` | F/L, F²/L³, F/L² | with `fretting`: largest of all points
+   !=cycles.csv `outcome` | – | `first`, `shakedown`, `steady`, `ratcheting` or `changing`: [what it
+   !=   is](guide.md#cycles)
    !> Describes the tables of a history, that of the steps first.
    pure subroutine history_tables(tables, model, body, n_noted)
       type(history_table_t), allocatable, intent(out) :: tables(:) !! the tables
@@ -184,6 +197,32 @@ contains
       self%kinds = [self%kinds, spread(kind, 1, n)]
    end subroutine history_table_add
 
+   !=history.csv `step` | – | number of the step, from 1
+   !=history.csv `time` | – | the pseudo-time at its end; called as `name` of `&history` says
+   !=history.csv `factor_NAME`, `shift_x_NAME`, `shift_y_NAME`, `turn_NAME`, `friction_factor_NAME` | –, L, rad | a
+   !=   column for each number of each `&steps`, in the deck's order
+   !=history.csv `open_length`, `slip_length`, `stick_length` | L | as in [Lengths](#lengths)
+   !=history.csv `normal_force`, `tangential_force` | F | sums over the contact points
+   !=history.csv `work_loads`, `work_supports`, `work_obstacles` | F L | work done on the body since rest by loads,
+   !=   moving supports and moving obstacles
+   !=history.csv `strain_energy` | F L | of body and elastic foundations, $\tfrac12 u \cdot K u$; a temperature counts
+   !=   as the load that causes the same displacements, and its work as that of this load
+   !=history.csv `dissipation_step`, `dissipation` | F L | what friction took in the step, and since rest
+   !=history.csv `closing_loss` | F L | sum of normal force times gap at the beginning of the step
+   !=history.csv `step_indicator` | – | energy error of the step over its energies
+   !=history.csv `energy_error` | F L | works less strain energy and dissipation: vanishes with the length of the steps
+   !=history.csv `max_slip_step`, `max_slip_accumulated` | L | largest slip of the step; largest sum of the slips of all
+   !=   steps, each counted positive
+   !=history.csv `residual` | – | of the step's contact problem
+   !=history.csv `open_length_1`, `slip_length_1`, `stick_length_1`, `normal_force_1`, `tangential_force_1`,
+   !=   `open_length_2`, ... | L, F | the same of each contact set, where there are several
+   !=history.csv `ux_1`, `uy_1`, ... | L | displacements of the nodes at `probe`; of a twisted body `utheta_1`, too
+   !=history.csv `reaction_x_NAME`, `force_normal_NAME`, `tie_x_NAME`, ... | F, F L | [forces by name](#forces-by-name),
+   !=   all of their components
+   !=history.csv `max_wear_depth`, `wear_volume_NAME`, ... | L, L³ | with `wear`: largest depth worn so far, volume that
+   !=   each contact set or pair by name has lost
+   !=history.csv `iterations` | – | of the step
+   !=history.csv `statuses` | – | along the contact lines as run lengths, as in a [sweep](#namesweepcsv)
    !> Describes the table of the steps, in the order of `history_row`.
    pure subroutine describe_steps(table, model, body)
       type(history_table_t), intent(inout) :: table !! the table
@@ -321,6 +360,25 @@ contains
          to_text(state%solution%n_iterations)//','//runs//newline
    end function history_row
 
+   !=points.csv `step`, `time`, `point` | – | number and pseudo-time of the step, number of the point
+   !=points.csv `area` | L² | area that the point stands for: its length times the thickness, or all around the axis
+   !=points.csv `x`, `y`, `normal_force`, `tangential_force`, `contact_pressure`, `contact_shear`, `gap`, `status` | |
+   !=   as in [`NAME.contact.csv`](#namecontactcsv), at the end of the step
+   !=points.csv `slip` | L | tangential displacement less that of the obstacle, since rest; points that a support guides
+   !=   along one direction count as not slipping here and in the next columns, while `NAME.contact.csv` has their
+   !=   tangential displacement in `slip`
+   !=points.csv `slip_step`, `slip_accumulated` | L | slip of the step; sum of the slips of all steps, each counted
+   !=   positive
+   !=points.csv `dissipation` | F L | what friction took at the point since rest
+   !=points.csv `wear_integral` | F/L | $\int p\, \lvert ds \rvert$ since rest: times a wear coefficient [L²/F] the
+   !=   [wear depth](guide.md#wear) after Archard; it counts the way on the obstacle also where a support holds the
+   !=   point along its tangent
+   !=points.csv `wear_depth` | L | depth worn by the key `wear` of `&contact`, the step included; the next step has it
+   !=   in its gap
+   !=points.csv `surface_stress`, `ruiz_1`, `ruiz_2`, `swt`, `swt_angle` | F/L², F/L, F²/L³, F/L², rad | with
+   !=   `fretting`: stress along the surface, and [parameters](guide.md#fretting) of the cycle so far
+   !=points.csv `tangential_force_theta`, `contact_shear_theta`, `slip_theta` | F, F/L², L | of a twisted body: the same
+   !=   around the axis; `slip_step` is then a length
    !> The rows of the contact points of a step. The slip is the distance that a point has moved on the obstacle along
    !> its tangent, the gap is the remaining one.
    pure function points_rows(model, body, stepping) result(rows)

@@ -115,6 +115,23 @@ module amontons_sweep_chunk
 
 contains
 
+   !=sweep.csv `case` | | number of the case, from 1
+   !=sweep.csv `factor_LOAD`, `friction`, `friction_SET`, `friction_factor`, `friction_factor_SET` | – | a column for
+   !=   each `&sweep`, in the deck's order: the value
+   !=sweep.csv `open_length`, `slip_length`, `stick_length` | L | see [Lengths](#lengths)
+   !=sweep.csv `normal_force`, `tangential_force` | F | sums of the normal and of the tangential forces
+   !=sweep.csv `max_contact_pressure` ... `max_slip_y` | | [key results](#key-results) of the contact points; with
+   !=   [`key_results = 'forces'`](decks.md#output) the forces by name, with `'all'` these and those of the body too
+   !=sweep.csv `residual` | – | residual of the contact problem
+   !=sweep.csv `iterations` | | iterations, of all attempts
+   !=sweep.csv `outcome` | | `solved`, `not_converged`, `no_equilibrium` (contact and friction cannot balance the loads)
+   !=   or `numerical_failure` (numbers leave the range of double precision, or keep no digit)
+   !=sweep.csv `warnings` | | of a converged case: `large_displacement` (of contact points, above 5 % of the body's
+   !=   size), `no_contact`, `few_points` (1 or 2 closed), `pressure_jump` (the largest pressure more than twice that of
+   !=   its neighbors), `large_strain` (a contact pressure above 2 % of Young's modulus), `end_of_set` (contact reaches
+   !=   an end of its set and the boundary goes on); empty for none
+   !=sweep.csv `statuses` | | the contact line as run lengths: `4o 12+ 17s` is 4 points open, 12 `slip+`, 17 stick; `-`
+   !=   is `slip-`, `*` is `slip` of a twisted body; a bar separates contact sets
    !> The stored numbers of a case: lengths, sums of forces, key results of the contact points and, if they are asked
    !> for, of the body.
    pure function case_quantities(body, solution, friction, slip_bound, free_gap, peaks) result(list)
