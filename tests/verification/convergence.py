@@ -17,6 +17,7 @@ ROUNDOFF = 1e-4
 FEW_ROWS = 10
 # Columns of a line of the page, and headings that a sentence needs no word for.
 WIDTH = 120
+ALL_ELEMENTS = "tri3, quad4, tri6, quad8, quad9"
 CLEAR = ("case", "contact", "element", "hypothesis", "quantity")
 
 
@@ -68,8 +69,8 @@ def distinct(values):
 
 def varied(rows, labels):
     """The values that each label has in some rows."""
-    return "; ".join(f"{label} {', '.join(map(str, distinct(row[column] for row in rows)))}"
-                     for column, label in enumerate(labels))
+    lists = ((label, ", ".join(map(str, distinct(row[column] for row in rows)))) for column, label in enumerate(labels))
+    return "; ".join(f"{label} {values}" if values != ALL_ELEMENTS else f"any {label}" for label, values in lists)
 
 
 def named(headings, cells):
