@@ -30,7 +30,6 @@ class Benchmark(ProgramTest):
     """Runs decks, on coarse meshes as a test, on finer ones for the document, and fills tables."""
     is_printing = False
     tables = []
-    decks_used = []
     timeout = 600
 
     def meshes(self, coarse, fine):
@@ -42,8 +41,6 @@ class Benchmark(ProgramTest):
 
         `mesh` is the text of a mesh file that takes the place of the deck's own mesh.
         """
-        if name not in self.decks_used:
-            self.decks_used.append(name)
         text = (DECKS/f"{name}.nml").read_text(encoding="utf-8")
         if mesh is not None:
             # One file for each text, since decks of several meshes may be run together.
@@ -123,8 +120,6 @@ def main():
 
 
 def section(heading, text, tables):
-    """The section on a benchmark: its text, its files, its tables in Markdown."""
-    script = Path(sys.argv[0]).name
-    files = [f"[{script}](../tests/verification/{script})"]
-    files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
-    return "\n\n".join([f"## {heading.rstrip('.')}", f"{text.strip()}\nFiles: {', '.join(files)}.", *tables])
+    """The section on a benchmark: its text, and its tables in Markdown. Its heading leads to the script."""
+    link = f"[{heading.rstrip('.')}](../tests/verification/{Path(sys.argv[0]).name})"
+    return "\n\n".join([f"## {link}", text.strip(), *tables])
