@@ -74,6 +74,8 @@ contains
       do i = 1, size(springs)
          n = springs(i)%n_nodes
          call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
+         if (size(dof_map%dof, 1) > 2) call add_block(stiffness, springs(i)%node(:n), springs(i)%around(:n, :n), &
+            constraints, dof_map)
       end do
    end subroutine assemble_stiffness
 
@@ -258,6 +260,8 @@ contains
          associate (nodes => springs(i)%node(:n))
             forces(:2, nodes) = forces(:2, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
                reshape(displacement(:2, nodes), [2*n])), [2, n])
+            if (size(forces, 1) > 2) forces(3, nodes) = forces(3, nodes) + matmul(springs(i)%around(:n, :n), &
+               displacement(3, nodes))
          end associate
       end do
    end function spring_forces

@@ -90,6 +90,7 @@ module amontons_constraints
       integer :: n_nodes = 0 !! number of nodes of the side, 2 or 3
       integer :: node(3) = 0 !! the nodes
       real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
+      real(dp) :: around(3, 3) = 0.0_dp !! stiffness around the axis on each node of a twisted body [F/L]
    end type spring_side_t
 
    !> The rows of P of the nodes whose displacements are substituted: those of node i from `start(i)` to `start(i + 1) -
@@ -480,9 +481,9 @@ contains
 
       allocate (sides(0))
       do i = 1, size(supports)
-         if (materials%n_components() > 2 .and. (supports(i)%is_driven() .or. any(supports(i)%spring > 0.0_dp))) then
+         if (materials%n_components() > 2 .and. supports(i)%is_driven()) then
             call new_error(error, input_refused, supports(i)%origin// &
-               'elastic foundations, &rigid and &preload do not go with twist = .true.')
+               '&rigid and &preload do not go with twist = .true.')
             return
          end if
          if (.not. any(supports(i)%spring > 0.0_dp)) cycle
@@ -513,6 +514,8 @@ contains
                      do l = 1, side%n_nodes
                         side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) = side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) &
                            + geometry%values(l, point)*geometry%values(j, point)*modulus
+                        side%around(l, j) = side%around(l, j) &
+                           + geometry%values(l, point)*geometry%values(j, point)*area*moduli(2)
                      end do
                   end do
                end do

@@ -52,7 +52,7 @@ contains
       ! A quadratic side has three nodes.
       integer, parameter :: most_components = 6
       integer, allocatable :: piece(:), start(:), node(:)
-      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
+      real(dp), allocatable :: around(:, :), gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
       real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
       integer :: axis, i, info, k, n_jumps, n_pieces, p
 
@@ -65,7 +65,7 @@ contains
       end if
       call fill_bins(start, node, piece, n_pieces)
       allocate (motions(n_pieces), gram(3 + n_jumps, 3 + n_jumps), values(3 + n_jumps))
-      allocate (motion(most_components, 3 + n_jumps))
+      allocate (motion(most_components, 3 + n_jumps), around(3, 3 + n_jumps), source=0.0_dp)
       do p = 1, n_pieces
          motions(p)%node = node(start(p):start(p + 1) - 1)
          motions(p)%is_whole = n_pieces == 1
@@ -111,7 +111,10 @@ contains
                do k = 1, side%n_nodes
                   unit = motions(p)%unit_motions(mesh%coordinates(:, side%node(k)), side%node(k))
                   motion(2*k - 1:2*k, :) = unit(:2, :)
+                  around(k, :) = 0.0_dp
+                  if (size(unit, 1) > 2) around(k, :) = unit(3, :)
                end do
+               gram = gram + matmul(transpose(around), matmul(side%around/largest, around))
                gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
             end associate
          end do

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Twisted bodies in sweeps, histories, pairs of cells and ties: solved, verified, drawn, refused."""
 import csv
+import math
 import unittest
 
 from harness import ProgramTest
@@ -50,6 +51,35 @@ class Twist(ProgramTest):
         self.assertAlmostEqual(float(rows[12]["force_torque_disc"]), 8.4, delta=1e-8)
         # Masing: the reversed branch ends at the opposite angle.
         self.assertAlmostEqual(float(rows[12]["utheta_1"])/float(rows[8]["utheta_1"]), -1.0, delta=0.02)
+
+    def test_shaft_on_a_foundation(self):
+        shaft = ("&mesh size = 2.0, 6.0  cells = 3, 4 /\n&material young = 260.0  poisson = 0.3  hypothesis = "
+                 "'axisymmetric'  twist = .true. /\n&support set = 'left'  ux = 0.0 /\n"
+                 "&support name = 'bed'  set = 'bottom'  uy = 0.0  spring_t = 5.0 /\n"
+                 "&load name = 'turn'  set = 'top'  torque = 7.0 /\n")
+        polar = math.pi*2.0**4/2
+        energy = 7**2/(2*polar)*(1/5 + 6/100)
+        for element in "quad4", "tri6", "quad8":
+            result = self.solve(shaft.replace("cells =", f"element = '{element}'  cells =")).summary
+            # The bed turns by T/(k J), the shaft by T L/(G J) more: u_theta is linear in both coordinates.
+            self.assertAlmostEqual(result["key_results"]["max_displacement"], 2*(7/(5*polar) + 7*6/(100*polar)),
+                                   delta=1e-12)
+            self.assertAlmostEqual(result["key_results"]["reaction_torque_bed"], -7.0, delta=1e-11)
+            self.assertAlmostEqual(result["certificate"]["strain_energy"], energy, delta=1e-11)
+            self.run_program("--verify", ".")
+        # Nothing else holds it around the axis.
+        run = self.run_program(self.write("case.nml", shaft.replace("spring_t = 5.0", "")), status=2)
+        self.assertIn("rotate about the axis", run.stderr)
+
+    def test_a_foundation_in_a_history(self):
+        lower = "&support set = 'lower.bottom'  uy = 0.0  "
+        stiff = CLUTCH.replace(lower + "turn = 0.0", lower + "spring_t = 1e3")
+        self.solve_and_verify(stiff + DISC + TO_AND_FRO)
+        with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertAlmostEqual(float(rows[8]["reaction_torque_lower.bottom"]), -8.4, delta=1e-8)
+        # The energies of a step balance: what the foundation stores is among them.
+        self.assertLess(max(float(row["energy_error"]) for row in rows), 1e-9)
 
     def test_what_does_not_go_with_it(self):
         history = CLUTCH + DISC + TO_AND_FRO.replace("&output", "&output fretting = 'parameters' ")

@@ -491,7 +491,7 @@ contains
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
       certificate%resultant = relative(norm2(resultant), norm)
       if (size(loads, 1) > 2) certificate%moment = relative(abs(dot_product(body%mesh%coordinates(1, :), loads(3, :) &
-         + reaction(3, :) + contact(3, :))), norm*maxval(body%mesh%coordinates(1, :)))
+         + (reaction(3, :) - springs(3, :)) + contact(3, :))), norm*maxval(body%mesh%coordinates(1, :)))
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)

@@ -177,7 +177,7 @@ contains
          end do
          is_meant = [(any(named%member == body%springs(i)%support), i=1, size(body%springs))]
          if (any(is_meant)) test%pulled = -spring_forces(body%mesh%n_nodes, pack(body%springs, is_meant), &
-            rigid_motion(component, body%mesh%coordinates, 2))
+            rigid_motion(component, body%mesh%coordinates, size(motion, 1)))
       else
          test%held = 0.0_dp*motion
          do i = 1, size(named%member)
