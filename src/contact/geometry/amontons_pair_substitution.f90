@@ -6,7 +6,7 @@
 !> middle node is its deviation from the mean of the corners.
 module amontons_pair_substitution
    use amontons_constraints, only: constraints_t, substitution_t
-   use amontons_contact_rows, only: turned
+   use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_contact_set, only: pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -33,10 +33,12 @@ module amontons_pair_substitution
 contains
 
    !> Makes the substitution of all ties and pairs whose points are corners, ties first, and of rigid sets.
-   subroutine new_pair_substitution(substitution, ties, pairs, constraints, coordinates, error)
+   subroutine new_pair_substitution(substitution, ties, pairs, rows, normal, constraints, coordinates, error)
       type(substitution_t), intent(out) :: substitution !! the substitution
       type(mortar_pair_t), intent(in) :: ties(:) !! the pairs that are bonded, so that w = 0
       type(mortar_pair_t), intent(in) :: pairs(:) !! the others
+      type(contact_rows_t), intent(in) :: rows !! rows of the points on rigid obstacles that are means over nodes
+      real(dp), intent(in) :: normal(:, :) !! their unit normals (2, any) [-]
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (2, n_nodes) [L]
       type(error_t), allocatable, intent(out) :: error
@@ -44,10 +46,11 @@ contains
       type(sum_t), allocatable :: sums(:)
       integer, allocatable :: sum_of(:)
       real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
+      type(mortar_pair_t) :: means
       integer :: i, fault, node, n
 
       ! Each corner that is a point has a sum, and each middle node.
-      n = sum([(size(ties(i)%node) + ties(i)%slave%n_sides, i=1, size(ties))])
+      n = size(normal, 2) + sum([(size(ties(i)%node) + ties(i)%slave%n_sides, i=1, size(ties))])
       do i = 1, size(pairs)
          if (pairs(i)%is_set()) n = n + size(pairs(i)%node) + pairs(i)%slave%n_sides
       end do
@@ -72,6 +75,13 @@ contains
          call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
       end do
       n = maxval(sum_of)
+      means%node = rows%node(rows%start(:size(normal, 2)))
+      means%normal = normal
+      do i = 1, size(means%node)
+         n = n + 1
+         sum_of(means%node(i)) = n
+         call solve_row(sums(n), rows, i, means, spread([0, 0], 2, size(sum_of)), .false., constraints)
+      end do
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
             do node = 1, size(rigid%node)
@@ -158,14 +168,14 @@ contains
       end do
       do i = 1, size(pair%node)
          sum_of(pair%node(i)) = maxval(sum_of) + 1
-         call solve_row(sums(sum_of(pair%node(i))), points, i, pair, ends, is_tied, constraints)
+         call solve_row(sums(sum_of(pair%node(i))), points%rows, i, pair, ends, is_tied, constraints)
       end do
    end subroutine add_pair
 
    !> Solves the row of a corner for the displacement of the corner.
-   pure subroutine solve_row(corner, points, p, pair, ends, is_tied, constraints)
+   pure subroutine solve_row(corner, rows, p, pair, ends, is_tied, constraints)
       type(sum_t), intent(inout) :: corner !! its displacement
-      type(mortar_points_t), intent(in) :: points !! the integrals of the pair
+      type(contact_rows_t), intent(in) :: rows !! the rows of the points
       integer, intent(in) :: p !! number of the point
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, intent(in) :: ends(:, :) !! the corners beside each middle node beside points, 0 for others (2, n_nodes)
@@ -179,12 +189,12 @@ contains
       integer :: i, k, n
 
       n = size(own)
-      do i = points%rows%start(p), points%rows%start(p + 1) - 1
-         associate (node => points%rows%node(i))
+      do i = rows%start(p), rows%start(p + 1) - 1
+         associate (node => rows%node(i))
             ! Along the normal and the tangent.
-            own(:2) = [dot_product(points%rows%part(:, i), pair%normal(:, p)), &
-               dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p)))]
-            own(3:) = points%rows%around(i)
+            own(:2) = [dot_product(rows%part(:, i), pair%normal(:, p)), &
+               dot_product(rows%tangent(:, i), turned(pair%normal(:, p)))]
+            own(3:) = rows%around(i)
             share = diagonal(own)
             call row%add(node, share, ends(1, node) > 0)
             do k = 1, 2

@@ -181,7 +181,10 @@ contains
       end do
       if (size(body%ties) > 0 .and. .not. body%is_axisymmetric) body%is_rotation_strained = &
          strains_ties(body%tie_rows, mesh%coordinates)
-      call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
+      associate (zone => body%zone)
+         call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
+            zone%normal(:, zone%mean_point), body%constraints, mesh%coordinates, error)
+      end associate
       if (allocated(error)) return
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
       call set_motions(body)

@@ -30,6 +30,8 @@ module amontons_contact_zone
       integer :: n_rows = 0 !! number of rows of C: (1 + n_tangents) m
       logical :: is_nodal = .true. !! whether the displacement of each point is made of one node's own unknowns
       integer, allocatable :: node(:) !! these nodes, point by point; with cells those of their lines, too
+      integer, allocatable :: mean_point(:)
+         !! points on rigid obstacles whose displacement is a mean of that of their node and of others (any)
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! points where gaps and friction are evaluated
@@ -76,9 +78,9 @@ contains
       integer :: follower(body%mesh%n_nodes), nothing(0), i
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%passed_point(2, 0), zone%idle_side(2, 0), zone%is_cell(0), zone%position(2, 0), &
-         zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_tangent_fixed(0), &
-         zone%is_slave_guided(0))
+         zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%idle_side(2, 0), zone%is_cell(0), &
+         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
+         zone%is_tangent_fixed(0), zone%is_slave_guided(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
@@ -249,8 +251,7 @@ contains
       own = self%node
       if (self%is_nodal) return
       own = substitution%element_nodes([own, self%rows%node(picked_places(self%rows%start, &
-         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided .or. &
-         [(.not. self%pairs(self%set(p))%is_set(), p=1, self%n_points)])))])
+         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided)))])
    end function contact_zone_own_nodes
 
    !> Appends points to the zone.
@@ -360,7 +361,7 @@ contains
          ! Where another set has the corner on the axis, or a rigid one moves it, nothing is taken.
          if (point_of(corner(i)) == 0) area(corner(i)) = max(0.0_dp, area(corner(i)))
       end do
-      if (any(stand_in > 0)) zone%is_nodal = .false.
+      zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
       points%rows%start(1) = 1
       do i = 1, n
