@@ -1,13 +1,15 @@
 """Compares methods on reduced problems in space, those of Amontons and of Siconos, in one measure; draws a profile.
 
 Usage: space_methods.py PROGRAM [--solvers all|amontons] [--figure FILE] [FILE...]
+       space_methods.py PROGRAM --bodies
 
 Solves the reduced problems in FILEs (Siconos' text), and piles of rigid bodies made by random numbers. A solution
 is judged by its forces alone: u = W r + q is computed from them, and the residual is that of doc/theory.md,
 section 7. Times are of the processor, one thread, the least of a few runs: of the call of a solver in arrays or,
 of large W, of the program with its files. Siconos' solvers have the options that they come with, but for tolerance
-and iterations. One that takes more than LIMIT seconds is stopped. Needs NumPy, h5py, python3-siconos and, for the
-figure, Matplotlib, and the shared library of Amontons in AMONTONS_LIBRARY.
+and iterations. One that takes more than LIMIT seconds is stopped. With --bodies it compares Amontons' methods on
+twisted bodies of BODIES, in the time that the program takes to solve the contact problem. Needs NumPy, h5py,
+python3-siconos and, for the figure, Matplotlib, and the shared library of Amontons in AMONTONS_LIBRARY.
 """
 from __future__ import annotations
 
@@ -34,6 +36,26 @@ DENSE_ROWS = 600    # W of more rows may be sparse in the program
 METHODS = ("auto", "newton", "splitting", "fixed_point", "psor", "extragradient")
 SOLVERS = ("NSGS", "NSN_AC", "NSN_FB", "PROX", "TFP", "ACLMFP", "DSFP", "VI_EG", "ADMM")
 GOALS = (1e-8, 1e-10)
+MATERIAL = "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /\n"
+CYLINDER = MATERIAL + ("&mesh size = 1.0, 1.0  cells = {0}, {0} /\n&support set = 'left'  ux = 0.0 /\n"
+                       "&support set = 'top'  turn = {1} /\n&load set = 'top'  pressure = 1.0 /\n"
+                       "&contact set = 'bottom'  friction = {2}  ")
+RINGS = MATERIAL + ("&mesh name = 'a'  size = {0}  cells = {{0}}, {{0}}  origin = {1} /\n"
+                    "&mesh name = 'b'  size = {2}  cells = {3}, {3}  origin = {4} /\n")
+# Of each body a deck, with places for cells, turn and friction, and the turn for a friction of 1.
+BODIES = {
+    "press fit, pulled and twisted": (
+        RINGS.format("1.0, 1.0", "0.0, 0.0", "1.0, 1.0", "{3}", "1.0, 0.0") +
+        "&support set = 'a.left'  ux = 0.0 /\n&support set = 'a.bottom'  uy = 0.0  turn = 0.0 /\n"
+        "&support set = 'b.top'  uy = {1}  turn = {1} /\n&contact set = 'b.left'  against = 'a.right'  "
+        "gap = 'touching'  extra_gap = -0.002  friction = {2} /\n", 1.5e-3),
+    "clutch": (
+        RINGS.format("1.0, 0.5", "1.0, 0.0", "1.0, 0.5", "{3}", "1.0, 0.5") +
+        "&support set = 'a.bottom'  uy = 0.0  turn = 0.0 /\n&support set = 'b.top'  turn = {1} /\n"
+        "&load set = 'b.top'  pressure = 1.0 /\n&contact set = 'b.bottom'  against = 'a.top'  friction = {2} /\n",
+        1.5e-3),
+    "flat end of a cylinder": (CYLINDER + "/\n", 1.5e-3),
+    "round end of a cylinder": (CYLINDER + "obstacle = 'circle'  radius = 100.0 /\n", 2e-3)}
 
 
 def pile(seed):
@@ -248,14 +270,45 @@ def draw(table, names, solvers, path):
     figure.savefig(path, dpi=130)
 
 
+def compare_on_bodies(program):
+    """The table of doc/methods.md on twisted bodies: for each friction the iterations, and the sum of the times."""
+    methods = METHODS[1:-1]
+    print(f"| body | points | {' | '.join(f'`{method}`' for method in methods)} |\n|---{'|---'*(1 + len(methods))}|")
+    for name, (text, turn) in BODIES.items():
+        for n in (16, 64):
+            cells = []
+            for method in methods:
+                iterations, seconds = [], 0.0
+                for friction in (0.1, 0.5, 1.0):
+                    with tempfile.TemporaryDirectory() as folder:
+                        deck = Path(folder) / "case.nml"
+                        deck.write_text(text.format(n, turn*friction, friction, 3*n//2) + "&solver method = "
+                                        f"'{method}'  max_iterations = 10000 /\n", encoding="utf-8")
+                        least = np.inf
+                        for _ in range(12):
+                            subprocess.run([program, "--quiet", "--output", folder, deck], check=False,
+                                           capture_output=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+                            summary = json.loads((Path(folder) / "case.summary.json").read_text(encoding="utf-8"))
+                            least = min(least, summary["seconds"]["solve"])
+                    iterations.append(str(summary["iterations"]) if summary["converged"] else "–")
+                    seconds += least
+                    print(name, n, friction, method, summary["counts"], iterations[-1], least, file=sys.stderr)
+                cells.append(f"{', '.join(iterations)}; {float(f'{1e3*seconds:.1e}'):g} ms")
+            print(f"| {name} | {summary['counts']['contact_points']} | {' | '.join(cells)} |", flush=True)
+
+
 def main():
     """Compares."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("program")
     parser.add_argument("--solvers", choices=("all", "amontons"), default="all")
     parser.add_argument("--figure")
+    parser.add_argument("--bodies", action="store_true")
     parser.add_argument("files", nargs="*", type=Path)
     options = parser.parse_intermixed_args()
+    if options.bodies:
+        compare_on_bodies(options.program)
+        return
     problems = {path.stem: (fclib.read_text(path), path.resolve()) for path in options.files}
     problems.update({f"pile {seed}": (pile(seed), None) for seed in range(N_PILES)})
     solvers = METHODS + (SOLVERS if options.solvers == "all" else ())
