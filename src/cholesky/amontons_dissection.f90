@@ -162,7 +162,8 @@ contains
          if (couples(graph, side, domain(i), before)) side(domain(i)) = separator
       end do
       if (any(side(domain) == beyond)) then
-         ! What couples to nothing beyond the separator need not be of it: nodes in the middle of edges that cross it.
+         ! Supervariables not coupled to any beyond the separator are removed from it: middle nodes of edges that cross
+         ! it.
          do i = 1, size(domain)
             if (side(domain(i)) /= separator) cycle
             if (.not. couples(graph, side, domain(i), beyond)) side(domain(i)) = before
@@ -217,7 +218,7 @@ contains
       first = 1
       last = size(list)
       do while (first < last)
-         ! Smaller numbers go before the pivot, larger ones behind it, and the search goes on where the middle is.
+         ! Smaller numbers go before the pivot, larger ones after it; the search continues in the part with the middle.
          pivot = list(first + (last - first)/2)
          i = first
          k = last
@@ -340,7 +341,19 @@ contains
             end associate
          end do
       end do
-      call size_stacks(fronts)
+      ! The vector of the first child waits while the second child is processed; large children are processed on threads
+      ! with stacks of their own.
+      allocate (fronts%stack_size(fronts%n))
+      do k = 1, fronts%n
+         associate (children => fronts%child(:, k), stack_size => fronts%stack_size)
+            n = max(fronts%n_structure(k), sum(fronts%n_structure(children)))
+            if (.not. fronts%is_large(k)) then
+               if (children(1) > 0) n = max(n, stack_size(children(1)))
+               if (children(2) > 0) n = max(n, fronts%n_structure(children(1)) + stack_size(children(2)))
+            end if
+            stack_size(k) = n
+         end associate
+      end do
    end subroutine new_fronts
 
    !> Numbers the rows of a front: its pivots, then its row structure.
@@ -452,25 +465,6 @@ contains
       end subroutine add
 
    end subroutine list_structures
-
-   !> Finds the sizes of the stacks on which vectors of substitutions wait. The vector of the first child waits while
-   !> the second child is processed; large children are processed on threads with stacks of their own.
-   pure subroutine size_stacks(fronts)
-      type(fronts_t), intent(inout) :: fronts !! gains the sizes
-      integer :: k, n
-
-      allocate (fronts%stack_size(fronts%n))
-      do k = 1, fronts%n
-         associate (child => fronts%child(:, k), stack_size => fronts%stack_size)
-            n = max(fronts%n_structure(k), sum(fronts%n_structure(child)))
-            if (.not. fronts%is_large(k)) then
-               if (child(1) > 0) n = max(n, stack_size(child(1)))
-               if (child(2) > 0) n = max(n, fronts%n_structure(child(1)) + stack_size(child(2)))
-            end if
-            stack_size(k) = n
-         end associate
-      end do
-   end subroutine size_stacks
 
    !> Converts the rows of a matrix in the order of elimination to rows of the fronts that its columns belong to.
    pure subroutine fronts_find_rows(self, matrix)

@@ -90,7 +90,7 @@ contains
       integer, intent(in) :: position(:) !! position of each unknown
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      ! What rank 0 holds besides over what a share costs, measured on two ranks and two million unknowns.
+      ! Further memory of rank 0, over that of a share, measured on two ranks and two million unknowns.
       real(dp), parameter :: burden = 0.57_dp
       integer, allocatable :: node_start(:), node(:)
       integer :: i, k, axis, first, n_own

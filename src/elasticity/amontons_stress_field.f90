@@ -303,7 +303,7 @@ contains
       end do
       normal = matmul(at_points, transpose(at_points))
       right = at_points
-      ! The points of every kind tell these terms apart, so the matrix is positive definite.
+      ! The points of every kind distinguish these terms, so the matrix is positive definite.
       call cholesky_factor(normal, info)
       call cholesky_solve(normal, right)
       weights = 0.0_dp

@@ -124,7 +124,7 @@ contains
       end if
       do element = 1, self%n_elements
          if (self%is_turned_over(element)) then
-            ! Areas that are no numbers of full precision any more tell nothing of an element.
+            ! Areas below the range of full precision do not decide whether an element is valid.
             if (.not. extent**2 > tiny(extent)/epsilon(extent)) then
                call new_error(error, input_refused, 'mesh: the body measures '//to_text(extent)// &
                   ', too little for its areas to be numbers; choose a smaller unit of length')

@@ -209,7 +209,7 @@ contains
       real(dp), allocatable :: force(:)
       integer :: k
 
-      ! Factors of sweeps and histories are told elsewhere.
+      ! Factors of sweeps and histories are listed in other sections.
       force = body%driven_forces(load_case%loads)
       associate (support => load_case%supports(number))
          text = support%name//trim(merge(': preload at', ': rigid set ', support%is_jump))//" '"//support%set//"'"

@@ -249,7 +249,7 @@ contains
       type(checksum_t) :: checksum
       type(error_t), allocatable :: error
 
-      ! A pipe, which somebody may have to write to, is none.
+      ! A pipe is not opened: reading it may wait for a writer.
       call file_checksum(checksum, path, error)
       if (.not. allocated(error)) call read_text_file(path, text, error)
       if (allocated(error)) then

@@ -84,7 +84,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: spins(:, :)
 
-      ! Which points are in reach of an obstacle that moves is known member by member.
+      ! Whether points are in reach of a moving obstacle depends on the member.
       self%may_spin = size(body%rigid_modes, 2) > 0
       if (self%may_spin) then
          call new_spins(spins, on_round_line(body%zone, body%motions), body, self%loads%base%is_in_reach .and. &
@@ -103,23 +103,33 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
-      integer, intent(out), optional :: error_kind !! kind of the error where the outcome is `outcome_numbers`
+      integer, intent(out) :: error_kind !! kind of the error where the outcome is `outcome_numbers`
+      ! Of gaps, which are differences of coordinates: some tens of their rounding errors.
+      real(dp), parameter :: rounding = 1.0e-14_dp
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error
       logical :: is_loose
       real(dp), allocatable :: motion(:)
+      type(newton_t) :: quick
 
       reason = ''
-      if (present(error_kind)) error_kind = numerical_failure
+      error_kind = numerical_failure
       is_loose = any(body%motions%n_free > 0)
       start = solution
       call solution%reset()
-      if (self%is_auto &
-         .and. has_start_position(solution)) call solve_from_start(newton_t(tolerance=self%method%tolerance, &
-         max_iterations=min(n_newton_steps, self%method%max_iterations), patience=patience, decrease=decrease), body, &
-         problem, solution, error)
-      ! Where memory has no room for these steps, the deck's method may still do.
+      if (self%is_auto .and. has_start_position(solution)) then
+         quick = newton_t(tolerance=self%method%tolerance, max_iterations=min(n_newton_steps, &
+            self%method%max_iterations), patience=patience, decrease=decrease)
+         if (is_loose) then
+            ! Displacements are counted from the rigid motion of the start, if the start is hardly anything else.
+            call fit_travel(motion, body, solution%displacement)
+            call solve_from_motion(motion, quick, body, problem, solution, error)
+         else
+            call solve_components(quick, problem, solution, error)
+         end if
+      end if
+      ! If memory does not suffice for these steps, it may for the deck's method.
       if (allocated(error)) deallocate (error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
          > self%size_of_body) then
@@ -149,12 +159,18 @@ contains
             call solution%prepend(first)
          end if
       end if
-      if (solution%is_converged .and. problem%is_unloaded()) call reset_to_rest(solution, problem, self%size_of_body)
+      if (solution%is_converged .and. problem%is_unloaded() .and. all(abs(solution%displacement) &
+         <= rounding*self%size_of_body)) then
+         ! The unloaded body is back at its initial position: what is left are rounding errors of a state with loads.
+         solution%displacement = 0.0_dp
+         solution%force = 0.0_dp
+         call solution%measure(problem)
+      end if
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
-         ! Memory may have run out, or the method takes fewer points.
-         if (present(error_kind)) error_kind = error%kind
+         ! Memory ran out, or the method accepts fewer points.
+         error_kind = error%kind
       else
          call check_numbers(self, problem, solution, reason)
       end if
@@ -189,39 +205,6 @@ contains
          problem%matrix%n_tangents)
    end subroutine forget_start
 
-   !> Sets all forces and displacements to 0 if nothing loads the body and it is back at its initial position: what
-   !> remains are rounding errors of an earlier state with loads.
-   pure subroutine reset_to_rest(solution, problem, size_of_body)
-      type(contact_solution_t), intent(inout) :: solution !! the solution
-      type(contact_problem_t), intent(in) :: problem !! the contact problem
-      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
-      ! Of gaps, which are differences of coordinates, too: some tens of their rounding errors.
-      real(dp), parameter :: rounding = 1.0e-14_dp
-
-      if (any(abs(solution%displacement) > rounding*size_of_body)) return
-      solution%displacement = 0.0_dp
-      solution%force = 0.0_dp
-      call solution%measure(problem)
-   end subroutine reset_to_rest
-
-   !> Solves a contact problem from a start. The displacements of a loose body are counted from the rigid motion of the
-   !> start, if the start is hardly anything else.
-   subroutine solve_from_start(method, body, problem, solution, error)
-      class(contact_method_t), intent(in) :: method !! the contact method
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
-      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
-      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
-      real(dp), allocatable :: motion(:)
-
-      if (any(body%motions%n_free > 0)) then
-         call fit_travel(motion, body, solution%displacement)
-         call solve_from_motion(motion, method, body, problem, solution, error)
-      else
-         call solve_components(method, problem, solution, error)
-      end if
-   end subroutine solve_from_start
-
    !> Solves a contact problem, with displacements counted from a rigid motion. If the displacements found are mostly
    !> another rigid motion, solves it again with displacements counted from the sum of both.
    subroutine solve_from_motion(motion, method, body, problem, solution, error)
@@ -236,7 +219,7 @@ contains
 
       if (has_start_position(solution)) solution%displacement = solution%displacement - motion
       call solve_from(motion, body, method, problem, solution, error)
-      ! Of displacements that the motion is a part of, rounding would look like travel.
+      ! If the motion were included, its rounding errors would look like a further motion.
       call fit_travel(travel, body, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
@@ -468,7 +451,7 @@ contains
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
       ! A square: what meshes of curves leave of a thousandth of the motion.
       real(dp), parameter :: negligible = 1.0e-6_dp
-      ! Squares of the modes have half of the digits.
+      ! The Gram matrix of the modes has half of their digits.
       real(dp), parameter :: unmoved = 1.0e-12_dp
       real(dp), allocatable :: along_normals(:, :), gram(:, :), values(:)
       integer :: i, info, m

@@ -1,7 +1,6 @@
 !> The numbers of a result on successively refined meshes: their selection, and their convergence.
 module amontons_refined_meshes
    use amontons_body, only: body_t
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: add_point_forces, load_on_nodes
@@ -32,7 +31,7 @@ contains
       type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments, and a warning
       type(body_t), intent(in) :: body !! its body
       real(dp), intent(in) :: values(:, :) !! `refined_quantities` of each mesh, a column for a mesh, the coarsest first
-      ! Residuals of the contact problem are at most 1e-10 of the largest force; ten times that and more is left of it.
+      ! Residuals of the contact problem are at most 1e-10 of the largest force; rounding is some ten times as large.
       real(dp), parameter :: rounding = 1.0e-8_dp
       type(quantity_t), allocatable :: list(:)
       type(error_t), allocatable :: error
@@ -53,7 +52,16 @@ contains
          end associate
       end do
       names = ''
-      side = side_at_ends(body%zone, result%solution%status)
+      ! The longest side at an end of a zone, where the status changes; of the whole line if there is no end. A part of
+      ! a quadratic side between two points counts as its share of the side.
+      side = 0.0_dp
+      associate (zone => body%zone, status => result%solution%status)
+         do i = 1, zone%n_points
+            if (zone%next(i) == 0) cycle
+            if (status(i) /= status(zone%next(i))) side = max(side, zone%weight(i), zone%weight(zone%next(i)))
+         end do
+         if (side <= 0.0_dp .and. zone%n_points > 0) side = maxval(zone%weight)
+      end associate
       list = refined_quantities(result)
       allocate (result%convergence(size(list)))
       do i = 1, size(list)
@@ -69,20 +77,5 @@ contains
       if (len(names) > 0) call result%warnings%add('numbers that have no limit as the mesh is refined are found '// &
          'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')
    end subroutine judge_meshes
-
-   !> The longest side at an end of a zone, where the status changes; of the whole line if there is no end [L]. A part
-   !> of a quadratic side between two points counts as its share of the side.
-   pure real(dp) function side_at_ends(zone, status) result(side)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, intent(in) :: status(:) !! their statuses (m)
-      integer :: p
-
-      side = 0.0_dp
-      do p = 1, zone%n_points
-         if (zone%next(p) == 0) cycle
-         if (status(p) /= status(zone%next(p))) side = max(side, zone%weight(p), zone%weight(zone%next(p)))
-      end do
-      if (side <= 0.0_dp .and. zone%n_points > 0) side = maxval(zone%weight)
-   end function side_at_ends
 
 end module amontons_refined_meshes

@@ -196,7 +196,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       integer, intent(in) :: status(:) !! status of each point (m)
-      ! Half of a side is the distance that a pressure on it can be told from one beside it.
+      ! Distances below half of a side are not resolved by the pressures.
       real(dp), parameter :: far = 0.5_dp
       real(dp), allocatable :: at_points(:)
       integer :: set, p

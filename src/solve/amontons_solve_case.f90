@@ -86,7 +86,7 @@ contains
       result%method = config%method
       has_body = allocated(cache%body) .and. allocated(cache%key)
       if (has_body) has_body = cache%key == body_text(config)
-      ! A history has left it locked.
+      ! A history may have left motions locked.
       if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
       if (has_body) then
          call check_names(config, cache%body%mesh, error)
@@ -107,7 +107,7 @@ contains
       character(:), allocatable :: notes
 
       if (allocated(cache%body)) deallocate (cache%body)
-      ! A body that cannot be made must not pass for the one before it.
+      ! After a failure the cache must not appear to hold the previous body.
       cache%key = ''
       cache%is_condensed = .false.
       allocate (cache%body)
@@ -275,7 +275,7 @@ contains
       call add_result_warnings(result, body)
       known = result%uniqueness
       call new_uniqueness(result%uniqueness, problem, known)
-      ! What the caller does with the result is to write it.
+      ! The caller writes the result next.
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
 
@@ -317,7 +317,7 @@ contains
       condition = body%condensation%condenser%condition()
       ! How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
       ! below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
-      ! Prescribed displacements and heat are loads that no force tells.
+      ! Prescribed displacements and heat are loads without nodal forces.
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
          allocated(result%load_case%thermal_strain))) then

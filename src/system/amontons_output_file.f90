@@ -143,7 +143,7 @@ contains
       if (status == 0) close (self%unit, iostat=status, iomsg=reason)
       if (status == 0) then
          self%is_open = .false.
-         ! The run-time library of gfortran 12 loses what a full disk refuses without a word: only the size tells.
+         ! gfortran 12 reports no error if the disk is full: only the size of the file shows it.
          inquire (file=self%temporary_path, size=n_bytes)
          if (n_bytes == next_byte - 1) return
          reason = 'only '//to_text(max(n_bytes, 0_int64))//' of '//to_text(next_byte - 1)//' bytes could be written'

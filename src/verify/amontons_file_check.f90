@@ -105,7 +105,7 @@ contains
                ! The line end before a member belongs to the line before it.
                if (part%text(1:1) /= newline) at = at + 1
             end if
-            ! Compares the lines of the part. Where they have other words, the rest of it is passed over.
+            ! Compares the lines of the part, up to the first one with different words.
             is_skipping = .false.
             first = 1
             number = line_number(stated, at)

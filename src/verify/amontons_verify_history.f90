@@ -204,7 +204,7 @@ contains
          end do
          if (case%faults%n > n_faults) return
          associate (result => again%result, number => again%result%stepping%n_steps)
-            ! The run certified it, as it did those with grids.
+            ! The run certified this step, like those with grids.
             if (result%last_warned(end_of_set) == number .and. &
                .not. is_shown(number, again%model%history%fields_every)) then
                call new_step_result(step, cache, again%model, result%stepping, error)

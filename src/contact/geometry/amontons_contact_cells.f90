@@ -57,7 +57,7 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
-      ! Half of it is left of the mean normal of a cell that turns by 217 degrees.
+      ! The mean normal of a cell that turns by 217 degrees has this length.
       real(dp), parameter :: smallest = 0.5_dp
       integer :: cell, k
 

@@ -171,7 +171,7 @@ contains
       real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
-      ! A root this many lengths away is none.
+      ! A root farther away than this many lengths does not count.
       real(dp), parameter :: far = 1.0e100_dp
       real(dp) :: length, start(2), height, square, linear, constant, root, q
 
@@ -257,7 +257,7 @@ contains
    !> There is none either for a start on a surface that the line leaves there: the points behind the start lie inside.
    pure integer function find_entry(crossings) result(found)
       type(crossing_t), intent(in) :: crossings(:) !! the crossings of the line with the surface
-      ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
+      ! Relative distance within which a point lies on a surface that it faces away from.
       real(dp), parameter :: rounding = 1.0e-9_dp
       logical :: is_here(size(crossings)), enters(size(crossings))
       integer :: last, next

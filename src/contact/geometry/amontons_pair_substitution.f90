@@ -253,7 +253,7 @@ contains
 
       product = factor(1)*matrix
       product(:, 3:) = spread(factor(3:), 1, size(factor))*matrix(:, 3:)
-      ! All that is left where the tangential function is the normal one.
+      ! Nothing else is added if the tangential function equals the normal one.
       if (.not. abs(factor(2) - factor(1)) > 0.0_dp) return
       product(:, :2) = product(:, :2) + (factor(2) - factor(1))*matmul(matrix(:, :2), &
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))

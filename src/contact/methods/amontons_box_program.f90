@@ -113,7 +113,7 @@ contains
          move = projection(goal) - force - x
          length = max(accuracy, enough*maxval(abs([x, rho*b]), mask=[is_free, is_free]))
          if (maxval(abs(move)) <= length) return
-         ! In axes along the edges of the discs: what a step is known to be, and what holds it besides.
+         ! In axes along the edges of the discs: the known components of a step, and the added stiffness of the others.
          axes = spread([1.0_dp, 0.0_dp], 2, size(radius))
          step = 0.0_dp
          where (.not. is_free) step = -force - x
@@ -267,7 +267,7 @@ contains
       associate (rho => a%reciprocal_diagonal())
          scale = sqrt(rho(rows(1):rows(2)))
       end associate
-      ! A bound that is none must not overflow.
+      ! An infinite bound must not overflow.
       low = max(lower, -huge(1.0_dp)*min(1.0_dp, scale))/scale
       high = min(upper, huge(1.0_dp)*min(1.0_dp, scale))/scale
       y = min(max(x/scale, low), high)
@@ -278,7 +278,7 @@ contains
       direction = free_part()
       do step = 1, 1000 + 10*size(b)
          if (box_violation(y, gradient, low, high, scale) <= accuracy) then
-            ! The gradient at hand was carried from step to step: believe a fresh one only.
+            ! The gradient was updated from step to step: only a recomputed one ends the iteration.
             call refresh_gradient()
             if (box_violation(y, gradient, low, high, scale) <= accuracy) exit
             direction = free_part()
@@ -316,7 +316,7 @@ contains
          curvature = dot_product(direction, image)
          norm = max(norm, norm2(image)/max(norm2(direction), tiny(1.0_dp)))
          length = huge(length)
-         ! A curvature that rounding may have left is none.
+         ! A curvature as small as rounding errors counts as 0.
          if (curvature > 10.0_dp*epsilon(1.0_dp)*norm*dot_product(direction, direction)) then
             length = dot_product(gradient, direction)/curvature
          end if

@@ -37,7 +37,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! the result
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points
-      ! A path that rounding has led astray hardly goes astray from other covering vectors too.
+      ! If rounding errors make a path fail, another covering vector rarely fails too.
       integer, parameter :: n_covers = 5
       ! M of the pairs is 3m x 3m, S and A are 2m x 2m.
       real(dp), parameter :: size_of_pairs = 2.25_dp
@@ -87,7 +87,7 @@ contains
          call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, error, effort)
          if (allocated(error)) return
          states%is_closed = is_z_basic(:m) .eqv. relation%is_dual
-         ! Without any bound both may be zero; either direction then says the same.
+         ! Without any bound both may be zero; either direction is then equivalent.
          states%slip_direction = merge(1, merge(-1, 0, is_z_basic(2*m + 1:)), &
             is_z_basic(m + 1:2*m) .neqv. relation%is_dual)
          ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.

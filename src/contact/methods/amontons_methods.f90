@@ -130,7 +130,7 @@ contains
       solution%displacement = displacement
       solution%force = force
       call solution%measure(problem)
-      ! The residual of a part that is none of the largest hides in that of the whole.
+      ! The residual of a small component may be hidden in that of the whole problem.
       solution%residual = max(solution%residual, residual)
       solution%is_converged = are_converged .and. solution%residual <= method%tolerance
       if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual

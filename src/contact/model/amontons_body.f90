@@ -137,7 +137,7 @@ contains
       integer, allocatable :: bonded(:)
       type(mortar_points_t) :: points
       integer :: nothing(0), i
-      ! Rounding leaves about the root of the precision, with a few digits to spare.
+      ! Rounding errors are about the square root of the precision; a few digits to spare.
       real(dp), parameter :: dependent = 1.0e-6_dp
       ! Gaps are differences of coordinates: some tens of their rounding errors.
       real(dp), parameter :: rounding = 1.0e-14_dp
@@ -162,7 +162,14 @@ contains
       if (present(ties)) then
          call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
          if (allocated(error)) return
-         call set_preload_jumps(body, supports, ties)
+         ! Jumps of preloads are free or prescribed, as the supports of the preloads say, and axes of their nodes.
+         do i = 1, size(ties)
+            if (.not. ties(i)%has_jump) cycle
+            associate (pair => body%ties(i))
+               pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
+               if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
+            end associate
+         end do
       end if
       call add_rigid_drives(body, supports)
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
@@ -195,7 +202,7 @@ contains
             'left to compute')
          return
       end if
-      ! Cells that the mesh cannot tell apart are refused.
+      ! Cells that the displacements of the mesh cannot distinguish are refused.
       allocate (body%inf_sup(size(contacts)), source=1.0_dp)
       do i = 1, size(contacts)
          if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
@@ -212,7 +219,7 @@ contains
    pure logical function strains_ties(rows, coordinates)
       type(contact_rows_t), intent(in) :: rows !! the rows of the points of all ties
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
-      ! Of surfaces that meet, rounding of coordinates leaves less.
+      ! Rounding errors of the coordinates of matching surfaces are smaller.
       real(dp), parameter :: negligible = 1.0e-10_dp
       real(dp), allocatable :: rotation(:, :)
       real(dp) :: middle(2)
@@ -334,23 +341,6 @@ contains
       end subroutine refuse
 
    end subroutine check_rigid_sets
-
-   !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
-   !> leading nodes along each jump.
-   pure subroutine set_preload_jumps(body, supports, ties)
-      type(body_t), intent(inout) :: body !! the body, its ties found
-      type(support_t), intent(in) :: supports(:) !! the supports
-      type(tie_t), intent(in) :: ties(:) !! the bonded sets
-      integer :: i
-
-      do i = 1, size(ties)
-         if (.not. ties(i)%has_jump) cycle
-         associate (pair => body%ties(i))
-            pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
-            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
-         end associate
-      end do
-   end subroutine set_preload_jumps
 
    !> Number of the support that prescribes the jump of a preload.
    pure integer function support_of_jump(supports, name) result(number)

@@ -400,7 +400,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the zone
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: normal(2) !! the other set's normal there
-      ! Cosine of the angle between the normals up to which a line goes on; the angle, 46 degrees, is no usual one.
+      ! Smallest cosine between the normals at which a line continues; the angle, 46 degrees, is unlikely in a model.
       real(dp), parameter :: least_cosine = 0.7_dp
 
       do point = 1, zone%n_points

@@ -592,7 +592,7 @@ contains
                   if (.not. overlap > depth) cycle
                   overlap = overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0)
                   if (.not. overlap > depth) cycle
-                  ! What lies beyond the body, on the far side of it, was not pressed into it.
+                  ! A point beyond the far side of the body does not penetrate it.
                   associate (on_side => matmul(side, values))
                      if (.not. (is_inside(mesh, on_side - 0.5_dp*overlap*normal) .and. &
                         is_inside(mesh, on_side - nearly*overlap*normal))) cycle

@@ -232,6 +232,7 @@ contains
       class(acting_t), intent(inout) :: acting !! the member, its obstacles at their places
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       type(load_case_t) :: moved
+      integer :: i, p
 
       if (all(motions%is_at_rest())) return
       acting%motions = motions
@@ -239,7 +240,16 @@ contains
       if (allocated(error)) return
       acting%gap = moved%gap
       acting%is_in_reach = moved%is_in_reach
-      acting%motion(:body%zone%n_points) = tangential_motion(body%zone, self%feet, motions)
+      ! Along the tangent of each point, at its foot; for a cell the mean.
+      associate (zone => body%zone, quadrature => body%zone%quadrature)
+         acting%motion(:zone%n_points) = 0.0_dp
+         do p = 1, zone%n_points
+            do i = quadrature%start(p), quadrature%start(p + 1) - 1
+               acting%motion(p) = acting%motion(p) + quadrature%share(i)*dot_product( &
+                  turned(quadrature%normal(:, i)), motions(zone%set(p))%displacement(self%feet(:, i)))
+            end do
+         end do
+      end associate
    end subroutine load_family_move
 
    !> The contact sets of a member, with the present positions of their obstacles.
@@ -423,24 +433,5 @@ contains
          end do
       end associate
    end function find_feet
-
-   !> Displacement of the obstacle along the tangent of every point, at its foot; for a cell the mean (m) [L].
-   pure function tangential_motion(zone, feet, motions) result(motion)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: feet(:, :) !! their feet (2, quadrature points) [L]
-      type(obstacle_motion_t), intent(in) :: motions(:) !! the motion of the obstacle of each contact set
-      real(dp) :: motion(zone%n_points)
-      integer :: p, i
-
-      motion = 0.0_dp
-      associate (quadrature => zone%quadrature)
-         do p = 1, zone%n_points
-            do i = quadrature%start(p), quadrature%start(p + 1) - 1
-               motion(p) = motion(p) + quadrature%share(i)*dot_product(turned(quadrature%normal(:, i)), &
-                  motions(zone%set(p))%displacement(feet(:, i)))
-            end do
-         end do
-      end associate
-   end function tangential_motion
 
 end module amontons_load_family

@@ -54,9 +54,9 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
-      ! The way without obstacles, over the largest gap; a gap that stays open, likewise, where nothing would close it.
+      ! Length of the way without obstacles, and a gap that remains open without loads, both over the largest gap.
       real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
-      ! Squares of the modes have half of the digits.
+      ! The Gram matrix of the modes has half of their digits.
       real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp, negligible = 1.0e-12_dp
       real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:), slip(:, :)
       real(dp), dimension(size(body%rigid_modes, 2), size(body%rigid_modes, 2)) :: vector
@@ -234,7 +234,7 @@ contains
       real(dp), intent(in) :: modes(:, :) !! displacements under each mode, 0 where they do not count (n_rows, k) [-]
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
       real(dp) :: amounts(size(modes, 2))
-      ! Squares of the modes have half of the digits.
+      ! The Gram matrix of the modes has half of their digits.
       real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp) :: gram(size(modes, 2), size(modes, 2)), values(size(modes, 2))
       integer :: info, k

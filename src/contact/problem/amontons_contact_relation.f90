@@ -83,7 +83,7 @@ contains
          call problem%matrix%multiply_stiffness(problem%reference(), force)
          relation%vector = problem%load - force
       end if
-      ! Where the diagonal is not positive, its largest entry scales, or 1 if there is none.
+      ! Rows whose diagonal is not positive are scaled by its largest entry, or by 1 if that is not positive.
       unit = [(relation%matrix(i, i), i=1, size(unit))]
       if (problem%matrix%n_tangents == 2) unit = merge(1.0_dp/problem%augmentation(), problem%augmentation(), &
          relation%is_dual)

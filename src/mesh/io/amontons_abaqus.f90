@@ -639,7 +639,7 @@ contains
          if (n > 3) call take_number(input, fields(4), value)
          support%displacement = merge(value, 0.0_dp, support%is_held)
          if (.not. any(support%is_held)) cycle
-         ! Numbers of nodes that follow each other are one set, if the same holds for them.
+         ! Nodes of consecutive lines are one set if they have the same prescribed displacements.
          call take_nodes(raw, input, '*BOUNDARY', fields(1), label, all(support%is_held .eqv. before%is_held) &
             .and. .not. any(abs(support%displacement - before%displacement) > 0.0_dp), before%set, support%set)
          if (allocated(input%error)) return

@@ -457,7 +457,7 @@ contains
       is_held = allocated(before%instant%numbers)
       if (is_held) is_held = .not. any(abs(instant%numbers - before%instant%numbers) > 0.0_dp)
       if (is_held) then
-         ! Nothing moves. Points on a bound of the law would slip or stick as rounding has it: they stay what they are.
+         ! Nothing moves. Rounding would decide on the statuses of points on a bound of the law: all statuses are kept.
          call after%solution%reset()
          call after%solution%record(problem, before%solution%displacement, before%solution%force, &
             model%solver%method%tolerance, may_continue)
@@ -468,7 +468,7 @@ contains
          after%outcome = outcome_solved
          after%reason = ''
       else
-         ! The slip before goes on, so that the method begins with the statuses before.
+         ! The previous slip is repeated, so that the method starts from the previous statuses.
          after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
          call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason, &
             after%error_kind)
@@ -574,7 +574,7 @@ contains
       state%slip = state%solution%displacement(m + 1:) - state%instant%anchor
       call model%solver%loads%pose(body, state%instant, problem)
       state%outcome = outcome_solved
-      ! On a bound of the law, where a held point stays what it was, forces do not tell.
+      ! For a held point on a bound of the law the status does not follow from the forces.
       associate (force => state%solution%force, status => state%solution%status)
          status = merge(max(open_point, min(merge(slip_minus, slip_point, &
             body%zone%n_tangents == 1), status)), problem%status(state%solution%displacement, force), &

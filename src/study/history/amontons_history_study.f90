@@ -297,7 +297,7 @@ contains
             call files%add_step(model, cache%body, stepping)
             call certify_step(cache, model, files, result, error)
             if (allocated(error)) return
-            ! A step may take microseconds, or seconds.
+            ! Reports and saves depend on time: a step may take microseconds, or seconds.
             is_due = files%checkpoint%is_due()
             if (is_due .or. modulo(stepping%n_steps, n_between_reports) == 0) call monitor%report(stepping%n_planned, &
                size(history%planned), 'steps')
@@ -483,7 +483,7 @@ contains
          !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
       if (result%stepping%n_steps == 0) then
-         ! That there is no first state is an answer; an obstacle that is out of place is none.
+         ! No equilibrium at the first time is an outcome; a misplaced obstacle is an error.
          if (result%stepping%fault_kind > 0 &
             .and. result%stepping%outcome /= outcome_no_equilibrium) call new_error(error, result%stepping%fault_kind, &
             result%stepping%fault)

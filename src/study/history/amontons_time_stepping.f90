@@ -425,7 +425,7 @@ contains
          start = history%planned(self%n_planned)
          self%tick = nint(n_ticks*((time - start)/(history%planned(self%n_planned + 1) - start)))
       end associate
-      ! Times of another history may lie elsewhere: from one of its smallest steps to the next it goes on anyway.
+      ! A time of another history may be no multiple of the step: it is rounded to the smallest steps.
       self%length = nint(numbers(4))
       do while (modulo(self%tick, self%length) /= 0)
          self%length = self%length/2

@@ -86,7 +86,8 @@ contains
       end associate
    end subroutine single_study_solve
 
-   !> Writes the files of a case and sets its outcome.
+   !> Writes the files of a case, with the reduced problem and all solutions if the options ask for them, and sets its
+   !> outcome.
    subroutine report_case(config, cache, options, result, outcome, error)
       type(config_t), intent(in) :: config !! the case
       type(cache_t), intent(inout) :: cache !! its body; the contact problem may gain its compliance
@@ -95,6 +96,7 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
       type(error_t), allocatable, intent(inout) :: error
          !! on entry that the case could not be solved; on return that, or that its files cannot be written
+      type(reduced_system_t) :: system
 
       if (allocated(error)) return
       if (result%outcome == outcome_no_equilibrium) then
@@ -104,29 +106,6 @@ contains
          call write_report(options%directory, config, cache%body, result, error)
          return
       end if
-      call add_extras(config, cache, options, result, error)
-      if (.not. allocated(error)) call write_report(options%directory, config, cache%body, result, error)
-      if (allocated(error)) return
-      outcome%text = solved_text(config%name, result, config%units)
-      outcome%warnings = result%warnings
-      outcome%numbers = [method_numbers(result%solution), result%key_results, resultants( &
-         result%solution%force, size(result%solution%status))]
-      outcome%has_grids = result%solution%is_converged
-      call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
-         config%method%tolerance)
-      if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
-         outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
-   end subroutine report_case
-
-   !> Computes what the options ask for in addition: the file of the reduced problem, all solutions.
-   subroutine add_extras(config, cache, options, result, error)
-      type(config_t), intent(in) :: config !! the case
-      type(cache_t), intent(inout) :: cache !! its body; the contact problem gains its compliance
-      type(study_options_t), intent(in) :: options !! what is asked for
-      type(result_t), intent(inout) :: result !! the result; gains all solutions
-      type(error_t), allocatable, intent(out) :: error !! there is no reduced problem, or too many points
-      type(reduced_system_t) :: system
-
       if (options%writes_reduced) then
          call new_condensed_system(system, cache%problem, error)
          if (.not. allocated(error)) call write_reduced_file(options%directory, config%name, system, error)
@@ -139,7 +118,18 @@ contains
          call find_all_solutions(result%all_solutions, cache%problem, error)
          call result%timings%begin(phase_write)
       end if
-   end subroutine add_extras
+      if (.not. allocated(error)) call write_report(options%directory, config, cache%body, result, error)
+      if (allocated(error)) return
+      outcome%text = solved_text(config%name, result, config%units)
+      outcome%warnings = result%warnings
+      outcome%numbers = [method_numbers(result%solution), result%key_results, resultants( &
+         result%solution%force, size(result%solution%status))]
+      outcome%has_grids = result%solution%is_converged
+      call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
+         config%method%tolerance)
+      if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
+         outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
+   end subroutine report_case
 
    !> The line on the result of a case.
    pure function solved_text(name, result, units) result(text)

@@ -396,7 +396,7 @@ contains
       call config%sweep%set_friction(contacts, is_least=.false.)
       call check_shear(cache%body%zone, contacts, error)
       if (allocated(error)) return
-      ! What is told is the deck's.
+      ! Reports show the contact sets of the deck.
       result%load_case%contacts = config%contacts
       ! The case certified has an estimate, and those whose fields are written.
       task%wants_error_estimate = result%wants_error_estimate
@@ -576,7 +576,7 @@ contains
          acting%factor(2:) = task%sweep%values(number)
          call task%solver%loads%pose(body, acting, problem)
          call new_contact_solution(solutions(i), problem%n_points, problem%matrix%n_tangents)
-         ! By a method of its own a deck is solved as it would be alone.
+         ! With a method named in the deck each case starts from rest, as if it were alone.
          if (neighbor >= 1 .and. task%solver%is_auto) then
             if (solutions(neighbor)%is_converged) solutions(i) = solutions(neighbor)
          end if
@@ -600,7 +600,7 @@ contains
             kept%force_error = min(wrong/largest, huge(kept%force_error))
             if (.not. solution%is_converged) cycle
             call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
-            ! What lies beyond an end of a set bears no force: that of the end is in doubt.
+            ! Nodes beyond an end of a set bear no force, so that the force at the end is uncertain.
             reached = body%free_boundary%reached_ends(base%contacts, body%mesh%coordinates, base%gap, solution%status)
             kept%force_error = max(kept%force_error, max(0.0_dp, maxval(solution%force( &
                body%free_boundary%ends(reached)%point)))/max(maxval(solution%force), tiny(1.0_dp)))
@@ -634,7 +634,7 @@ contains
                kept%quantity = list%value
                kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
                if (kept%has_solution) cycle
-               ! What leaves the range of numbers is no solution, however small its residual.
+               ! A solution with numbers that are not finite is none, however small its residual.
                kept%outcome = outcome_numbers
                kept%is_warned = .false.
             end if
