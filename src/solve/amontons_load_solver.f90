@@ -289,7 +289,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(in) :: solution !! the solution
       character(:), allocatable, intent(inout) :: fault !! empty; gains why it is refused, if it is
-      ! Nearer by, no forces are the answer: a body that nothing loads, beside its obstacle or carried by its supports.
+      ! Below this limit the solution has no forces: an unloaded body beside its obstacle or on its supports.
       real(dp), parameter :: no_digit = 0.1_dp, far = 100.0_dp
       real(dp) :: way, rounding, forces
 
@@ -350,12 +350,13 @@ contains
       integer :: trial
 
       if (size(body%rigid_modes, 2) == 0) return
-      ! Loads drive a spin: without any, all that forces leave is rounding errors.
+      ! Only loads drive a spin: without loads the remainder of the forces is rounding.
       if (.not. any(abs(problem%load) > 0.0_dp)) return
       on_round = on_round_line(body%zone, body%motions)
       call new_spins(spins, on_round, body, is_in_reach)
       if (size(spins, 2) == 0) return
-      ! What spins without end goes beyond its own size; what S makes of the way of others is no load.
+      ! A body that spins without end moves by more than its size; for smaller motions the product of S with the motion
+      ! is no load.
       rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body))
       associate (modes => body%rigid_modes)
          if (solution%is_converged) then
@@ -382,8 +383,7 @@ contains
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
-      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, ten times what methods
-      ! leave.
+      ! The limit of `check_balance` for errors of the mesh; without such errors ten times the residual of methods.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-9_dp
       real(dp) :: motion(problem%matrix%n), drive, capacity, share
 
@@ -406,7 +406,7 @@ contains
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
-      ! What facets leave of the tangents of the round line.
+      ! Difference of the tangents of facets from those of the round line.
       real(dp), parameter :: almost = 0.99_dp
       real(dp) :: motion(problem%matrix%n), capacity
 

@@ -39,7 +39,7 @@ contains
    pure function percent(share) result(text)
       real(dp), intent(in) :: share !! the share [-]
       character(:), allocatable :: text
-      ! What is larger could round to more than there is.
+      ! A larger share could be rounded to more than 100 percent.
       real(dp), parameter :: most = 1.0e300_dp
       character(12) :: buffer
       real(dp) :: rounded
@@ -164,7 +164,7 @@ contains
       character(*), intent(in) :: what !! support or load
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: point(2) !! the point [L]
-      ! What the digits of mesh files leave of a distance of 0, over the size of the bodies.
+      ! Rounding error of a distance of 0 in mesh files, over the size of the bodies.
       real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: reach
       integer :: n
@@ -181,7 +181,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       integer, intent(in) :: set !! number of the contact set, which has points
-      ! What rounding may leave of a depth of 0, as a share of the body's size.
+      ! Largest rounding error of a depth of 0, as a share of the body's size.
       real(dp), parameter :: rounding = 1.0e-6_dp
       character(:), allocatable :: name
       logical :: is_of_set(body%zone%n_points), crosses
@@ -224,7 +224,7 @@ contains
       type(line_field_t), intent(in) :: field !! the quantity, with or without a table
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: set !! number of the contact set
-      ! What rounding leaves of a length.
+      ! Rounding error of a length.
       real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: length
       integer :: p
@@ -346,7 +346,7 @@ contains
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: gap(:) !! gaps of its points, with what the deck adds [L]
       real(dp), intent(in) :: extra_gap(:) !! addition of the deck [L]
-      ! What the digits of mesh files leave of a gap of 0, over the longest side.
+      ! Rounding error of a gap of 0 in mesh files, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       ! Gaps larger than the bulge of sides by this factor are well resolved.
       real(dp), parameter :: resolved = 10.0_dp

@@ -123,7 +123,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement !! size of the displacements [L]
       real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
-      ! What rounding of displacements, 1e-16 of them, is as a strain of sides of a thousandth of the body, some of them
+      ! Strain by rounding errors of displacements (1e-16 of them) in sides of a thousandth of the body, with some
       ! summed up [-].
       real(dp), parameter :: rounding = 1.0e-12_dp
 

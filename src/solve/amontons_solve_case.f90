@@ -297,7 +297,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
       real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
-      ! A condition number that leaves more than half of the digits explains nothing.
+      ! A condition number that costs less than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition, forces, strained_share, uncanceled
 
@@ -308,16 +308,16 @@ contains
             'precision (1.8e308): choose other units')
          return
       end if
-      ! What the certificate finds may come from the rounding errors of an ill-conditioned stiffness where, of what
-      ! depends on the whole model, something is well above rounding, or where the forces keep fewer than six digits.
+      ! Violations may come from the rounding errors of an ill-conditioned stiffness if one that depends on the whole
+      ! model is well above rounding, or if the forces have fewer than six correct digits.
       associate (certificate => result%certificate)
          if (max(certificate%equilibrium, certificate%resultant, certificate%moment, certificate%energy) <= suspicious &
             .and. certificate%imbalance <= few_digits) return
       end associate
       condition = body%condensation%condenser%condition()
-      ! How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
-      ! below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
-      ! Prescribed displacements and heat are loads without nodal forces.
+      ! Cancellation of the forces of the elements, |K| |u| / |f|: for a body held by supports a lower bound of the
+      ! condition number. It is not affected by the shift in the factor of a body held by contact alone. Prescribed
+      ! displacements and heat are loads without nodal forces.
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
          allocated(result%load_case%thermal_strain))) then
@@ -344,7 +344,7 @@ contains
             result%load_case%thermal_strain)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
             result%stress%force)
-         ! What comes now is where a run holds most, and no one needs them any more.
+         ! They are not needed any more, and the following part of a run takes most memory.
          deallocate (result%stress%force)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &

@@ -452,7 +452,7 @@ contains
    pure subroutine check_rays(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
       type(error_t), allocatable, intent(out) :: error !! they do
-      ! What rounding leaves of a way of 0, over that on the slave.
+      ! Rounding error of a length of 0, over the length on the slave.
       real(dp), parameter :: rounding = 1.0e-6_dp
       type(surface_place_t) :: place(2), foot
       real(dp) :: feet(2, 2), way(2)
@@ -604,7 +604,7 @@ contains
    pure subroutine take_facing_sides(follower, pair)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      ! What rounding leaves of a side.
+      ! Rounding error of the length of a side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp) :: share(pair%slave%n_sides)
       integer :: i
@@ -697,7 +697,7 @@ contains
       type(mortar_points_t), intent(in) :: points !! its integrals
       type(mesh_t), intent(in) :: mesh !! the mesh of both
       type(error_t), allocatable, intent(out) :: error !! they do
-      ! What the digits of mesh files leave of a gap of 0, over the longest side.
+      ! Rounding error of a gap of 0 in mesh files, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       character(:), allocatable :: overlap
       real(dp) :: thickness

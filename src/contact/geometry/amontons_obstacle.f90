@@ -93,12 +93,12 @@ contains
       direction = -unit_vector(self%normal)
       call self%measure(position, direction, gap, is_met, cosine)
       depth = max(0.0_dp, -gap)
-      ! Behind a steep flank its distance, not the way to its upper end.
+      ! Behind a steep flank the distance from the flank counts, not the length up to its upper end.
       if (.not. is_met) depth = depth*cosine
       if (is_met .or. depth > 0.0_dp .or. self%has_ends()) return
       crossings = self%crossings(position, direction)
       if (size(crossings) == 0) return
-      ! A line that leaves first has been inside all the way.
+      ! A line whose first crossing leaves the obstacle has begun inside.
       first = minloc(crossings%way, dim=1)
       if (crossings(first)%cosine < 0.0_dp) depth = max(0.0_dp, crossings(first)%way)
    end function obstacle_depth
@@ -176,7 +176,7 @@ contains
       real(dp) :: length, start(2), height, square, linear, constant, root, q
 
       allocate (crossings(0))
-      ! All lengths count in the largest one, so that no square leaves the range of numbers.
+      ! Lengths are divided by the largest one, so that no square overflows or underflows.
       length = max(maxval(abs(x)), 2.0_dp*abs(radius))
       start = x/length
       height = 2.0_dp*radius/length
@@ -186,7 +186,8 @@ contains
       constant = height*start(2) + start(1)**2 + c*start(2)**2
       root = linear**2 - 4.0_dp*square*constant
       if (.not. root > 0.0_dp) return
-      ! It has the slopes root and -root at its zeros: of two forms of each zero the one that loses no digits.
+      ! Its slopes at the zeros are root and -root; of the two formulas for each zero the one without cancellation is
+      ! used.
       root = sign(sqrt(root), linear)
       q = -0.5_dp*(linear + root)
       if (abs(q) > 0.0_dp) crossings = [zero_crossing(constant/q, root)]
@@ -267,7 +268,7 @@ contains
       associate (way => crossings%way)
          is_here = abs(way) <= rounding*maxval(abs(way))
          if (any(is_here .and. .not. enters)) then
-            ! Of a tip that the line enters and leaves at once the start is outside.
+            ! If the line enters and leaves a tip at the same position, its start is outside.
             found = minloc(abs(way), dim=1, mask=is_here .and. enters)
             return
          end if
@@ -324,7 +325,7 @@ contains
       real(dp), intent(in) :: along(2) !! its way to the end [L]
       real(dp), intent(in) :: a(2) !! one point [L]
       real(dp), intent(in) :: b(2) !! the other one [L]
-      ! A point so near to the line, over the lengths of both, is on it.
+      ! Relative distance within which a point is on the line.
       real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: sides(2)
 

@@ -181,7 +181,7 @@ contains
       integer, intent(in) :: ends(:, :) !! the corners beside each middle node beside points, 0 for others (2, n_nodes)
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
-      ! What rounding leaves of the products of dual functions with other corners' hats.
+      ! Rounding error of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
       real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, frame, share, push
@@ -207,8 +207,8 @@ contains
          if (row%node(i) /= pair%node(p)) cycle
          own = [(row%block(k, k, i), k=1, n)]
       end do
-      ! What the other terms move it by: all, or, where a support guides it along an axis, as far along that as their
-      ! normal component, of bonded surfaces that along the axis, asks for.
+      ! The displacement by the other terms: all of it or, if a support guides the corner along an axis, the length
+      ! along the axis with the same normal component (for bonded surfaces with the same component along the axis).
       free = constraints%free_projector(pair%node(p))
       along = free
       if (.not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
@@ -224,7 +224,7 @@ contains
       end do
       push = times_axes(free, pair%normal(:, p), 1.0_dp/own)
       call corner%add(pair%node(p), diagonal(spread(1.0_dp, 1, n)) - free + push, .true.)
-      ! The jump is the own unknown of one corner, and all others go along.
+      ! The jump is the own unknown of one corner and moves all others as well.
       if (pair%lead == 0 .or. pair%lead == pair%node(p)) return
       push(:, :2) = matmul(push(:, :2), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2))
       push(:, 3:) = 0.0_dp

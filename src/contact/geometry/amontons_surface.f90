@@ -100,7 +100,7 @@ contains
       type(boundary_line_t), intent(in) :: line !! its line
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       integer, allocatable :: sides(:, :)
-      ! A direction at less than 60 degrees to the normal is held against the contact, not by symmetry.
+      ! A direction at less than 60 degrees to the normal is held by a support, not by symmetry.
       real(dp), parameter :: most = 0.5_dp
       logical :: is_free(2)
       real(dp) :: held(2)
@@ -143,7 +143,7 @@ contains
       type(surface_place_t) :: place
       real(dp) :: begin
       integer :: i, k, side_from(body%mesh%n_nodes), next
-      ! Cosine of the angle from which on two sides make a corner: 40 degrees.
+      ! Cosine of the smallest angle between two sides at a corner: 40 degrees.
       real(dp), parameter :: sharp = 0.766_dp
       real(dp) :: mean(2)
 
@@ -190,7 +190,7 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
-      ! What the digits of mesh files leave of a right angle.
+      ! Rounding error of a right angle in mesh files.
       real(dp), parameter :: rounding = 1.0e-4_dp
       real(dp) :: way(2)
       integer :: element, i
@@ -293,7 +293,7 @@ contains
       type(surface_t), intent(in) :: master !! the master
       integer, intent(in) :: near(:) !! the sides of the master to look at
       real(dp), allocatable :: ends(:)
-      ! Places nearer to each other than this are one.
+      ! Smallest distance of two positions that are not merged.
       real(dp), parameter :: sliver = 1.0e-8_dp
       real(dp), allocatable :: sorted(:)
       integer :: i, k
@@ -302,7 +302,7 @@ contains
       allocate (sorted(0))
       do i = 1, size(near)
          do k = 1, 2
-            ! A corner that the side before it has, too, is looked at there.
+            ! A corner shared with the preceding side is considered with that side.
             if (k == 1 .and. any(master%side(2, near) == master%side(1, near(i)))) cycle
             sorted = [sorted, places_facing(slave, side, master%corner(:, k, near(i)))]
          end do
@@ -393,7 +393,7 @@ contains
       integer, intent(in) :: near(:) !! the sides to look at
       type(surface_place_t), intent(in) :: place !! the place on the slave
       real(dp), intent(in) :: search !! largest magnitude of a gap [L]
-      ! How far beyond its ends a side is still met: rays through a corner meet one of its sides.
+      ! Tolerance beyond the ends of a side: rays through a corner meet one of its sides.
       real(dp), parameter :: beyond = 1.0e-12_dp
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
@@ -420,7 +420,7 @@ contains
       real(dp), intent(in) :: position(2) !! a point of the line [L]
       real(dp), intent(in) :: direction(2) !! its direction, a unit vector [-]
       real(dp) :: xi(2)
-      ! What rounding leaves of a curvature or a slope of 0.
+      ! Rounding error of a curvature or a slope of 0.
       real(dp), parameter :: negligible = 1.0e-14_dp
       real(dp) :: c(3), square, slope, root
       integer :: k

@@ -67,7 +67,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! not solved, and memory ran out for one of the methods
-      ! Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
+      ! The solution of another case is a good starting point only if Newton's steps from it soon reduce the residual.
       integer, parameter :: start_patience = 3
       real(dp), parameter :: start_decrease = 0.9_dp
       type(stages_t) :: stages
@@ -144,7 +144,7 @@ contains
             n_sweeps = growth*min(n_sweeps, most_sweeps)
          end if
       end do
-      ! Residuals close to the tolerance are rounding that no start is without.
+      ! Residuals near the tolerance are rounding errors, which no starting point avoids.
       if (stages%best%residual <= coarse) return
       call new_contact_solution(rest, problem%n_points, problem%matrix%n_tangents)
       call stages%run(newton_t(max_iterations=stages%max_iterations, max_regularization=maxval(max_regularizations)), &
@@ -242,7 +242,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      ! Stiff springs spoil a step more than its residual does. Steps that are solved take about three of Newton's.
+      ! Stiff springs make a step less useful than a large residual does. Solved steps take about three Newton steps.
       real(dp), parameter :: stiffest = 1.0e3_dp, coarse = 1.0e-6_dp, first_factor = 10.0_dp
       integer, parameter :: steps_of_one = 6
       type(contact_operator_t), target :: matrix

@@ -57,7 +57,7 @@ contains
          rho = all_rho(rows(1):rows(2))
       end associate
       x = min(max(x, lower), upper)
-      ! What rounding leaves of sums of such numbers, but of those that hold a component at its bound, however large.
+      ! Rounding error of sums of such numbers, without those that hold a component at its bound, however large.
       is_pressed = (.not. x > lower .and. b < 0.0_dp) .or. (.not. x < upper .and. b > 0.0_dp)
       reachable = max(accuracy, 4.0_dp*epsilon(1.0_dp)*maxval(max(abs(x), merge(0.0_dp, abs(rho*b), is_pressed))))
       if (kind == 'mprgp' .or. (kind == 'auto' .and. a%is_sparse())) then
@@ -146,7 +146,7 @@ contains
          step(free) = right
          call effort%factorize(size(free) > 0)
          step = turned_pairs(step, axes, -1)
-         ! Where no part of the step leads down, one down the own parabolas does, if it is short enough.
+         ! If no part of the step decreases the objective, a short step down the own parabolas of the components does.
          length = 1.0_dp
          do n_trials = 1, 2*most_trials
             if (n_trials == most_trials) length = 1.0_dp
@@ -376,7 +376,7 @@ contains
       real(dp), intent(in) :: low(:) !! lower bounds (n)
       real(dp), intent(in) :: high(:) !! upper bounds (n)
       real(dp), intent(in) :: direction(:) !! the direction (n)
-      ! A bound beyond this was not meant as one.
+      ! Larger bounds count as infinite.
       real(dp), parameter :: far = sqrt(huge(1.0_dp))
       integer :: i
 

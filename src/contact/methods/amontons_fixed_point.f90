@@ -29,7 +29,7 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
-      ! Tresca problems a hundredth as wrong as the forces may be.
+      ! Accuracy of the Tresca problems, over the tolerance.
       real(dp), parameter :: share = 1.0e-2_dp
       real(dp) :: accuracy
       integer :: m, iteration

@@ -70,7 +70,7 @@ contains
       type(contact_solution_t) :: found
       integer, allocatable :: component(:), points(:), rows(:)
       real(dp), allocatable :: displacement(:), force(:)
-      ! What rounding leaves of the forces of other parts is no load of a part.
+      ! Rounding errors of the forces of other components are no load of a component.
       real(dp), parameter :: rounding = 10.0_dp*epsilon(1.0_dp)
       logical :: is_at_rest, are_converged
       real(dp) :: residual, scale

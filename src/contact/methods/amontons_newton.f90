@@ -137,7 +137,7 @@ contains
       scale = problem%force_scale()
       displacement = solution%displacement
       force = solution%force
-      ! From rest the first active set is that all points stick, unless nothing acts.
+      ! At rest all points of the first active set stick, unless nothing acts.
       call active_set%update(problem, rho, displacement, force)
       if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
          call active_set%assume_stick(problem, rho, scale)
@@ -163,7 +163,7 @@ contains
             return
          end if
          if (info /= 0) then
-            ! No step: the same active set again, held more firmly, unless it was held as firmly as can be.
+            ! No step: the same active set is used again with a larger regularization, unless this is the largest one.
             if (.not. regularization < self%max_regularization) exit
             call solution%record_residual(previous)
             call increase(regularization, self%max_regularization)
@@ -195,7 +195,7 @@ contains
             min_regularization = least
             regularization = max(min_regularization, regularization/reduction)
          else
-            ! The statuses are found, and only the regularization stands between them and their forces.
+            ! The statuses are found: without regularization the forces follow at once.
             if (residual/previous > slow_convergence) min_regularization = min(min_regularization, &
                max(lowest_regularization, min_regularization/fast_reduction))
             regularization = max(min_regularization, regularization/fast_reduction)
@@ -293,7 +293,7 @@ contains
             if (allocated(active_set%axes)) trial%spring = active_set%spring
             if (trial%equals(last)) cycle
             if (all(self%key /= key_of(trial))) exit
-            ! The way from one direction of slip to the other leads through sticking.
+            ! A point changes its direction of slip by sticking in between.
             if (trial%slip_direction(p)*last%slip_direction(p) >= 0) cycle
             trial%slip_direction(p) = 0
             if (all(self%key /= key_of(trial))) exit
@@ -529,7 +529,8 @@ contains
       ! Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization, and
       ! below an order a new one costs no more than the bookkeeping.
       integer, parameter :: part = 6, least_order = 200
-      ! How many times the regularization that is wanted it may be; with less it is no use, with much more slow.
+      ! Largest ratio of the factorized regularization to the required one; a smaller one does not suffice, a much
+      ! larger one is slow.
       real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
       integer, allocatable :: differing(:), new(:)
       real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)

@@ -103,7 +103,8 @@ contains
       do i = 1, self%max_iterations
          before = sweep
          call sweep%advance(problem)
-         ! A sweep knows its residual without a product; it is computed independently where it is small, and at the end.
+         ! The residual of a sweep is known without a product; it is computed independently if it is small, and at the
+         ! end.
          residual = sweep%scaled_residual(problem)
          is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
          may_continue = .true.

@@ -64,12 +64,12 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
-      ! Half steps a hundredth as wrong as the forces may be.
+      ! Accuracy of the half steps, over the tolerance.
       real(dp), parameter :: half_step_part = 1.0e-2_dp
       ! Iterations that make less of the residual are accelerated.
       integer, parameter :: recent = 10
       real(dp), parameter :: tenth = 0.1_dp
-      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
+      ! If the forces stop changing while the residual is this many times the tolerance, it will not decrease any more.
       real(dp), parameter :: far_from_solved = 1.0e3_dp
       type(printed_matrices_t) :: printed
       type(proximal_center_t) :: center
@@ -118,7 +118,7 @@ contains
 
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
-            ! The paper's stop is no sign of a solution. A proximal step counts as the force that it takes.
+            ! The paper's stopping rule does not imply a solution. A proximal step counts as the force that it causes.
             if (.not. is_exact) solution%is_at_rest = solution%residual > far_from_solved*self%tolerance .and. &
                maxval(abs([force - start, alpha*(displacement - center%place)]))/force_scale <= self%tolerance
             if (solution%is_at_rest) return

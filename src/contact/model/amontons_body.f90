@@ -304,7 +304,7 @@ contains
       if (size(body%constraints%rigid) == 0) return
       do i = 1, size(contacts)
          call new_boundary_line(line, body%mesh, contacts(i)%set, fault)
-         ! That there is no such set is found later.
+         ! A missing set is reported later.
          if (allocated(fault)) return
          is_lost = [.false., (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), &
             merge(contacts(i)%direction, line%normal(:, k), any(abs(contacts(i)%direction) > 0.0_dp))), &
@@ -466,7 +466,7 @@ contains
       do i = 1, size(body%lockable)
          associate (driven => body%driven(body%lockable(i)))
             if (all(leads /= driven%lead)) leads = [leads, driven%lead]
-            ! Else the prescribed motion would be among the displacements of contact points.
+            ! Otherwise the prescribed motion would be part of the displacements of contact points.
             if (any(own == driven%lead)) call new_error(error, input_refused, 'lock_time: contact acts on nodes '// &
                "that '"//trim(driven%name)//"' moves itself; keep them apart")
          end associate
@@ -600,7 +600,7 @@ contains
       call body%condensation%condense_stiffness(error)
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
-      ! Free motions strain nothing: what S makes of them is what the condensation of stiff bodies has lost.
+      ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
       if (body%is_rotation_strained) return
       allocate (force(body%zone%n_rows))
       do i = 1, size(body%rigid_modes, 2)
@@ -643,7 +643,7 @@ contains
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! options of the condensation
-      ! Above what a band factorization is tried for.
+      ! Above the size for which a band factorization is considered.
       integer, parameter :: least_unknowns = 10000
 
       associate (n => body%dof_map%n_dofs)
@@ -701,7 +701,8 @@ contains
          if (condenser%refused_unknown == 0) return
          place = findloc(body%dof_map%dof, condenser%refused_unknown)
          associate (point => body%mesh%coordinates(:, place(2)))
-            ! Its norm is at least the diagonal entry, that of its inverse at least the inverse of the pivot.
+            ! The norm of the matrix is at least the diagonal entry, that of its inverse at least the inverse of the
+            ! pivot.
             error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
                to_text(point(2))//': its condition number is above '//rounded(1.0_dp/(epsilon(1.0_dp)*condenser%n))// &
                conditioning_text(body%mesh, body%materials, body%springs)

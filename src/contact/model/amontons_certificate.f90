@@ -117,7 +117,7 @@ contains
       contact = body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
       reaction = internal - load_case%force - contact
       named = force_values(body, reaction, displacement, force, load_case%driven)
-      ! Of bonded nodes the reactions are the forces that the surfaces exert on each other.
+      ! The reactions of bonded nodes are the forces that the surfaces exert on each other.
       reaction = body%dof_map%substitution%forces(reaction)
       call take_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
@@ -147,8 +147,8 @@ contains
          certificate%named = named_quantities(body, named, max(least_scale, sums%forces), &
             maxval(abs(displacement)))
          certificate%imbalance = relative(certificate%equilibrium, force_size)
-         ! What rounding leaves of displacements far larger than their differences is no imbalance, as long as it does
-         ! not show in resultants and energy: a share of |K| |u| is a scale, too.
+         ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants
+         ! and energy are not affected: a share of |K| |u| is a scale, too.
          if (certificate%imbalance > suspicious) then
             call sum_uncanceled_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), &
                uncanceled, strained_share)
@@ -158,8 +158,8 @@ contains
          certificate%strain_energy = 0.5_dp*sums%internal_work
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
             - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
-         ! Where a load acts on what a support moves, both do work that strains nothing.
-         ! Heat strains a body although no force does work on it.
+         ! If a load acts on nodes that a support moves, both do work that causes no strain. Heat causes strain without
+         ! work of forces.
          work = max(sums%internal_size, certificate%strain_energy, sums%external_size)
          if (least_scale > 0.0_dp) work = max(work, least_scale*norm2(displacement))
          certificate%energy = energy_violation(body, internal, load_case%force + contact, reaction, displacement, &
@@ -214,7 +214,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-13_dp
       ! Displacements have the rounding errors of the whole solution.
       real(dp), parameter :: negligible_share = 1.0e-11_dp
-      ! Forces that are a larger share of those on other pieces need no scale of their own.
+      ! Forces that are a larger share of those on other pieces need no separate scale.
       real(dp), parameter :: least_share = 1.0e-5_dp
       real(dp), allocatable :: moved(:, :), magnitude(:, :)
       real(dp) :: size_here, strained_share, uncanceled
@@ -335,7 +335,8 @@ contains
          certificate%wrong_dissipation = max(0.0_dp, maxval(min(relative(wrong_slip(slip, tangential, m), &
             largest_displacement), relative(shear, largest_force))))
          certificate%dissipation = sum(tangential*slip)
-         ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
+         ! The difference of the energies of displacements and forces in equilibrium is the sum of these terms of the
+         ! points.
          certificate%has_duality_gap = all(body%zone%is_shear_fixed .or. .not. load_case%friction > 0.0_dp)
          if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) + sum(bound*length) &
             - certificate%dissipation)
@@ -371,7 +372,7 @@ contains
                exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
                reaction(:, node) = reaction(:, node) - exerted
                if (node == body%ties(i)%lead) then
-                  ! What a free jump lacks for equilibrium is an imbalance.
+                  ! The residual of equilibrium of a free jump is an imbalance.
                   if (body%ties(i)%is_jump_free) reaction(:2, node) = reaction(:2, node) &
                      + dot_product(exerted(:2), body%ties(i)%jump)*body%ties(i)%jump
                   exerted = exerted - pushed

@@ -228,7 +228,8 @@ contains
                do axis = 1, n
                   if (dof_map%dof(axis, own(k)) == 0) cycle
                   column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
-                  ! Rounding is all that other nodes' unknowns have in the row of a point with unknowns of its own.
+                  ! Coefficients of other nodes' unknowns in the row of a point with unknowns of its own are rounding
+                  ! errors below this share.
                   if (column < 1 .or. column > condensation%n_unknowns) cycle
                   do l = 1, n
                      if (condensation%unknown(l, p) == 0) cycle
@@ -487,9 +488,10 @@ contains
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows are dependent, or leave another part of S's kernel free
-      ! Of a row that depends on others rounding leaves no more of its square.
+      ! Largest rounding error of the square of a row that depends on others.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      ! Few cells follow rigid motions in their means, which then have no stiffness; that of others is a larger share.
+      ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
+      ! share.
       real(dp), parameter :: small_share = 1.0e-3_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh: make '// &
          'their cells larger'
@@ -503,7 +505,7 @@ contains
          'the cells', error)
       if (.not. allocated(error)) call allocate_matrix(gram, size(rows, 1), size(rows, 1), 'the cells', error)
       if (allocated(error)) return
-      ! Whether the rows are independent is asked of themselves: behind S, whose condition is large, rounding decides.
+      ! The independence of the rows is tested without S, with whose large condition number rounding would decide.
       gram(:, :) = matmul(rows, transpose(rows))
       call cholesky_factor(gram, info)
       if (info == 0) info = findloc([(gram(i, i)**2 <= negligible*sum(rows(i, :)**2), i=1, size(rows, 1))], .true., &
@@ -514,8 +516,8 @@ contains
       end if
       condensation%factor(:, :) = stiffness
       condensation%rows = rows
-      ! Both parts of M then have diagonals of one size, which keeps its condition near that of S, and better where soft
-      ! springs are all that holds the body.
+      ! Both parts of M then have diagonals of equal size, so that its condition is near that of S, and better if only
+      ! soft springs hold the body.
       trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
       rho = trace/sum(rows**2)
       condensation%least_augmentation = small_share*rho

@@ -162,7 +162,7 @@ contains
       type(contact_zone_t), intent(inout) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(substitution_t), intent(in) :: substitution !! displacements of the nodes in terms of their own unknowns
-      ! The share of the shear that the master must bear at the least; else supports bear it.
+      ! Smallest share of the shear that the master bears; below it supports bear the shear.
       real(dp), parameter :: least_share = 1.0e-2_dp
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
       integer, allocatable :: points(:), own(:), parts(:)
@@ -213,7 +213,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(in) :: tangent !! which of the tangential displacements supports prescribe
       logical :: is_alone(zone%n_points)
-      ! What the digits of mesh files leave of a place on a plane, over the longest side.
+      ! Rounding error of a position on a plane in mesh files, over the longest side.
       real(dp), parameter :: rounding = 1.0e-4_dp
       real(dp) :: held(2)
       integer :: p, i, k
@@ -296,7 +296,7 @@ contains
       type(boundary_line_t), intent(in) :: line !! its line
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
-      ! What rounding leaves of an area of 0, over the largest one; next to the axis it may even be negative.
+      ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
       ! The alpha with which the pressure on the axis is exact where it is a quadratic function of the radius.
       real(dp), parameter :: axis_share = 0.125_dp
@@ -312,7 +312,7 @@ contains
       along = 0.0_dp
       area = merge(line%area, 0.0_dp, line%area > negligible*maxval(line%area))
       do k = 1, line%n_nodes
-         ! What a corner on the axis takes from the middle node beside it is negative in the sum over that one's places.
+         ! The share of a corner on the axis is negative among the terms of the middle node beside it.
          if (line%area(k) <= negligible*maxval(line%area)) area(k) = -axis_share*max(0.0_dp, &
             maxval(area(pack([(i, i=1, line%n_nodes)], line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]))))
       end do
@@ -358,7 +358,7 @@ contains
       stand_in = point_of(line%next(corner(:n_corners)))
       do i = 1, n_corners
          if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))
-         ! Where another set has the corner on the axis, or a rigid one moves it, nothing is taken.
+         ! There is no share if another set has the corner on the axis, or if a rigid set moves it.
          if (point_of(corner(i)) == 0) area(corner(i)) = max(0.0_dp, area(corner(i)))
       end do
       zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]

@@ -76,7 +76,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      ! A tenth of what methods leave; between the others a mesh may place the center of gravity of a round body.
+      ! A tenth of the residual of methods; the other limit is for the center of gravity of a round body, whose position
+      ! depends on the mesh.
       real(dp), parameter :: unbalanced = 1.0e-11_dp, unbalanced_when_round = 1.0e-2_dp
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
@@ -230,7 +231,7 @@ contains
                      cone(:, last - 1) = cone(:, last - 1) + (pressed - load_case%friction(p)*sheared)
                      cycle
                   end if
-                  ! The edges of a cone around the round one: what they cannot balance nothing can.
+                  ! Edges of a polygonal cone around the round one: loads that they cannot balance have no equilibrium.
                   do k = 1, n_directions
                      angle = 2.0_dp*pi*k/n_directions
                      cone(:, last - k) = cone(:, last - k) + (pressed + load_case%friction(p)/cos(pi/n_directions) &

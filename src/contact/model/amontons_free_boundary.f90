@@ -123,7 +123,7 @@ contains
          call add_facing(boundary, master, master%n_own + 1, set, outline, body%constraints, zone%pairs(i)%search, &
             least)
       end do
-      ! Tables of gaps alone ask for lengths.
+      ! Only tables of gaps need lengths along the line.
       do i = 1, size(boundary%nodes)
          associate (node => boundary%nodes(i))
             if (.not. allocated(contacts(node%set)%extra_gap%table)) cycle
@@ -290,7 +290,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, allocatable, intent(out) :: side(:) !! the side of each place
       integer, allocatable, intent(out) :: corner(:) !! first corner, second corner or middle of it, 1 to 3
-      ! What rounding leaves of the cosine of an angle of 0.
+      ! Rounding error of the cosine of an angle of 0.
       real(dp), parameter :: same = 1.0_dp - 1.0e-12_dp
       real(dp) :: seen(2, size(outline%from))
       integer :: i, k, n
@@ -329,7 +329,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(in) :: search !! largest magnitude of a distance [L]
       real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
-      ! What the digits of mesh files leave of a distance of 0, over the longest side.
+      ! Rounding error of a distance of 0 in mesh files, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(meeting_t) :: meeting
@@ -346,10 +346,10 @@ contains
          meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), search)
          if (meeting%side == 0) cycle
          if (side(i) <= extended%n_own .and. meeting%side <= other%n_own) cycle
-         ! What lies behind is the far side of the other body.
+         ! A boundary behind the node is the far side of the other body.
          if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
          foot = other%surface%place(meeting%side, meeting%xi)
-         ! The corner in which the other set ends belongs to it, whichever of its two sides rounding gives it to.
+         ! The corner at which the other set ends belongs to that set, on whichever of its two sides rounding puts it.
          k = maxloc(foot%values, dim=1)
          if (side(i) <= extended%n_own .and. foot%values(k) > 1.0_dp - rounding) then
             if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
@@ -447,7 +447,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: gap(:) !! their distances to the obstacle (m) [L]
       logical, allocatable :: lies_outside(:)
-      ! What the digits of mesh files leave of a distance of 0, over the coordinates.
+      ! Rounding error of a distance of 0 in mesh files, over the coordinates.
       real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp) :: least(size(contacts)), distance
       integer :: i
@@ -472,7 +472,7 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: depth !! the depth, 0 if none penetrates [L]
       integer, intent(out) :: deepest !! this node, its place in `nodes`; 0 if none penetrates
-      ! What rounding leaves of a distance of 0, over the coordinates.
+      ! Rounding error of a distance of 0, over the coordinates.
       real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: way(2), overlap, gap
       logical :: is_met
@@ -666,7 +666,7 @@ contains
          depth = max(depth, dot_product(moved(:, beside(i)) - side(:, beside(i)), normal) - gap)
       end do
       if (is_steep) angle = 0.0_dp
-      ! Across an edge of the obstacle one node stands, and the other one sinks.
+      ! At an edge of the obstacle one node is supported, and the other one moves down.
       associate (way => moved(:, beside) - side(:, beside))
          depth = depth + 0.5_dp*norm2(side(:, beside(2)) - side(:, beside(1)))*tan(0.5_dp*angle) &
             + abs(dot_product(way(:, 2) - way(:, 1), normal))

@@ -168,10 +168,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      ! A length that is longer than another one by this share is not longer.
+      ! Relative difference up to which two lengths are equal.
       real(dp), parameter :: rounding = 1.0e-9_dp
-      ! What rounding leaves of gaps of surfaces that touch, over the coordinates: as an overlap it would press bodies
-      ! that nothing presses.
+      ! Rounding error of gaps of surfaces that touch, over the coordinates: as an overlap it would cause forces between
+      ! unloaded bodies.
       real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: corners(2, 2), size_of_body, extent
       integer :: p, i, q
@@ -222,7 +222,7 @@ contains
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (contacts(zone%set(p))%pairing%is_pair()) load_case%gap(p) = merge(load_case%gap(p), 0.0_dp, &
             abs(load_case%gap(p)) > noise*maxval(abs(corners)))
-         ! That of the box around the body, behind the point.
+         ! Extent of the bounding box of the body behind the point.
          extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(:, p), &
             (zone%position(:, p) - corners(:, 2))*zone%normal(:, p)))
          if (-load_case%gap(p) > (1.0_dp + rounding)*extent) then

@@ -197,12 +197,12 @@ contains
             call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), part%condensed)
             self%load(:, k) = part%condensed%load
             self%largest(k) = maxval(abs(part%prescribed))
-            ! How far the body would expand at most, if it were all as hot as at its hottest place.
+            ! Upper bound of the expansion of the body, by its highest temperature.
             if (allocated(part%thermal_strain)) self%largest(k) = max(self%largest(k), &
                maxval(abs(part%thermal_strain))*maxval(maxval(body%mesh%coordinates, dim=2) &
                - minval(body%mesh%coordinates, dim=2)))
-            ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a
-            ! cell, becomes a load.
+            ! Tangential displacements include prescribed parts, as the anchors do: such a part, for example at one node
+            ! of a cell, becomes a load.
             slip = prescribed_slip(body, part)
          end associate
          if (.not. any(abs(slip) > 0.0_dp)) cycle

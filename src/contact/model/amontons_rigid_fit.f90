@@ -71,8 +71,8 @@ contains
       allocate (motion(size(aim)), source=0.0_dp)
       unit = maxval(abs(aim(:m)))
       if (size(body%rigid_modes, 2) == 0 .or. .not. unit > 0.0_dp) return
-      ! The ways in which the body can move so that the normals of the points notice, each with the least slip and of
-      ! the mean square 1 along the normals.
+      ! The motions with normal displacements of the points, each with the least slip and with the mean square 1 along
+      ! the normals.
       associate (normal => merge(body%rigid_modes(:m, :), 0.0_dp, spread(counts(:m), 2, size(value))))
          vector = matmul(transpose(normal), normal)
       end associate
@@ -105,8 +105,8 @@ contains
       if (remainder(n + 1) <= impossible) then
          motion = 0.0_dp
       else
-         ! The sum of the amounts, not of the displacements, which would leave the rounding of the long way in the short
-         ! one: no rigid motion, and with forces that nothing balances.
+         ! The amounts are summed, not the displacements: a difference of long displacements has their rounding errors,
+         ! and would be no rigid motion.
          motion = matmul(body%rigid_modes, amounts - unit/remainder(n + 1)*matmul(in_modes, remainder(:n)))
          if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
       end if

@@ -58,7 +58,7 @@ module amontons_contact_problem
       procedure :: weight => contact_problem_weight
    end type contact_problem_t
 
-   ! What rounding errors of forces are negligible in, of the forces whose difference they are.
+   ! Share of two forces below which rounding errors make up their difference.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
 
    !> The assumed state of every point.
@@ -323,7 +323,7 @@ contains
          call self%matrix%multiply_stiffness(displacement, imbalance)
          imbalance = imbalance - self%load + force
       end if
-      ! maxval passes over what is not a number.
+      ! maxval ignores NaN.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
       residual = max(self%largest(imbalance), self%violation(displacement, force))/ &
@@ -393,7 +393,7 @@ contains
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (n) [F/L]
       real(dp), intent(in) :: displacement(:) !! v (n) [L]
       real(dp), intent(in) :: force(:) !! lambda (n) [F]
-      ! Where a point hardly slides the spring across is as stiff as sticking.
+      ! At a point that hardly slides the spring across the slip is as stiff as for sticking.
       real(dp), parameter :: most_share = 0.99_dp
       real(dp) :: augmented(problem%matrix%n), bound(problem%n_points), length(problem%n_points)
       integer :: i

@@ -195,7 +195,7 @@ contains
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
       real(dp), intent(in) :: force(2) !! a force (lambda_N, lambda_T) to stay near [F]
       real(dp) :: best(2)
-      ! What two evaluations of one solution differ by.
+      ! Difference of two evaluations of one solution.
       real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp
       integer, parameter :: n_trials = 5
       real(dp) :: trial(2, n_trials), pair(2), rho(2), cost, least, det

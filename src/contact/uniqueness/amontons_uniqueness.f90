@@ -182,7 +182,7 @@ contains
    pure real(dp) function estimated_bound(s, friction) result(bound)
       real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m), in space (3m, 3m) [-]
       real(dp), intent(in) :: friction(:) !! phi (m) [-]
-      ! What rounding may have added to the estimate, and what it makes of no coupling.
+      ! Rounding error of the estimate, and of a coupling of 0.
       real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
       real(dp) :: gamma
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.

@@ -593,9 +593,9 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
       type(step_state_t), intent(in) :: before !! the state before it
-      ! What rounding leaves of energies that cancel each other is negligible in this share of them. Of a body that
-      ! moves as a whole they are those of single nodes that do: the elements of a slender body are far stiffer than
-      ! its contact points.
+      ! Rounding error of energies that cancel each other, over these. For a body that moves as a whole they are the
+      ! energies of single nodes with this displacement: the elements of a slender body are far stiffer than its contact
+      ! points.
       real(dp), parameter :: rounding_share = 1.0e-5_dp
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
@@ -612,13 +612,13 @@ contains
       mean_force = 0.5_dp*(after%solution%force + before%solution%force)
       load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
       support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
-      ! An obstacle that a point loses, or meets, does nothing on the way that the gap jumps.
+      ! An obstacle that loses or meets a point does no work on the jump of the gap.
       approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
          after%instant%is_in_reach .and. before%instant%is_in_reach)
       obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
       taken = 0.5_dp*(after%bound + before%bound)*tangential_norm(after%slip, m)
       approach = approach - matmul(model%energies%prescribed(:m, :), change) - v_change(:m)
-      ! What is left of the contact work: the points' shares of the energy error.
+      ! The remainder of the contact work: the points' shares of the energy error.
       missing = mean_force(m + 1:2*m)*after%slip(:m) - taken - mean_force(:m)*approach
       if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
       after%step_dissipation = sum(taken)
@@ -640,13 +640,13 @@ contains
       after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
          before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
          - before%solution%displacement(:m))
-      ! Of a body that moves as a whole: measured by the energy that single points would have that move as far.
+      ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
       energies = max(rounding*maxval([problem%augmentation(), 0.0_dp])*max(0.0_dp, &
          maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
-      ! Checks the two identities that hold exactly for a step in equilibrium at both ends.
-      ! The normal displacements of the contact problem lack what supports prescribe; the tangential ones are whole.
+      ! Checks the two identities that hold exactly for a step in equilibrium at both ends. The normal displacements of
+      ! the contact problem exclude prescribed parts; the tangential ones include them.
       whole_change = v_change
       associate (m => problem%n_points)
          whole_change(:m) = whole_change(:m) + matmul(model%energies%prescribed(:m, :), change)

@@ -531,7 +531,7 @@ contains
 
       result%last%earlier_violation = max(result%worst(of_violation)%value, result%worst(of_identities)%value)
       energies = energies_of(result%stepping%state)
-      ! They have a scale, sums over the steps have none.
+      ! They have a scale, unlike sums over the steps.
       extremes = pack(result%last%history_results, result%last%history_results%scale > 0.0_dp)
       associate (state => result%stepping%state)
          force = max(sum(abs(state%solution%force)), maxval(abs(result%reached(5:6, :))))
@@ -581,8 +581,8 @@ contains
          call result%last%study_listing%add(text(:len(text) - 1)// &
             ' (work less strain energy and dissipation; it vanishes with the'//' size of the steps)'//newline//note, &
             [energy])
-         ! The states at the times of the deck, with what the time since the one before took.
-         ! Of numbers with six digits, or of a unit with a long name.
+         ! The states at the times of the deck, with the numbers of the interval before each; columns fit six digits, or
+         ! a long unit.
          width = max(14, 1 + n_characters(unit_of(config%units, 'F L')))
          table = heading('States at the times of the deck (work and dissipation: since the time before)')// &
             table_head(history%name(:min(12, len(history%name))), labels, dimensions, config%units, width)
@@ -696,7 +696,7 @@ contains
          text = text//', "'//trim(worst_names(i))//'": '//json_number(result%worst(i)%value)//', "'// &
             trim(worst_names(i))//'_step": '//to_text(result%worst(i)%step)
       end do
-      ! How many cycles, what the last one is, and since which one all are that.
+      ! Number of cycles, class of the last one, and the first cycle of this class without interruption.
       associate (cycles => result%cycles, n => size(result%cycles, 2))
          since = n
          do while (since > 1)
@@ -762,7 +762,7 @@ contains
          if (allocated(error) .or. result%is_interrupted) return
          done(level) = result%checkpoint
          call done(level)%close()
-         ! A mesh on which there is no way to the end is the last one: its files say so.
+         ! A mesh on which the history does not reach its end is the last one; its files report this.
          if (.not. result%last%is_complete) exit
          list = refined_quantities(result%last)
          if (level == 1) allocate (values(size(list), 1 + size(done)))

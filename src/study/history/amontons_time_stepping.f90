@@ -186,7 +186,7 @@ contains
       class(cycle_record_t), intent(inout) :: self !! the cycle; gains its numbers
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at its end
-      ! What rounding leaves of the slips of a cycle in which nothing slips, over the energy that went in and out.
+      ! Rounding error of the dissipation in a cycle without slip, over the sum of the works of its steps.
       real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn))
       real(dp), allocatable :: parameters(:, :)
@@ -467,7 +467,7 @@ contains
          call halve_step(self)
       end do
       if (allocated(answer) .and. next%outcome == outcome_not_converged .and. .not. allocated(error)) then
-         ! That a longer step has no equilibrium says more than that a shorter one does not converge.
+         ! No equilibrium of a longer step is more informative than no convergence of a shorter one.
          next%outcome = outcome_no_equilibrium
          call move_alloc(answer, next%reason)
          time = answer_time
@@ -494,7 +494,7 @@ contains
       type(history_t), intent(in) :: history !! the history
 
       has_balance = state%solution%is_converged
-      ! Without a tolerance the digits are not asked for: they take as long as a tenth of a small step.
+      ! Without a tolerance the indicator is not rounded, which takes a tenth of the time of a small step.
       if (has_balance .and. history%step_tolerance < huge(1.0_dp)) has_balance = rounded(state%indicator) &
          <= history%step_tolerance
    end function has_balance
@@ -542,7 +542,7 @@ contains
       call self%record%add_step(model, self%state, state)
       self%state = state
       self%n_steps = self%n_steps + 1
-      ! What is loaded at once from rest jumps nowhere: before the first time there is no way for shorter steps.
+      ! Loads that act at once on a body at rest cause no jump: before the first time shorter steps are impossible.
       self%is_jump = self%n_planned > 0 .and. .not. has_balance(state, model%history)
       self%tick = modulo(self%tick + self%length, n_ticks)
       if (self%tick == 0) self%n_planned = self%n_planned + 1

@@ -587,7 +587,7 @@ contains
             call move_alloc(reason, chunk%fault)
             if (chunk%is_broken()) return
          end if
-         ! Keeps what became of the case, but for its numbers.
+         ! Stores the outcome of the case, without its numbers.
          associate (kept => chunk%results(i), solution => solutions(i), base => task%solver%loads%base)
             kept%outcome = outcome
             kept%n_iterations = solution%n_iterations
@@ -650,7 +650,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(chunk_t), intent(in) :: chunk !! the chunk, its cases solved
       type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
-      ! How many cases are worked on together: fields of more take much memory beside a factor, and gain little.
+      ! Number of cases that are processed together: more take much memory in addition to the factor, and gain little.
       integer, parameter :: n_together = 4
       integer, allocatable :: cases(:)
       type(load_case_t) :: load_cases(n_together)
