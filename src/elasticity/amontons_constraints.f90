@@ -147,18 +147,9 @@ contains
          !! the materials, which say whether the body is twisted; it is not without them
       type(boundary_line_t) :: line
       logical :: is_done
-      integer :: i, n_components, set
+      integer :: i, set
 
-      n_components = 2
-      if (present(materials)) n_components = materials%n_components()
-      allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
-      allocate (constraints%axis(2, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
-      constraints%axis(1, :) = 1.0_dp
-      if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
-      allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
-      allocate (constraints%skew(n_components, mesh%n_nodes), source=0.0_dp)
-      allocate (constraints%rigid_of(mesh%n_nodes), source=0)
-      allocate (constraints%rigid(0))
+      call begin_constraints(constraints, prescribed, mesh, materials)
       do i = 1, size(supports)
          if (.not. supports(i)%is_driven()) cycle
          if (any([(supports(set)%is_driven() .and. supports(set)%name == supports(i)%name, set=1, i - 1)])) then
@@ -190,6 +181,26 @@ contains
          end associate
       end do
    end subroutine new_constraints
+
+   !> Makes constraints in which all nodes are free, except around the axis those on the axis of a twisted body.
+   pure subroutine begin_constraints(constraints, prescribed, mesh, materials)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, 0 (components, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in), optional :: materials !! as in `new_constraints`
+      integer :: n_components
+
+      n_components = 2
+      if (present(materials)) n_components = materials%n_components()
+      allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
+      allocate (constraints%axis(2, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
+      constraints%axis(1, :) = 1.0_dp
+      if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
+      allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
+      allocate (constraints%skew(n_components, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%rigid_of(mesh%n_nodes), source=0)
+      allocate (constraints%rigid(0))
+   end subroutine begin_constraints
 
    !> Whether the support holds no nodes but prescribes the motion of a rigid set or the jump of a preload.
    elemental logical function support_is_driven(self) result(is_driven)
