@@ -130,6 +130,7 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
       real(dp) :: amounts(size(body%rigid_modes, 2))
+      real(dp), allocatable :: unit_amounts(:)
       integer :: first, i, j
 
       if (size(amounts) == 0 .or. body%is_rotation_strained) then
@@ -141,11 +142,11 @@ contains
       first = 0
       do j = 1, size(body%motions)
          associate (motions => body%motions(j))
+            if (motions%n_free == 0) cycle
+            unit_amounts = matmul(motions%mode, amounts(first + 1:first + motions%n_free))
             do i = 1, size(motions%node)
-               if (motions%n_free == 0) exit
-               displacement(:, motions%node(i)) = displacement(:, motions%node(i)) + matmul(motions%displacement( &
-                  body%mesh%coordinates(:, motions%node(i)), motions%node(i)), &
-                  amounts(first + 1:first + motions%n_free))
+               displacement(:, motions%node(i)) = displacement(:, motions%node(i)) + matmul(motions%unit_motions( &
+                  body%mesh%coordinates(:, motions%node(i)), motions%node(i)), unit_amounts)
             end do
             first = first + motions%n_free
          end associate
