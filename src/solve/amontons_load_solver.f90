@@ -32,7 +32,7 @@ module amontons_load_solver
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
-   use amontons_rigid_fit, only: find_resting_motion, fit_rigid_motion, fit_travel
+   use amontons_rigid_fit, only: find_resting_motion, fit_rigid_motion, fit_travel, least_squares_amounts
    use amontons_rigid_motion, only: rigid_motions_t
    use amontons_text, only: short_text
    implicit none (type, external)
@@ -214,8 +214,10 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
+      real(dp), parameter :: least_residual = 1.0e-11_dp, most_residual = 1.0_dp
       type(contact_solution_t) :: first
       real(dp), allocatable :: travel(:)
+      real(dp) :: scale, strain
 
       if (has_start_position(solution)) solution%displacement = solution%displacement - motion
       call solve_from(motion, body, method, problem, solution, error)
@@ -234,6 +236,14 @@ contains
          end if
       end if
       solution%displacement = solution%displacement + motion
+      if (allocated(error) .or. solution%is_converged .or. .not. solution%residual < most_residual) return
+      ! A tenth of the default tolerance is rounding of S, as far as v strains the body: the digits of a long slender
+      ! body that bends far resolve no less.
+      scale = problem%force_scale(solution%force, solution%displacement)
+      strain = maxval(abs(solution%displacement - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, &
+         solution%displacement))))
+      solution%residual = solution%residual*scale/max(scale, problem%rounding/least_residual*strain)
+      solution%is_converged = solution%residual <= method%tolerance
    end subroutine solve_from_motion
 
    !> Finds the rigid motion from which displacements are counted: none if nothing acts on a body at rest; the one

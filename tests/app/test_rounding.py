@@ -77,6 +77,15 @@ class Rounding(Verification):
                                 "&load set = 'b.top'  pressure = 1.0  traction = 0.1, 0.0 /\n"
                                 "&contact set = 'b.bottom'  against = 'a.top'  friction = 0.5 /\n")
 
+    def test_slender_strip_that_bends_far(self):
+        # The middle lies on the circle, the ends bend down by 2.5: to 4e-16, times a stiffness of 1e4 per length,
+        # beside forces of 5e-4 at each node.
+        summary = self.summary_of("&mesh size = 200.0, 1.0  cells = 200, 2 /\n"
+                                  "&material young = 1000.0  poisson = 0.3 /\n&support set = 'left'  ux = 0.0 /\n"
+                                  "&load set = 'top'  pressure = 5e-4 /\n&contact set = 'bottom'  friction = 0.3  "
+                                  "obstacle = 'circle'  radius = 2000.0  point = 100.0, 0.0 /\n")
+        self.assertAlmostEqual(summary["key_results"]["contact_force_y"], 0.1, delta=1e-7)
+
     def test_cells_of_a_body_on_soft_springs(self):
         # The springs are 1e-10 as stiff as the body.
         summary = self.summary_of("&mesh size = 3000.0, 600.0  cells = 18, 6 /\n"

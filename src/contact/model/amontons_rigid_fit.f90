@@ -17,7 +17,8 @@ module amontons_rigid_fit
    ! Gaps are differences of coordinates: some tens of their rounding errors.
    real(dp), parameter :: rounding = 1.0e-14_dp
 
-   public :: find_resting_motion, fit_rigid_motion, fit_travel, recover_with_travel, travel_of_nodes
+   public :: find_resting_motion, fit_rigid_motion, fit_travel, least_squares_amounts, recover_with_travel, &
+      travel_of_nodes
 
 contains
 
