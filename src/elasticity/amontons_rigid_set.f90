@@ -41,17 +41,24 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: names !! names of the sets, separated by commas
       type(rigid_face_t), intent(in) :: face !! the point
-      type(error_t), allocatable, intent(out) :: error !! there is no such set, or it has only one node
-      character(:), allocatable :: name
+      type(error_t), allocatable, intent(out) :: error !! no such set, an empty name, one twice, or one node only
+      character(:), allocatable :: name, seen
       integer, allocatable :: sides(:, :)
       logical :: is_met(0:mesh%n_nodes)
       integer :: first, last, set, i
 
       is_met = .false.
       first = 1
-      do while (first <= len(names))
+      seen = ','
+      do while (first <= len(names) + 1)
          last = index(names(first:)//',', ',') + first - 2
          name = trim(adjustl(names(first:last)))
+         if (len(name) == 0 .or. index(seen, ','//name//',') > 0) then
+            call new_error(error, input_refused, "set = '"//names//"' has "//trim(merge('an empty name', &
+               'a name twice ', len(name) == 0)))
+            return
+         end if
+         seen = seen//name//','
          set = find_set(mesh%node_sets, name)
          if (set > 0) is_met(mesh%node_sets(set)%node) = .true.
          if (set == 0 .or. find_set(mesh%sets, name) > 0) then

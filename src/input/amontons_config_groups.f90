@@ -378,7 +378,7 @@ contains
       call visitor%require(size(poisson) == size(young), 'poisson', 'poisson must have as many numbers as young')
       call visitor%require(size(expansion) == 1 .or. size(expansion) == size(young), 'expansion', &
          'expansion must be one number, or as many as young has')
-      call visitor%require(material%shear > 0.0_dp .or. .not. is_orthotropic, 'young', &
+      call visitor%require(visitor%has('shear') .or. .not. is_orthotropic, 'young', &
          'three numbers in young need shear')
       call visitor%require(material%formulation /= 'b-bar' .or. .not. is_orthotropic, 'formulation', &
          "formulation must not be 'b-bar' with an orthotropic material")

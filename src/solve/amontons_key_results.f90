@@ -353,10 +353,11 @@ contains
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: displacement !! largest displacement that is known [L]
       type(quantity_t), allocatable :: list(:)
-      real(dp) :: area(size(status)), scale
+      real(dp) :: area(size(status)), scale, extent
       integer :: i, m
 
       m = size(status)
+      scale = displacement
       allocate (list(merge(3, 0, m > 0)))
       if (m == 0) return
       associate (zone => body%zone)
@@ -365,9 +366,12 @@ contains
          list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &
             list(1)%value, 'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
-         scale = max(displacement, maxval([0.0_dp, abs(force)/[area, (area, i=1, &
-            zone%n_tangents)]])/maxval(body%materials%list%young(1)) &
-            *maxval([0.0_dp, maxval(zone%position, dim=2) - minval(zone%position, dim=2)]))
+         extent = max(maxval(zone%position(1, :)) - minval(zone%position(1, :)), &
+            maxval(zone%position(2, :)) - minval(zone%position(2, :)))
+         extent = extent/maxval(body%materials%list%young(1))
+         do i = 0, zone%n_tangents
+            scale = max(scale, maxval(abs(force(i*m + 1:i*m + m))/area)*extent)
+         end do
          list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(slip, m), 0.0_dp, &
             status /= open_point .and. .not. zone%is_shear_fixed), zone%position, scale, 'L')
       end associate
@@ -555,13 +559,13 @@ contains
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! status of each point (m)
-      integer, intent(in), optional :: set !! the contact set to measure; all of them without it
+      integer, intent(in), optional :: set !! the contact set to measure; all of them without it, or with 0
       real(dp) :: length
       integer :: p, ends(2)
 
       do p = 1, zone%n_points
          if (present(set)) then
-            if (zone%set(p) /= set) cycle
+            if (set > 0 .and. zone%set(p) /= set) cycle
          end if
          ends = p
          if (zone%is_cell(p)) then

@@ -311,7 +311,7 @@ contains
       end if
       way = maxval(abs(solution%displacement))
       if (.not. way > far*max(solver%size_of_body, problem%prescribed)) return
-      rounding = epsilon(rounding)*maxval(problem%augmentation()*abs(solution%displacement))
+      rounding = epsilon(rounding)*maxval(problem%matrix%augmentation*abs(solution%displacement))
       forces = max(maxval(abs(problem%load)), maxval(abs(solution%force)))
       if (.not. rounding > no_digit*forces) return
       !$omp critical (texts_of_solver)
@@ -518,7 +518,7 @@ contains
          held = problem
          held%matrix => matrix
          do i = 1, size(spins, 2)
-            call matrix%add_motion(weak(trial)*maxval(problem%augmentation()), motions(:, i))
+            call matrix%add_motion(weak(trial)*maxval(problem%matrix%augmentation), motions(:, i))
          end do
          call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
          call solve_components(method, held, found, error)

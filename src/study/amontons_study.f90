@@ -284,8 +284,8 @@ contains
       if (estimate%n_ranks > 1) text = text//' on each of '//to_text(estimate%n_ranks)//' ranks at most'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
-      size_text = to_text(cache%body%mesh%n_nodes)//' nodes, '//to_text(cache%body%mesh%n_elements)//' elements, '// &
-         to_text(cache%body%dof_map%n_dofs)//' unknowns, '//to_text(cache%body%zone%n_points)//' contact points'
+      size_text = counted(cache%body%mesh%n_nodes, 'node')//', '//counted(cache%body%mesh%n_elements, 'element')// &
+         ', '//counted(cache%body%dof_map%n_dofs, 'unknown')//', '//counted(cache%body%zone%n_points, 'contact point')
       if (config%accuracy%n_refinements > 0) size_text = size_text//', on the finest of '// &
          to_text(config%accuracy%n_refinements + 1)//' meshes'
       outcome%text = config%name//': deck OK; '//size_text//cases//'; '//text

@@ -14,7 +14,7 @@ module amontons_verify_history
    use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
    use amontons_history, only: is_shown
-   use amontons_history_files, only: a_force, a_length, an_energy, history_row, history_table_t, history_tables, &
+   use amontons_history_files, only: a_force, a_length, an_energy, history_table_t, history_tables, &
       n_kinds, number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
@@ -106,7 +106,7 @@ contains
                         table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
                      end do
                   end do
-                  stiffness = sum(cache%problem%augmentation())
+                  stiffness = sum(cache%problem%matrix%augmentation)
                   if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), &
                      table%largest(a_force)/stiffness)
                end if
@@ -186,7 +186,8 @@ contains
                call stepping%accept(again%model, next)
                call again%result%record_step(cache%body, again%model)
                call again%indicator%update(numbers(4), stepping%n_steps)
-               call compare_rows(case, steps, history_row(again%model, cache%body, stepping%n_steps, next), row)
+               call compare_rows(case, steps, table_rows(steps%history_table_t, again%model, cache%body, &
+                  stepping), row)
             end if
             call case%fault(steps%ending//':'//to_text(row + 1), fault)
          end associate
@@ -289,7 +290,7 @@ contains
       limit = certificate_limit(again%model%solver%method%tolerance)
       largest_force = again%tables(1)%largest(a_force)
       scales%force = limit*max(largest_force/cache%problem%n_points, maxval(abs(state%solution%force)))
-      scales%length = limit*max(largest_force/sum(cache%problem%augmentation()), &
+      scales%length = limit*max(largest_force/sum(cache%problem%matrix%augmentation), &
          maxval(abs(state%solution%displacement)))
       if (hovers(state, cache%body, scales)) scales%length = huge(scales%length)
    end function scales_of

@@ -93,6 +93,9 @@ class Orthotropic(ProgramTest):
                 self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, material=material))
                 run = self.run_program("--check", "case.nml", status=1)
                 self.assertRegex(run.stderr, rf"^case\.nml:2: {message}")
+        self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, material=WOOD.replace("5e3", "-5e3")))
+        run = self.run_program("--check", "case.nml", status=1)
+        self.assertEqual(run.stderr, "case.nml:2: shear must be above 0, found -5000.0\n")
 
 
 if __name__ == "__main__":

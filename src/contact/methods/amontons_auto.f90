@@ -261,7 +261,7 @@ contains
       is_dual = .not. problem%matrix%has_stiffness()
       if (.not. is_dual) call problem%matrix%copy_stiffness(matrix, error)
       if (allocated(error)) return
-      rho = problem%augmentation()
+      rho = problem%matrix%augmentation
       if (is_dual) call solution%measure(problem)
       best = solution
       found = solution

@@ -133,7 +133,7 @@ contains
       real(dp), parameter :: travels = 2.0_dp, least_in_forces = 1.0e-5_dp, least_of_loose_body = 1.0e-9_dp
 
       call solution%reset()
-      rho = problem%augmentation()
+      rho = problem%matrix%augmentation
       scale = problem%force_scale()
       displacement = solution%displacement
       force = solution%force
@@ -226,7 +226,7 @@ contains
 
       if (problem%matrix%is_held) return
       m = problem%n_points
-      rho = problem%augmentation()
+      rho = problem%matrix%augmentation
       step = displacement - before
       if (.not. any(rho*abs(step) > longest*m*scale)) return
       call problem%matrix%multiply_stiffness(before, drive)
@@ -648,7 +648,7 @@ contains
 
       m = problem%n_points
       call solution%reset()
-      rho = problem%augmentation()
+      rho = problem%matrix%augmentation
       scale = problem%force_scale()
       no_force = 0.0_dp
       call active_set%assume_stick(problem, rho, scale)

@@ -106,7 +106,7 @@ contains
             place = center%place
             accuracy = half_step_part*self%tolerance*problem%force_scale(force)
             ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
-            if (is_refining) accuracy = accuracy*minval(a%reciprocal_diagonal()/problem%augmentation())
+            if (is_refining) accuracy = accuracy*minval(a%reciprocal_diagonal()/problem%matrix%augmentation)
             if (.not. is_exact) b = problem%dual_load(center%place)
             call half_steps(self, problem, displacement - problem%reference(), accuracy, b, printed, force, &
                solution%effort, error)

@@ -87,6 +87,8 @@ module amontons_body
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (n_rows, motions) [-]
+      real(dp), allocatable :: travel(:, :)
+         !! orthonormal displacements of the contact points, of which these are combinations (n_rows, any) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_rotation_strained = .false. !! whether a free rotation strains bonded pieces, from `strains_ties`
@@ -515,7 +517,7 @@ contains
 
       call find_motions(body%motions, body, body%constraints, body%springs, bonds_of(body%ties, body%constraints))
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates)
-      body%common_motions = common_motions(body%rigid_modes)
+      call find_travel(body%travel, body%common_motions, body%rigid_modes)
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
@@ -817,21 +819,25 @@ contains
       end do
    end subroutine find_rigid_modes
 
-   !> Combinations of the free motions of all pieces that leave all contact points at rest (motions, any) [-].
-   function common_motions(modes) result(amounts)
+   !> Finds what contact points notice of the free motions of all pieces, and which combinations none of them does.
+   subroutine find_travel(travel, unnoticed, modes)
+      real(dp), allocatable, intent(out) :: travel(:, :) !! orthonormal displacements of the points (n_rows, any) [-]
+      real(dp), allocatable, intent(out) :: unnoticed(:, :) !! amounts of the motions (motions, any) [-]
       real(dp), intent(in) :: modes(:, :) !! displacements of the points under each motion, from `find_rigid_modes`
-      real(dp), allocatable :: amounts(:, :)
       ! Squares of displacements have half of the digits, and meshes of curves meet to a few. A motion moves the points
       ! of the body by about 1.
       real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp) :: values(size(modes, 2))
-      integer :: info
+      integer :: info, n
 
-      amounts = matmul(transpose(modes), modes)
-      if (size(amounts) == 0) return
-      call symmetric_eigenvectors(amounts, values, info)
-      amounts = amounts(:, :count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1))))
-   end function common_motions
+      unnoticed = matmul(transpose(modes), modes)
+      travel = modes
+      if (size(values) == 0) return
+      call symmetric_eigenvectors(unnoticed, values, info)
+      n = count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1)))
+      travel = matmul(modes, unnoticed(:, n + 1:))/spread(sqrt(values(n + 1:)), 1, size(modes, 1))
+      unnoticed = unnoticed(:, :n)
+   end subroutine find_travel
 
    !> Text describing a combination of the free motions of some pieces by that of the piece that moves most; of amounts
    !> that differ by rounding only, the first counts.

@@ -37,7 +37,10 @@ contains
 
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      call fit(motion, body, aim, counts, much)
+      motion = 0.0_dp*aim
+      if (size(body%rigid_modes, 2) > 0) motion = matmul(body%rigid_modes, least_squares_amounts( &
+         merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim))
+      if (.not. is_close(merge(motion, 0.0_dp, counts), aim, much, body)) motion = 0.0_dp
       associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
          if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
             motion = merge(aim, motion, counts .and. &
@@ -120,7 +123,8 @@ contains
       real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (n_rows) [L]
       real(dp), parameter :: much = 0.01_dp
 
-      call fit(motion, body, displacement, spread(.true., 1, size(displacement)), much)
+      motion = matmul(body%travel, matmul(displacement, body%travel))
+      if (.not. is_close(motion, displacement, much, body)) motion = 0.0_dp
    end subroutine fit_travel
 
    !> Computes the displacements of all nodes from the solution of the contact problem. The free rigid motion in it is
@@ -193,24 +197,18 @@ contains
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 
-   !> Finds the free rigid motion closest to a target by least squares; 0 if the remainder is more than a given share of
-   !> the target, and more than rounding.
-   subroutine fit(motion, body, aim, counts, much)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (n_rows) [L]
-      logical, intent(in) :: counts(:) !! whether they count (n_rows)
+   !> Whether the remainder of a fit is at most a given share of the target, or rounding alone.
+   pure logical function is_close(motion, aim, much, body)
+      real(dp), intent(in) :: motion(:) !! displacements of the points (n_rows) [L]
+      real(dp), intent(in) :: aim(:) !! displacements to come close to (n_rows) [L]
       real(dp), intent(in) :: much !! largest remainder, over the target [-]
+      type(body_t), intent(in) :: body !! the body
       real(dp) :: left
 
-      allocate (motion(size(aim)), source=0.0_dp)
-      associate (modes => body%rigid_modes)
-         if (size(modes, 2) == 0) return
-         motion = matmul(modes, least_squares_amounts(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
-      end associate
-      left = maxval(abs(aim - motion), mask=counts)
-      if (left > max(much*maxval(abs(aim)), rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
-   end subroutine fit
+      left = maxval(abs(aim - motion))
+      is_close = left <= much*maxval(abs(aim))
+      if (.not. is_close) is_close = left <= rounding*maxval(abs(body%zone%position))
+   end function is_close
 
    !> The displacements of loose pieces without loads, including those that no motion of the piece changes (n_rows).
    pure function is_unloaded(modes, load, n_points)

@@ -323,14 +323,17 @@ contains
       type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (2m, 2m)
       integer, intent(out) :: part(:) !! number of the part of each point (m)
       integer, intent(out) :: n_parts !! number of parts
-      integer, allocatable :: rows(:)
       integer :: reached(size(part)), n_reached, n_followed, first, column, point, i, m
+      integer :: begin, last
+      real(dp) :: entry
 
       m = size(part)
       part = 0
       n_parts = 0
       n_reached = 0
       n_followed = 0
+      begin = 1
+      last = matrix%n
       do first = 1, m
          if (part(first) > 0) cycle
          n_parts = n_parts + 1
@@ -341,15 +344,18 @@ contains
             n_followed = n_followed + 1
             do column = reached(n_followed), matrix%n, m
                if (matrix%is_sparse()) then
-                  associate (begin => matrix%first(column), last => matrix%first(column + 1) - 1)
-                     rows = pack(matrix%row(begin:last), abs(matrix%entry(begin:last)) > 0.0_dp)
-                  end associate
-               else
-                  rows = pack([(i, i=1, matrix%n)], abs(matrix%values(:, column)) > 0.0_dp)
+                  begin = matrix%first(column)
+                  last = matrix%first(column + 1) - 1
                end if
-               do i = 1, size(rows)
-                  point = 1 + mod(rows(i) - 1, m)
-                  if (part(point) > 0) cycle
+               do i = begin, last
+                  if (matrix%is_sparse()) then
+                     point = 1 + mod(matrix%row(i) - 1, m)
+                     entry = matrix%entry(i)
+                  else
+                     point = 1 + mod(i - 1, m)
+                     entry = matrix%values(i, column)
+                  end if
+                  if (part(point) > 0 .or. .not. abs(entry) > 0.0_dp) cycle
                   part(point) = n_parts
                   n_reached = n_reached + 1
                   reached(n_reached) = point

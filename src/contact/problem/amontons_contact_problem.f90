@@ -42,7 +42,6 @@ module amontons_contact_problem
       real(dp) :: rounding = 0.0_dp
          !! largest force that S gives a point under a rigid motion of a loose body, over its largest displacement [F/L]
    contains
-      procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
       procedure :: count_from => contact_problem_count_from
       procedure :: cut => contact_problem_cut
@@ -110,14 +109,6 @@ contains
          allocate (problem%gap(m), problem%anchor(matrix%n - m), problem%slip_bound(m), source=0.0_dp)
       end associate
    end subroutine new_reduced_problem
-
-   !> The stiffness rho that turns displacements into forces in the contact law (n) [F/L].
-   pure function contact_problem_augmentation(self) result(rho)
-      class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), allocatable :: rho(:)
-
-      allocate (rho, source=self%matrix%augmentation)
-   end function contact_problem_augmentation
 
    !> Changes the origin of the displacements, v = c + w: S w = q - S c - lambda. Small displacements w keep their
    !> digits beside a large c.
@@ -227,16 +218,14 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
-      real(dp) :: rho(self%matrix%n)
 
-      rho = self%augmentation()
       scale = largest_acting_force(self, contact_force, displacement)
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
-         scale = max(scale, rounding_share*self%largest(rho*displacement))
+         scale = max(scale, rounding_share*self%largest(self%matrix%augmentation*displacement))
       end if
       if (scale > 0.0_dp) return
-      scale = minval(rho(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
+      scale = minval(self%matrix%augmentation(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
       if (.not. any(self%gap > 0.0_dp)) scale = 1.0_dp
    end function contact_problem_force_scale
 
@@ -261,7 +250,7 @@ contains
 
       uncanceled = 0.0_dp
       if (.not. self%matrix%has_stiffness()) then
-         force = self%augmentation()*self%dual_load(self%free_displacement)
+         force = self%matrix%augmentation*self%dual_load(self%free_displacement)
       else
          held = [min(0.0_dp, self%gap), self%anchor]
          force = self%load
@@ -269,7 +258,7 @@ contains
             call self%matrix%multiply_stiffness(held, force)
             force = self%load - force
          end if
-         uncanceled = maxval(self%augmentation())*(self%prescribed + self%largest(held))
+         uncanceled = maxval(self%matrix%augmentation)*(self%prescribed + self%largest(held))
       end if
       scale = self%largest(force)
       if (scale <= rounding*uncanceled) scale = rounding_share*uncanceled
@@ -280,7 +269,7 @@ contains
       end if
       if (present(contact_force) .and. present(displacement) .and. &
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
-         uncanceled = maxval(self%augmentation())*self%prescribed
+         uncanceled = maxval(self%matrix%augmentation)*self%prescribed
          if (self%largest(displacement) <= far*self%prescribed .and. self%largest(contact_force) <= &
             pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled, &
             self%rounding/least_residual*self%largest(displacement))
@@ -299,7 +288,7 @@ contains
       if (self%matrix%has_stiffness()) return
       length = self%largest(self%dual_load(self%free_displacement))
       if (.not. length > 0.0_dp) return
-      rho = self%augmentation()
+      rho = self%matrix%augmentation
       associate (m => self%n_points)
          weight = max(1.0_dp, self%force_scale()/(length*min(rho(:m), rho(m + 1:2*m))))
       end associate
@@ -317,7 +306,7 @@ contains
 
       if (.not. self%matrix%has_stiffness()) then
          call self%matrix%compliance%multiply(force, imbalance)
-         imbalance = [(self%weight(), i=0, self%matrix%n_tangents)]*self%augmentation()*(imbalance &
+         imbalance = [(self%weight(), i=0, self%matrix%n_tangents)]*self%matrix%augmentation*(imbalance &
             - self%free_displacement + displacement)
       else
          call self%matrix%multiply_stiffness(displacement, imbalance)
@@ -339,7 +328,7 @@ contains
       integer :: m
 
       m = self%n_points
-      rho = self%augmentation()
+      rho = self%matrix%augmentation
       if (self%matrix%n_tangents == 2) then
          associate (slip => displacement(m + 1:) - self%anchor)
             at_points = max(abs(min(force(:m), rho(:m)*(self%gap - displacement(:m)))), disc_violation( &
@@ -362,7 +351,7 @@ contains
       integer :: m
 
       m = self%n_points
-      augmented = force + self%augmentation()*(displacement - self%reference())
+      augmented = force + self%matrix%augmentation*(displacement - self%reference())
       if (self%matrix%n_tangents == 1) then
          status = contact_status(augmented(:m), augmented(m + 1:), self%friction, self%slip_bound)
       else

@@ -85,8 +85,7 @@ contains
       end if
       ! Rows whose diagonal is not positive are scaled by its largest entry, or by 1 if that is not positive.
       unit = [(relation%matrix(i, i), i=1, size(unit))]
-      if (problem%matrix%n_tangents == 2) unit = merge(1.0_dp/problem%augmentation(), problem%augmentation(), &
-         relation%is_dual)
+      if (problem%matrix%n_tangents == 2) unit = problem%matrix%augmentation**merge(-1, 1, relation%is_dual)
       if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
       unit = sqrt(merge(unit, maxval(unit), unit > 0.0_dp))
       amount = maxval(abs(relation%vector/unit))

@@ -12,24 +12,23 @@ module amontons_history_files
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: status_names, tangential_norm
    use amontons_history, only: history_t, is_shown
-   use amontons_history_model, only: history_model_t, step_state_t
+   use amontons_history_model, only: history_model_t, new_step_state, step_state_t
    use amontons_input_file, only: read_text_file
    use amontons_key_results, only: lengths_t, new_lengths, wear_results
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
-   use amontons_named_forces, only: named_quantities
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_quantity, only: quantity_t
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
    use amontons_text, only: as_lines, comma_separated, line_end, longest_decimal, newline, put_decimals, put_integer, &
-      read_reals, to_text
+      read_reals, replaced, to_text
    use amontons_time_stepping, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names, time_stepping_t
    use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_row, history_table_t, history_tables, open_history_files, read_start, &
+   public :: history_files_t, history_table_t, history_tables, open_history_files, read_start, &
       step_numbers, table_rows
 
    !> Content of a table: the steps.
@@ -67,8 +66,12 @@ module amontons_history_files
       character(:), allocatable :: ending !! suffix of its file name, after the name of the case
       character(:), allocatable :: header !! its first lines
       integer, allocatable :: kinds(:) !! kind of each column; `number_alone` for words
+      real(dp), allocatable, private :: row(:)
+         !! numbers of a row, and room for more; where it is allocated, columns leave their numbers, not their names
+      integer, private :: n = 0 !! number of numbers of the row
    contains
       procedure, private :: add => history_table_add
+      procedure, private :: add_quantities => history_table_add_quantities
    end type history_table_t
 
    !> The files of a history, under temporary names until the history is reported.
@@ -116,6 +119,7 @@ contains
          'added_gap', 'wear_depth']
       ! Which of these a twisted body has around the axis, too.
       integer, parameter :: directed(*) = [3, 5, 6]
+      type(step_state_t) :: rest
       integer, allocatable :: contents(:)
       integer :: axis, i, k, p
 
@@ -130,7 +134,11 @@ contains
             allocate (tables(i)%kinds(0))
             select case (contents(i))
             case (of_steps)
-               call describe_steps(tables(i), model, body)
+               call new_step_state(rest, model, body)
+               rest%instant%numbers = spread(0.0_dp, 1, 3*size(history%steps))
+               call tables(i)%add('step', number_alone)
+               call add_step(tables(i), model, body, rest)
+               call tables(i)%add('iterations,statuses', number_alone)
             case (of_points)
                call tables(i)%add('step,'//history%name//',point', number_alone)
                call tables(i)%add('x,y,area', own_scale)
@@ -184,18 +192,46 @@ contains
    end subroutine history_tables
 
    !> Adds columns of a kind.
-   pure subroutine history_table_add(self, names, kind)
+   pure subroutine history_table_add(self, names, kind, values, number)
       class(history_table_t), intent(inout) :: self !! the table
       character(*), intent(in) :: names !! names of the columns, commas between them; or a single one in quotes
       integer, intent(in) :: kind !! their kind
+      real(dp), intent(in), optional :: values(:) !! their numbers in a row
+      integer, intent(in), optional :: number !! suffix of all names, after a `_`; none with 0
+      character(:), allocatable :: all
       integer :: i, n
 
+      if (allocated(self%row) .and. present(values)) then
+         self%row(self%n + 1:self%n + size(values)) = values
+         self%n = self%n + size(values)
+         return
+      end if
       n = 1
       if (index(names, '"') /= 1) n = 1 + count([(names(i:i) == ',', i=1, len(names))])
+      all = names
+      if (present(number)) then
+         if (number > 0) all = replaced(names, ',', '_'//to_text(number)//',')//'_'//to_text(number)
+      end if
       if (len(self%header) > 0) self%header = self%header//','
-      self%header = self%header//names
+      self%header = self%header//all
       self%kinds = [self%kinds, spread(kind, 1, n)]
    end subroutine history_table_add
+
+   !> Adds a column for each of some quantities.
+   pure subroutine history_table_add_quantities(self, quantities, values)
+      class(history_table_t), intent(inout) :: self !! the table
+      type(quantity_t), intent(in) :: quantities(:) !! the quantities, for their names and dimensions
+      real(dp), intent(in) :: values(:) !! their numbers in a row
+      character(3), parameter :: dimensions(*) = [character(3) :: '', 'L', 'F', 'F L', 'L^3']
+      integer, parameter :: kinds(*) = [number_alone, a_length, a_force, a_moment, own_scale]
+      integer :: i
+
+      if (allocated(self%row)) call self%add('', number_alone, values)
+      do i = 1, merge(0, size(quantities), allocated(self%row))
+         call self%add(field(trim(quantities(i)%key)), &
+            kinds(findloc(dimensions == quantities(i)%dimension, .true., dim=1)))
+      end do
+   end subroutine history_table_add_quantities
 
    !=history.csv `step` | – | number of the step, from 1
    !=history.csv `time` | – | the pseudo-time at its end; called as `name` of `&history` says
@@ -223,57 +259,60 @@ contains
    !=   each contact set or pair by name has lost
    !=history.csv `iterations` | – | of the step
    !=history.csv `statuses` | – | along the contact lines as run lengths, as in a [sweep](#namesweepcsv)
-   !> Describes the table of the steps, in the order of `history_row`.
-   pure subroutine describe_steps(table, model, body)
+   !> Adds the columns of a step between its number and its iterations.
+   pure subroutine add_step(table, model, body, state)
       type(history_table_t), intent(inout) :: table !! the table
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(quantity_t), allocatable :: named(:)
-      character(:), allocatable :: set
-      character(3), parameter :: dimensions(*) = [character(3) :: '', 'L', 'F', 'F L']
-      integer, parameter :: kinds(*) = [number_alone, a_length, a_force, a_moment]
-      integer :: i, k
+      type(step_state_t), intent(in) :: state !! the state at the end of the step, or at rest
+      type(quantity_t), allocatable :: worn(:)
+      integer :: i, k, n
 
-      call table%add('step,'//model%history%name, number_alone)
+      call table%add(model%history%name, number_alone, [state%instant%time])
+      n = 0
       do i = 1, size(model%history%steps)
          do k = 1, model%history%steps(i)%n_numbers()
-            call table%add(field(model%history%steps(i)%label(k)), number_alone)
+            n = n + 1
+            call table%add(field(model%history%steps(i)%label(k)), number_alone, state%instant%numbers(n:n))
          end do
       end do
-      call table%add('open_length,slip_length,stick_length', number_alone)
-      call table%add('normal_force,tangential_force', a_force)
-      call table%add('work_loads,work_supports,work_obstacles,strain_energy', an_energy)
-      call table%add('dissipation_step,dissipation,closing_loss', an_energy)
-      call table%add('step_indicator', number_alone)
-      call table%add('energy_error', an_energy)
-      call table%add('max_slip_step,max_slip_accumulated', a_length)
-      call table%add('residual', number_alone)
-      do i = 1, several(size(body%zone%pairs))
-         set = '_'//to_text(i)
-         call table%add('open_length'//set//',slip_length'//set//',stick_length'//set, number_alone)
-         call table%add('normal_force'//set//',tangential_force'//set, a_force)
+      call add_contact_set(table, body, state, 0)
+      call table%add('work_loads,work_supports,work_obstacles,strain_energy,dissipation_step,dissipation,'// &
+         'closing_loss', an_energy, [state%load_work, state%support_work, state%obstacle_work, state%strain_energy, &
+         state%step_dissipation, sum(state%dissipation), state%closing_loss])
+      call table%add('step_indicator', number_alone, [state%indicator])
+      call table%add('energy_error', an_energy, [state%energy_error()])
+      call table%add('max_slip_step,max_slip_accumulated', a_length, max(0.0_dp, [maxval(tangential_norm(state%slip, &
+         size(state%worn))), maxval(state%accumulated_slip)]))
+      call table%add('residual', number_alone, [state%solution%residual])
+      ! A single contact set has the numbers of all.
+      do i = 1, merge(size(body%zone%pairs), 0, size(body%zone%pairs) > 1)
+         call add_contact_set(table, body, state, i)
       end do
-      do i = 1, model%history%n_probes()
-         call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
-         if (body%zone%n_tangents == 2) call table%add('utheta_'//to_text(i), a_length)
-      end do
-      named = named_quantities(body)
-      do i = 1, size(named)
-         call table%add(field(trim(named(i)%key)), kinds(findloc(dimensions == named(i)%dimension, .true., dim=1)))
-      end do
-      named = wear_results(body, model%solver%loads%base%contacts, spread(0.0_dp, 1, body%zone%n_points))
-      do i = 1, size(named)
-         call table%add(field(trim(named(i)%key)), merge(a_length, own_scale, named(i)%dimension == 'L'))
-      end do
-      call table%add('iterations,statuses', number_alone)
-   end subroutine describe_steps
+      call table%add_quantities(model%probe_names, model%probed(state%instant%factor, state%solution%displacement))
+      call table%add_quantities(model%named, state%named)
+      worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
+      call table%add_quantities(worn, worn%value)
+   end subroutine add_step
 
-   !> Number of contact sets with columns of their own: none if there is one set, whose numbers are those of all.
-   pure integer function several(n_sets)
-      integer, intent(in) :: n_sets !! number of contact sets
+   !> Adds zone lengths and sums of contact forces of all contact sets, or of one.
+   pure subroutine add_contact_set(table, body, state, set)
+      type(history_table_t), intent(inout) :: table !! the table
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state at the end of a step, or at rest
+      integer, intent(in) :: set !! number of the contact set; 0 for all
+      logical :: is_meant(body%zone%n_points)
+      type(lengths_t) :: lengths
 
-      several = merge(n_sets, 0, n_sets > 1)
-   end function several
+      is_meant = set == 0 .or. body%zone%set == set
+      call new_lengths(lengths, body%zone, state%solution%status, set)
+      call table%add('open_length,slip_length,stick_length', number_alone, [lengths%open, lengths%slip, &
+         lengths%stick], set)
+      associate (force => state%solution%force, m => body%zone%n_points)
+         call table%add('normal_force,tangential_force', a_force, [sum(force(:m), mask=is_meant), &
+            sum(force(m + 1:2*m), mask=is_meant)], set)
+      end associate
+   end subroutine add_contact_set
 
    !> The rows that the last step adds to a table; empty for that of the grids.
    function table_rows(table, model, body, stepping) result(rows)
@@ -281,13 +320,15 @@ contains
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
-      character(:), allocatable :: rows
+      character(:), allocatable :: rows, runs
       real(dp), allocatable :: numbers(:)
 
       rows = ''
       select case (table%content)
       case (of_steps)
-         rows = history_row(model, body, stepping%n_steps, stepping%state)
+         call status_runs(runs, stepping%state%solution%status, body%zone%set)
+         rows = to_text(stepping%n_steps)//','//comma_separated(step_numbers(table, model, body, stepping%state))// &
+            ','//to_text(stepping%state%solution%n_iterations)//','//runs//newline
       case (of_points)
          if (is_shown(stepping%n_steps, model%history%points_every)) rows = points_rows(model, body, stepping)
       case (of_states)
@@ -307,58 +348,18 @@ contains
    end function table_rows
 
    !> The numbers of a step in its row, between step number and iterations.
-   pure function step_numbers(model, body, state) result(numbers)
+   pure function step_numbers(table, model, body, state) result(numbers)
+      type(history_table_t), intent(in) :: table !! the table of the steps
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at its end
       real(dp), allocatable :: numbers(:)
-      type(quantity_t), allocatable :: worn(:)
-      integer :: i
+      type(history_table_t) :: again
 
-      numbers = [state%instant%time, state%instant%numbers, contact_set_numbers(body, state), state%load_work, &
-         state%support_work, state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
-         state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(tangential_norm( &
-         state%slip, size(state%worn)))), &
-         max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual]
-      do i = 1, several(size(body%zone%pairs))
-         numbers = [numbers, contact_set_numbers(body, state, i)]
-      end do
-      worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
-      numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement), state%named, worn%value]
+      allocate (again%row(size(table%kinds)))
+      call add_step(again, model, body, state)
+      numbers = again%row(:again%n)
    end function step_numbers
-
-   !> Zone lengths and sums of contact forces of all contact sets, or of one: open, slip, stick, normal, tangential (5)
-   !> [L], [F].
-   pure function contact_set_numbers(body, state, set) result(numbers)
-      type(body_t), intent(in) :: body !! the body
-      type(step_state_t), intent(in) :: state !! the state at the end of a step
-      integer, intent(in), optional :: set !! the contact set
-      integer, parameter :: n_numbers = 5
-      real(dp) :: numbers(n_numbers)
-      logical :: is_meant(body%zone%n_points)
-      type(lengths_t) :: lengths
-
-      is_meant = .true.
-      if (present(set)) is_meant = body%zone%set == set
-      call new_lengths(lengths, body%zone, state%solution%status, set)
-      associate (force => state%solution%force, m => body%zone%n_points)
-         numbers = [lengths%open, lengths%slip, lengths%stick, sum(force(:m), mask=is_meant), &
-            sum(force(m + 1:2*m), mask=is_meant)]
-      end associate
-   end function contact_set_numbers
-
-   !> The row of a step.
-   pure function history_row(model, body, number, state) result(row)
-      type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the step
-      type(step_state_t), intent(in) :: state !! the state at its end
-      character(:), allocatable :: row, runs
-
-      call status_runs(runs, state%solution%status, body%zone%set)
-      row = to_text(number)//','//comma_separated(step_numbers(model, body, state))//','// &
-         to_text(state%solution%n_iterations)//','//runs//newline
-   end function history_row
 
    !=points.csv `step`, `time`, `point` | – | number and pseudo-time of the step, number of the point
    !=points.csv `area` | L² | area that the point stands for: its length times the thickness, or all around the axis

@@ -22,7 +22,9 @@ module amontons_history_model
    use amontons_load_case, only: condensed_force, load_case_t
    use amontons_load_family, only: acting_t, obstacle_motion_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
-   use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_tests, new_force_form
+   use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
+      new_force_form
+   use amontons_quantity, only: quantity_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
@@ -60,6 +62,8 @@ module amontons_history_model
       type(surface_stress_t), allocatable :: surface !! stresses of the surface, where they are asked for
       real(dp), allocatable :: cycle_times(:) !! times at which cycles begin and end, ascending; none without cycles [-]
       integer, allocatable :: probe(:) !! nodes whose displacements are followed
+      type(quantity_t), allocatable :: probe_names(:) !! names of these displacements, in the order of `probed`
+      type(quantity_t), allocatable :: named(:) !! names of the forces by name, and of driven motions
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (n_rows, any)
       real(dp), allocatable :: wear(:) !! depth that each point loses per normal force and slip (m) [1/F]
       logical, allocatable :: is_slip_fixed(:) !! whether a support holds each point along its tangents (n_rows - m)
@@ -184,6 +188,7 @@ contains
       type(load_case_t), intent(in) :: prepared !! the load case of the deck, without factors
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
+      character(6), parameter :: displacements(3) = [character(6) :: 'ux', 'uy', 'utheta']
       type(parting_t) :: parting
       integer :: i, k
 
@@ -224,6 +229,15 @@ contains
       model%cycle_times = model%history%cycle_ends()
       call find_probes(model%probe, model%history, body, error)
       if (.not. allocated(error)) call condense_history(model, body, problem, error)
+      if (allocated(error)) return
+      model%named = named_quantities(body)
+      allocate (model%probe_names(size(model%probe_row, 2)))
+      do i = 1, size(model%probe_names)
+         associate (name => model%probe_names(i), n => 1 + body%zone%n_tangents)
+            name%key = trim(displacements(1 + modulo(i - 1, n)))//'_'//to_text(1 + (i - 1)/n)
+            name = quantity_t(name%key, name%key, dimension='L')
+         end associate
+      end do
    end subroutine new_history_model
 
    !> Condenses the parts, and computes the data of energies, probes and surface stresses.
@@ -425,6 +439,7 @@ contains
       allocate (state%accumulated_slip(m), state%dissipation(m), state%worn(m), state%wear_depth(m), &
          state%instant%added_gap(m), source=0.0_dp)
       state%reaction = state%instant%factor
+      state%named = spread(0.0_dp, 1, size(model%named))
       allocate (state%lock(size(body%lockable)), source=huge(1.0_dp))
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, state%instant%gap)
@@ -631,7 +646,7 @@ contains
       after%worn = before%worn + mean_force(:m)*way
       after%wear_depth = before%wear_depth + model%wear*mean_force(:m)*way
       if (any(model%wear > 0.0_dp)) then
-         stiffness = problem%augmentation()
+         stiffness = problem%matrix%augmentation
          after%wear_feedback = max(0.0_dp, maxval(model%wear*way*stiffness(:m), mask=mean_force(:m) > 0.0_dp))
       end if
       after%load_work = before%load_work + load_work
@@ -641,7 +656,7 @@ contains
          before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
          - before%solution%displacement(:m))
       ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
-      energies = max(rounding*maxval([problem%augmentation(), 0.0_dp])*max(0.0_dp, &
+      energies = max(rounding*maxval([problem%matrix%augmentation, 0.0_dp])*max(0.0_dp, &
          maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies

@@ -13,7 +13,6 @@ module amontons_history_study
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
    use amontons_model_warnings, only: add_history_warnings
-   use amontons_named_forces, only: named_quantities
    use amontons_quantity, only: quantity_t
    use amontons_refined_meshes, only: judge_meshes, refined_quantities
    use amontons_report, only: member, study_files_t, write_report
@@ -315,7 +314,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(history_model_t), intent(in) :: model !! the history
       type(lengths_t) :: lengths
-      type(quantity_t), allocatable :: contact(:)
+      type(quantity_t), allocatable :: peaks(:)
       real(dp), allocatable :: numbers(:)
       logical :: is_warned(n_case_warnings)
 
@@ -323,11 +322,12 @@ contains
          if (stepping%is_jump) self%n_jumps = self%n_jumps + 1
          call self%worst%update([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
             merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
-         contact = contact_numbers(body, state)
-         numbers = [contact%value, model%probed(state%instant%factor, state%solution%displacement), state%named]
+         peaks = state_peaks(body, state)
+         numbers = [peaks%value, sum(state%solution%force(:m)), sum(state%solution%force(m + 1:2*m)), &
+            model%probed(state%instant%factor, state%solution%displacement), state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
-         self%extremes = reshape([min(self%extremes(:, 1), numbers), max(self%extremes(:, 2), numbers)], &
-            [size(numbers), 2])
+         self%extremes(:, 1) = min(self%extremes(:, 1), numbers)
+         self%extremes(:, 2) = max(self%extremes(:, 2), numbers)
          call find_case_warnings(is_warned, body, model%solver%size_of_body, &
             model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
          where (is_warned .and. self%n_warned == 0) self%warned_step = stepping%n_steps
@@ -344,6 +344,17 @@ contains
       end associate
    end subroutine history_result_record_step
 
+   !> The largest pressure, shear and slip of all contact sets in a state. The slip is the one since rest, on the
+   !> obstacle.
+   pure function state_peaks(body, state) result(list)
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state
+      type(quantity_t), allocatable :: list(:)
+
+      list = contact_peaks(body, state%solution%displacement(body%zone%n_points + 1:) - state%instant%motion, &
+         state%solution%force, state%solution%status, 0.0_dp)
+   end function state_peaks
+
    !> Adds the numbers of the whole history to the result of the last step: works, the largest accumulated slip, the
    !> numbers of the last cycle, and the extremes of the steps.
    pure subroutine add_history_results(result, model, body)
@@ -351,21 +362,11 @@ contains
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       character(8), parameter :: extreme_words(2) = [character(8) :: 'Least', 'Greatest']
-      character(6), parameter :: displacements(3) = [character(6) :: 'ux', 'uy', 'utheta']
       type(quantity_t), allocatable :: followed(:), list(:), energies(:)
-      type(quantity_t) :: probe(1 + body%zone%n_tangents)
       integer :: i, k
 
-      followed = contact_numbers(body, result%stepping%state)
-      do i = 1, model%history%n_probes()
-         do k = 1, size(probe)
-            probe(k)%key = trim(displacements(k))//'_'//to_text(i)
-         end do
-         probe%label = probe%key
-         probe%dimension = 'L'
-         followed = [followed, probe]
-      end do
-      followed = [followed, named_quantities(body)]
+      followed = [state_peaks(body, result%stepping%state), resultants(result%stepping%state%solution%force, &
+         body%zone%n_points), model%probe_names, model%named]
       energies = energies_of(result%stepping%state)
       list = [energies(:3), energies(5), quantity_t('max_slip_accumulated', 'Max. accumulated slip', max(0.0_dp, &
          maxval(result%stepping%state%accumulated_slip)), dimension='L'), cycle_results(model%history, result%cycles)]
@@ -726,7 +727,7 @@ contains
          call prepare_case(cache, config, result, error)
          if (allocated(error)) return
          call add_history_warnings(result%warnings, history, result%load_case, cache%body%zone%set)
-         call report_size(config, ', '//to_text(size(history%planned))//' steps', cache, result, outcome, error)
+         call report_size(config, ', '//counted(size(history%planned), 'step'), cache, result, outcome, error)
          if (.not. allocated(error)) call find_probes(probes, history, cache%body, error)
          if (allocated(error)) outcome%text = ''
       end associate
@@ -823,7 +824,7 @@ contains
       if (allocated(error)) return
       from_rest = result%error_from_rest(self%config%history)
       associate (stepping => result%stepping)
-         outcome%text = self%config%name//': '//to_text(stepping%n_steps)//' steps, '//trim(merge('all solved', &
+         outcome%text = self%config%name//': '//counted(stepping%n_steps, 'step')//', '//trim(merge('all solved', &
             'INCOMPLETE', len(stepping%fault) == 0))//', residual at most '// &
             scientific(result%worst(of_residual)%value)// &
             '; dissipation '//with_unit(short_text(sum(stepping%state%dissipation)), self%config%units, 'F L')// &
@@ -839,18 +840,6 @@ contains
       if (result%last%is_complete) call outcome%judge(.true., result%worst(of_residual)%value, &
          result%last%earlier_violation, self%config%method%tolerance)
    end subroutine history_study_solve
-
-   !> Pressure, shear, slip and forces of all contact sets in a state. The slip is the one since rest, on the obstacle.
-   pure function contact_numbers(body, state) result(list)
-      type(body_t), intent(in) :: body !! the body
-      type(step_state_t), intent(in) :: state !! the state
-      type(quantity_t), allocatable :: list(:)
-
-      associate (solution => state%solution)
-         list = [contact_peaks(body, solution%displacement(body%zone%n_points + 1:) - state%instant%motion, &
-            solution%force, solution%status, 0.0_dp), resultants(solution%force, body%zone%n_points)]
-      end associate
-   end function contact_numbers
 
    !> The energies and works of a history; the error is that of the time stepping.
    pure function energies_of(state) result(list)

@@ -25,6 +25,7 @@ module amontons_load_stepper
       integer :: n_changes = 0 !! number of changing numbers
       integer :: n_points = 0 !! number of contact points
       integer :: n_state = 0 !! number of numbers in a state
+      type(history_table_t), private :: table !! the table of the steps
       character(:), allocatable :: columns !! names of the numbers that a step returns, commas between them
    contains
       procedure :: step => load_stepper_step
@@ -55,7 +56,8 @@ contains
       stepper%n_points = stepper%cache%body%zone%n_points
       stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%cache%body)
       call history_tables(tables, stepper%model, stepper%cache%body, 0)
-      associate (header => tables(1)%header)
+      stepper%table = tables(1)
+      associate (header => stepper%table%header)
          stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
       end associate
    end subroutine new_load_stepper
@@ -105,7 +107,7 @@ contains
       if (allocated(error)) return
       is_converged = next%solution%is_converged
       after = [before(1) + 1.0_dp, changes, next%numbers()]
-      columns = step_numbers(self%model, self%cache%body, next)
+      columns = step_numbers(self%table, self%model, self%cache%body, next)
       status = next%solution%status
    end subroutine load_stepper_step
 

@@ -594,7 +594,7 @@ contains
             if (kept%is_empty()) cycle
             kept%residual = solution%residual
             wrong = solution%residual*problem%force_scale() &
-               + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
+               + epsilon(wrong)*maxval(problem%matrix%augmentation*abs(solution%displacement))
             largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
             if (.not. largest > 0.0_dp) largest = problem%force_scale()
             kept%force_error = min(wrong/largest, huge(kept%force_error))

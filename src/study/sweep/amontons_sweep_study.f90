@@ -487,7 +487,7 @@ contains
       character(:), allocatable :: cases
 
       associate (sweep => self%config%sweep)
-         cases = ', '//to_text(sweep%n_cases())//' cases'
+         cases = ', '//counted(int(sweep%n_cases()), 'case')
          if (sweep%n_fields() > 0) cases = cases//', fields of '//to_text(sweep%n_fields())
       end associate
       call prepare_sweep(task, cache, self%config, result, error)
