@@ -53,11 +53,9 @@ contains
       do while (first <= len(names) + 1)
          last = index(names(first:)//',', ',') + first - 2
          name = trim(adjustl(names(first:last)))
-         if (len(name) == 0 .or. index(seen, ','//name//',') > 0) then
-            call new_error(error, input_refused, "set = '"//names//"' has "//trim(merge('an empty name', &
-               'a name twice ', len(name) == 0)))
-            return
-         end if
+         if (len(name) == 0 .or. index(seen, ','//name//',') > 0) call new_error(error, input_refused, &
+            "set = '"//names//"' has a name that is empty or stands twice")
+         if (allocated(error)) return
          seen = seen//name//','
          set = find_set(mesh%node_sets, name)
          if (set > 0) is_met(mesh%node_sets(set)%node) = .true.

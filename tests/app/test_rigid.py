@@ -190,9 +190,9 @@ class Rigid(ProgramTest):
                  "set that moves along the normal: no contact force could act there; end the rigid set there"),
                 ([rigid + "  uy = 0.0  force = 0.0, -1.0", CONTACT], 1, "nothing is left for force to move"),
                 (["rigid name = 'p'  set = 'tops'", CONTACT], 1, "did you mean 'top'"),
-                (["rigid name = 'p'  set = 'top,'", CONTACT], 1, "case.nml:3: set = 'top,' has an empty name"),
-                (["rigid name = 'p'  set = ', top'", CONTACT], 1, "set = ', top' has an empty name"),
-                (["rigid name = 'p'  set = 'top, top'", CONTACT], 1, "set = 'top, top' has a name twice"),
+                (["rigid name = 'p'  set = 'top,'", CONTACT], 1, "case.nml:3: set = 'top,' has a name that is empty"),
+                (["rigid name = 'p'  set = ', top'", CONTACT], 1, "set = ', top' has a name that is empty"),
+                (["rigid name = 'p'  set = 'top, top'", CONTACT], 1, "a name that is empty or stands twice"),
                 (["rigid name = 'p'  set = 'top'  force = 0.0, 1.0", CONTACT], 2, "no equilibrium")):
             with self.subTest(words=words):
                 run = self.run_program("--quiet", self.write("case.nml", block(*groups)), status=status)

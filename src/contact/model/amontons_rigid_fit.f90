@@ -40,7 +40,8 @@ contains
       motion = 0.0_dp*aim
       if (size(body%rigid_modes, 2) > 0) motion = matmul(body%rigid_modes, least_squares_amounts( &
          merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim))
-      if (.not. is_close(merge(motion, 0.0_dp, counts), aim, much, body)) motion = 0.0_dp
+      if (maxval(abs(aim - motion), mask=counts) > max(much*maxval(abs(aim)), &
+         rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
       associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
          if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
             motion = merge(aim, motion, counts .and. &
@@ -124,7 +125,8 @@ contains
       real(dp), parameter :: much = 0.01_dp
 
       motion = matmul(body%travel, matmul(displacement, body%travel))
-      if (.not. is_close(motion, displacement, much, body)) motion = 0.0_dp
+      if (maxval(abs(displacement - motion)) > max(much*maxval(abs(displacement)), &
+         rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
    end subroutine fit_travel
 
    !> Computes the displacements of all nodes from the solution of the contact problem. The free rigid motion in it is
@@ -196,19 +198,6 @@ contains
       counts(body%zone%n_points + 1:) = .not. body%zone%is_slip_fixed .and. [load_case%is_in_reach, &
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
-
-   !> Whether the remainder of a fit is at most a given share of the target, or rounding alone.
-   pure logical function is_close(motion, aim, much, body)
-      real(dp), intent(in) :: motion(:) !! displacements of the points (n_rows) [L]
-      real(dp), intent(in) :: aim(:) !! displacements to come close to (n_rows) [L]
-      real(dp), intent(in) :: much !! largest remainder, over the target [-]
-      type(body_t), intent(in) :: body !! the body
-      real(dp) :: left
-
-      left = maxval(abs(aim - motion))
-      is_close = left <= much*maxval(abs(aim))
-      if (.not. is_close) is_close = left <= rounding*maxval(abs(body%zone%position))
-   end function is_close
 
    !> The displacements of loose pieces without loads, including those that no motion of the piece changes (n_rows).
    pure function is_unloaded(modes, load, n_points)

@@ -25,7 +25,7 @@ module amontons_load_stepper
       integer :: n_changes = 0 !! number of changing numbers
       integer :: n_points = 0 !! number of contact points
       integer :: n_state = 0 !! number of numbers in a state
-      type(history_table_t), private :: table !! the table of the steps
+      type(history_table_t), allocatable, private :: tables(:) !! the tables of the history, that of the steps first
       character(:), allocatable :: columns !! names of the numbers that a step returns, commas between them
    contains
       procedure :: step => load_stepper_step
@@ -40,7 +40,6 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! the deck is invalid, or the computation failed numerically
       type(result_t) :: unused
-      type(history_table_t), allocatable :: tables(:)
       integer :: i
 
       if (.not. config%history%is_given) then
@@ -55,9 +54,8 @@ contains
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
       stepper%n_points = stepper%cache%body%zone%n_points
       stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%cache%body)
-      call history_tables(tables, stepper%model, stepper%cache%body, 0)
-      stepper%table = tables(1)
-      associate (header => stepper%table%header)
+      call history_tables(stepper%tables, stepper%model, stepper%cache%body, 0)
+      associate (header => stepper%tables(1)%header)
          stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
       end associate
    end subroutine new_load_stepper
@@ -107,7 +105,7 @@ contains
       if (allocated(error)) return
       is_converged = next%solution%is_converged
       after = [before(1) + 1.0_dp, changes, next%numbers()]
-      columns = step_numbers(self%table, self%model, self%cache%body, next)
+      columns = step_numbers(self%tables(1), self%model, self%cache%body, next)
       status = next%solution%status
    end subroutine load_stepper_step
 
