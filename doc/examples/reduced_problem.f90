@@ -25,7 +25,7 @@ program reduced_problem
    call new_dense_matrix(matrix, a)
    call new_compliance_operator(compliance, matrix)
    call new_reduced_problem(problem, compliance, b, friction)
-   call new_contact_solution(solution, problem%n_points)
+   call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
    call new_contact_method(method, method_options_t(method='auto'), error)
    if (.not. allocated(error)) call method%solve(problem, solution, error)
    if (allocated(error)) then

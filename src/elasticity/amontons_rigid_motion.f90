@@ -43,10 +43,10 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric
          !! whether only the translation along the axis (y) and, of a twisted body, the rotation about it are rigid ones
-      integer, intent(in), optional :: bonds(:, :)
+      integer, intent(in) :: bonds(:, :)
          !! pairs of nodes that hold together, too, and the free jump of the first one against the second, 0 for none
          !! (3, bonds)
-      real(dp), intent(in), optional :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
+      real(dp), intent(in) :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       ! A quadratic side has three nodes.
@@ -57,12 +57,8 @@ contains
       integer :: axis, i, info, k, n_jumps, n_pieces, p
 
       n_jumps = 0
-      if (present(bonds)) then
-         if (any(bonds(3, :) > 0)) n_jumps = size(jumps, 2)
-         call number_pieces(mesh, piece, n_pieces, bonds(:2, :))
-      else
-         call number_pieces(mesh, piece, n_pieces)
-      end if
+      if (any(bonds(3, :) > 0)) n_jumps = size(jumps, 2)
+      call number_pieces(mesh, piece, n_pieces, bonds(:2, :))
       call fill_bins(start, node, piece, n_pieces)
       allocate (motions(n_pieces), gram(3 + n_jumps, 3 + n_jumps), values(3 + n_jumps))
       allocate (motion(most_components, 3 + n_jumps), around(3, 3 + n_jumps), source=0.0_dp)

@@ -3,19 +3,28 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgbtrf, dgbtrs, dgemm, dgemv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
+   public :: dgbtrf, dgbtrs, dgemm, dgemv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
       dpotrs, dsbmv, dsyev, dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
-   interface
-      pure subroutine daxpy(n, alpha, x, incx, y, incy)
+   abstract interface
+      !> Changes a symmetric matrix, or its factor, given by one triangle.
+      pure subroutine change_triangle(uplo, n, a, lda, info)
          use amontons_kinds, only: dp
          implicit none (type, external)
-         integer, intent(in) :: n, incx, incy
-         real(dp), intent(in) :: alpha, x(*)
-         real(dp), intent(inout) :: y(*)
-      end subroutine daxpy
+         character, intent(in) :: uplo !! which triangle: 'U' or 'L'
+         integer, intent(in) :: n !! order of the matrix
+         integer, intent(in) :: lda !! first extent of a
+         real(dp), intent(inout) :: a(lda, *) !! the triangle
+         integer, intent(out) :: info !! 0, or nonzero where the result does not exist
+      end subroutine change_triangle
+   end interface
 
+   !> Product U U^T or L^T L of a factor, Cholesky factor of a matrix, and inverse of a matrix from its factor.
+   procedure(change_triangle) :: dlauum, dpotrf, dpotri
+
+   ! allow(assumed-size): see above
+   interface
       pure subroutine dgbtrf(m, n, kl, ku, ab, ldab, ipiv, info)
          use amontons_kinds, only: dp
          implicit none (type, external)
@@ -80,15 +89,6 @@ module amontons_lapack
          integer, intent(inout) :: isgn(*), kase, isave(3)
       end subroutine dlacn2
 
-      pure subroutine dlauum(uplo, n, a, lda, info)
-         use amontons_kinds, only: dp
-         implicit none (type, external)
-         character, intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dlauum
-
       pure subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
          use amontons_kinds, only: dp
          implicit none (type, external)
@@ -97,24 +97,6 @@ module amontons_lapack
          real(dp), intent(inout) :: ab(ldab, *)
          integer, intent(out) :: info
       end subroutine dpbtrf
-
-      pure subroutine dpotrf(uplo, n, a, lda, info)
-         use amontons_kinds, only: dp
-         implicit none (type, external)
-         character, intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dpotrf
-
-      pure subroutine dpotri(uplo, n, a, lda, info)
-         use amontons_kinds, only: dp
-         implicit none (type, external)
-         character, intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dpotri
 
       pure subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
          use amontons_kinds, only: dp

@@ -4,7 +4,7 @@
 module amontons_symmetric_matrix
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
-   use amontons_lapack, only: daxpy, dgemv, dsymv
+   use amontons_lapack, only: dgemv, dsymv
    implicit none (type, external)
    private
 
@@ -135,7 +135,7 @@ contains
       integer :: k
 
       if (allocated(self%values)) then
-         call daxpy(self%n, factor, self%values(:, column), 1, y, 1)
+         y = y + factor*self%values(:, column)
       else
          do k = self%first(column), self%first(column + 1) - 1
             y(self%row(k)) = y(self%row(k)) + factor*self%entry(k)

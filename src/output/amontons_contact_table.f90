@@ -158,7 +158,7 @@ contains
    !=contact.csv `shear_bound` | F/L² | what friction can bear: friction times pressure, plus the given slip bound over
    !=   the area
    !=contact.csv `master_x`, `master_y` | L | with a pair: mean place on the master that the point faces; with a rigid
-   !=   obstacle the point's own
+   !=   obstacle the mean of the point's nodes
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
    !=contact.csv `status` | | `open`, `stick`, `slip+` or `slip-`; `slip` of a twisted body

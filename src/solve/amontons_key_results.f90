@@ -445,7 +445,8 @@ contains
       real(dp), parameter :: between_nodes = 0.2_dp
       character(12) :: number
       character(13) :: suffix
-      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
+      ! The sums are those of the forces in x and y, of moments or torques, and of normal forces.
+      real(dp) :: sums(4), at(2), turning, center(2), acting(2), length, scale
       integer :: i, p, n_sets
 
       n_sets = 0
@@ -459,18 +460,19 @@ contains
          if (n_sets > 1) suffix = '_'//number
          sums = 0.0_dp
          center = 0.0_dp
-         moment = 0.0_dp
-         normal_force = 0.0_dp
          associate (zone => body%zone)
             do p = 1, zone%n_points
                if (zone%set(p) /= i) cycle
                acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
-               sums = sums + acting
-               moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
-               center = center + force(p)*zone%position(:, p)
-               normal_force = normal_force + force(p)
+               ! The force of a slave acts at its corner, that of a point on a rigid obstacle at the mean of its nodes.
+               at = zone%position(:, p)
+               if (.not. zone%pairs(i)%is_set()) at = zone%foot(:, p)
+               turning = at(1)*acting(2) - at(2)*acting(1)
+               if (zone%n_tangents == 2) turning = -at(1)*force(2*zone%n_points + p)
+               sums = sums + [acting, turning, force(p)]
+               center = center + force(p)*at
             end do
-            if (abs(normal_force) > 0.0_dp) center = center/normal_force
+            if (abs(sums(4)) > 0.0_dp) center = center/sums(4)
             length = maxval(abs(zone%position))
             scale = sum(abs(force))
          end associate
@@ -483,11 +485,10 @@ contains
             quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
             quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
          ! In a body of revolution the forces around the axis have no moment.
-         if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
-            length*scale, dimension='F L')]
+         if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, &
+            sums(3), length*scale, dimension='F L')]
          if (body%zone%n_tangents == 2) list = [list, quantity_t('contact_torque'//suffix, 'Torque '//number, &
-            -sum(body%zone%position(1, :)*force(2*size(body%zone%set) + 1:), mask=body%zone%set == i), length*scale, &
-            dimension='F L')]
+            sums(3), length*scale, dimension='F L')]
       end do
    end function set_results
 

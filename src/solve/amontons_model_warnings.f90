@@ -105,9 +105,8 @@ contains
       end do
       ! Parts of a mesh that share no nodes and that no contact or tie joins.
       if (body%mesh%has_pieces) then
-         associate (of_ties => bonds_of(body%ties, body%constraints), of_pairs => bonds_of(body%zone%pairs))
-            call number_pieces(body%mesh, piece, n_pieces, reshape([of_ties(:2, :), of_pairs(:2, :)], &
-               [2, size(of_ties, 2) + size(of_pairs, 2)]))
+         associate (bonds => bonds_of([body%ties, body%zone%pairs], body%constraints))
+            call number_pieces(body%mesh, piece, n_pieces, bonds(:2, :))
          end associate
          if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no '// &
             'nodes and that no pair of contact sets or tie joins')

@@ -481,9 +481,9 @@ contains
          is_meant = body%zone%set == i
          is_meant(pack(body%zone%passed_point(2, :), body%zone%passed_point(1, :) == i)) = .true.
          traction = body%zone%rows%forces(merge(force, 0.0_dp, [(is_meant, k=0, body%zone%n_tangents)]), &
-            body%mesh%n_nodes)
+            body%mesh%n_nodes, 2)
          area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
-            body%mesh%n_nodes), dim=1)
+            body%mesh%n_nodes, 2), dim=1)
          ! The contact zone was made of these lines, so they are sound.
          call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
          ! The points of a pair have no area where the slave faces nothing.
@@ -499,7 +499,7 @@ contains
          if (body%zone%pairs(i)%is_set()) call mark_sides(is_joined, body%zone%pairs(i)%master, &
             body%zone%pairs(i)%segments%master)
       end do
-      traction = body%zone%rows%forces(force, body%mesh%n_nodes)
+      traction = body%zone%rows%forces(force, body%mesh%n_nodes, 2)
       is_joined = is_joined .and. any(abs(traction) > 0.0_dp, dim=1)
       do i = 1, size(body%ties)
          call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)

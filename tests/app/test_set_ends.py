@@ -189,6 +189,10 @@ class MeetingSets(Verification, ProgramTest):
                     self.assertAlmostEqual(results["max_contact_pressure"], 20.0, delta=1e-7)
                     self.assertAlmostEqual(results["max_von_mises"], mises, delta=1e-7)
                     self.assertLess(results["relative_error"], 1e-12)
+                    # The moment of a set is that of its forces on the nodes, so also that of the forces by name.
+                    self.assertEqual({round(abs(results[f"contact_moment_{k}"]), 9) for k in (1, 2)}, {80.0, 40.0})
+                    self.assertEqual({round(results["force_moment_bottom"], 9), round(results["force_moment_left"], 9)},
+                                     {80.0, -40.0})
 
     def test_estimated_error_where_sets_and_ties_meet(self):
         # Nothing is to be estimated where the stresses are exact: each set has its own pressure in the corners.

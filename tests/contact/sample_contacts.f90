@@ -96,7 +96,7 @@ contains
 
       call pose_load_case(problem, body, load_case, error)
       if (allocated(error)) return
-      call new_contact_solution(solution, body%zone%n_points)
+      call new_contact_solution(solution, body%zone%n_points, 1)
       method%tolerance = 1.0e-12_dp
       call method%solve(problem, solution, error)
       if (allocated(error)) return

@@ -114,7 +114,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(method_options_t), intent(in) :: options !! the method
 
-      call new_contact_solution(solution, problem%n_points)
+      call new_contact_solution(solution, problem%n_points, 1)
       call solve_from(solution, problem, options)
    end subroutine solve_from_rest
 

@@ -18,14 +18,18 @@ module sample_bodies
    private
 
    public :: along_normal, along_tangent, along_x, along_y, element_forces, make_springs, nodal_reactions, &
-      no_springs, sample_material, sample_materials, solve_body, solve_materials, springs_on_set, support_at_point, &
-      support_on_set, traction_on_set, uniform, weight_of
+      no_bonds, no_jumps, no_springs, sample_material, sample_materials, solve_body, solve_materials, springs_on_set, &
+      support_at_point, support_on_set, traction_on_set, uniform, weight_of
 
    !> Components of a support: x, y, outward normal, tangent.
    integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
    !> The springs of a body without foundation.
    ! allow(incorrect-space-between-brackets): the other rule wants a blank behind ::
    type(spring_side_t), parameter :: no_springs(0) = [spring_side_t :: ]
+   !> The bonds of a body of one piece.
+   integer, parameter :: no_bonds(3, 0) = 0
+   !> The jumps of a body without preloads.
+   real(dp), parameter :: no_jumps(2, 0) = 0.0_dp
 
 contains
 

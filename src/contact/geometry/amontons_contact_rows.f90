@@ -166,14 +166,12 @@ contains
       class(contact_rows_t), intent(in) :: self !! the rows
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (components m) [F]
       integer, intent(in) :: n_nodes !! number of nodes
-      integer, intent(in), optional :: n_components !! number of components of a force; 2 without it
+      integer, intent(in) :: n_components !! number of components of a force
       real(dp), allocatable :: forces(:, :)
       integer :: p, i, m
 
       m = size(self%start) - 1
-      i = 2
-      if (present(n_components)) i = n_components
-      allocate (forces(i, n_nodes), source=0.0_dp)
+      allocate (forces(n_components, n_nodes), source=0.0_dp)
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))

@@ -136,6 +136,7 @@ contains
       type(tie_t), intent(in), optional :: ties(:) !! its bonded sets; none without them
       type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
+      type(tie_t), allocatable :: all_ties(:)
       integer, allocatable :: bonded(:)
       type(mortar_points_t) :: points
       integer :: nothing(0), i
@@ -146,6 +147,8 @@ contains
 
       call mesh%check(error)
       if (allocated(error)) return
+      allocate (all_ties(0))
+      if (present(ties)) all_ties = ties
       body%mesh = mesh
       body%outer = outer_sides(mesh)
       body%mesh_notes = ''
@@ -155,17 +158,14 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       call new_constraints(body%constraints, prescribed, mesh, supports, error, body%materials)
-      if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, contacts, error, ties)
+      if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, contacts, error, all_ties)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
-      allocate (body%ties(0))
-      call name_forces(body%named, supports, contacts, ties)
-      if (present(ties)) then
-         call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
-         if (allocated(error)) return
-         call set_preload_jumps(body, supports, ties)
-      end if
+      call name_forces(body%named, supports, contacts, all_ties)
+      call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
+      if (allocated(error)) return
+      call set_preload_jumps(body, supports, all_ties)
       call add_rigid_drives(body, supports)
       call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
@@ -233,7 +233,7 @@ contains
       type(named_forces_t), allocatable, intent(out) :: list(:) !! the named forces
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      type(tie_t), intent(in), optional :: ties(:) !! the bonded sets; none without them
+      type(tie_t), intent(in) :: ties(:) !! the bonded sets
       integer :: i
 
       allocate (list(0))
@@ -244,7 +244,6 @@ contains
       do i = 1, size(contacts)
          call add_name(list, of_contact, i, contacts(i)%set, '', contacts(i)%name)
       end do
-      if (.not. present(ties)) return
       do i = 1, size(ties)
          call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name)
       end do
@@ -289,7 +288,7 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(error_t), allocatable, intent(out) :: error !! there is such a node
-      type(tie_t), intent(in), optional :: ties(:) !! the bonded sets
+      type(tie_t), intent(in) :: ties(:) !! the bonded sets
       type(error_t), allocatable :: fault
       type(boundary_line_t) :: line
       logical, allocatable :: is_lost(:)
@@ -313,7 +312,6 @@ contains
          end associate
          if (allocated(error)) return
       end do
-      if (.not. present(ties)) return
       do i = 1, size(ties)
          call body%mesh%set_nodes(ties(i)%set, nodes, fault)
          if (allocated(fault)) return
@@ -422,7 +420,7 @@ contains
          driven%lead = pair%lead
          driven%own = pair%jump
       end associate
-      force = points%rows%forces(share, body%mesh%n_nodes)
+      force = points%rows%forces(share, body%mesh%n_nodes, 2)
       driven%name = name
       driven%kind = 'preload'
       driven%words = [character(16) :: 'shortening', 'force']
@@ -515,22 +513,21 @@ contains
    subroutine set_motions(body)
       type(body_t), intent(inout) :: body !! the body, its contact points found
 
-      call find_motions(body%motions, body, body%constraints, body%springs, bonds_of(body%ties, body%constraints))
+      call find_motions(body%motions, body, body%constraints, body%springs)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates)
       call find_travel(body%travel, body%common_motions, body%rigid_modes)
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
-   subroutine find_motions(motions, body, constraints, springs, bonds)
+   subroutine find_motions(motions, body, constraints, springs)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the motions of each piece
       class(body_t), intent(in) :: body !! the body
       type(constraints_t), intent(in) :: constraints !! its supports, or those of them that count
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      integer, intent(in) :: bonds(:, :) !! pairs of nodes that hold together, from `bonds_of` (3, bonds)
       integer :: i
 
-      call new_rigid_motions(motions, body%mesh, constraints, springs, body%is_axisymmetric, bonds, &
-         reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
+      call new_rigid_motions(motions, body%mesh, constraints, springs, body%is_axisymmetric, &
+         bonds_of(body%ties, constraints), reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
    end subroutine find_motions
 
    !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other one node of either body for
@@ -538,7 +535,7 @@ contains
    !> (3, any).
    pure function bonds_of(pairs, constraints) result(bonds)
       type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
-      type(constraints_t), intent(in), optional :: constraints !! the supports with the rigid sets; none without them
+      type(constraints_t), intent(in) :: constraints !! the supports, with the rigid sets
       integer, allocatable :: bonds(:, :)
       integer :: i, k
 
@@ -553,7 +550,6 @@ contains
             end associate
          end do
       end do
-      if (.not. present(constraints)) return
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
             bonds = reshape([bonds, ([rigid%lead(1), rigid%node(k), 0], k=1, size(rigid%node))], &

@@ -3,7 +3,7 @@
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: spring_forces, sum_uncanceled_terms, thermal_work
-   use amontons_body, only: body_t, bonds_of, find_motions
+   use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_free_boundary, only: find_corner_penetration
@@ -190,7 +190,7 @@ contains
       if (.not. violation > suspicious) return
       constraints = body%constraints
       constraints%is_free(3:, :) = .true.
-      call find_motions(free, body, constraints, body%springs(:0), bonds_of(body%ties))
+      call find_motions(free, body, constraints, body%springs(:0))
       travel = travel_of_nodes(free, body%mesh%coordinates, displacement)
       of_travel = sum(travel*(internal - external)) - sum(travel(3:, :)*reaction(3:, :))
       size_of_travel = max(work, sum(abs(external))*maxval(abs(travel)))

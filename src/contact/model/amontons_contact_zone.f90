@@ -37,7 +37,7 @@ module amontons_contact_zone
       type(contact_quadrature_t) :: quadrature !! points where gaps and friction are evaluated
       real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
       real(dp), allocatable :: foot(:, :)
-         !! mean position on the other body of a pair; the point's own with a rigid obstacle (2, m) [L]
+         !! mean position on the other body of a pair; with a rigid obstacle that of the point's nodes (2, m) [L]
       type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
@@ -378,7 +378,6 @@ contains
       points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:2, line%node(kept(i)))), i=1, n)]
       points%position = body%mesh%coordinates(:, line%node(kept(:n)))
       points%normal = normal(:, kept(:n))
-      points%foot = points%position
       associate (share => area(place)/points%area(own), node => line%node(place))
          points%rows%node = node
          points%rows%part = points%normal(:, own)*spread(share, 1, 2)
@@ -388,6 +387,8 @@ contains
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
             normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
+         points%foot = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
+            - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [2, n])
       end associate
       points%area = abs(points%area)
       zone%node = [zone%node, line%node(kept(:n))]

@@ -89,12 +89,10 @@ contains
    pure subroutine new_contact_solution(solution, n_points, n_tangents)
       type(contact_solution_t), intent(out) :: solution !! the solution
       integer, intent(in) :: n_points !! number of contact points
-      integer, intent(in), optional :: n_tangents !! number of tangential directions of a point; 1 if it is not given
-      integer :: n
+      integer, intent(in) :: n_tangents !! number of tangential directions of a point
 
-      n = 2*n_points
-      if (present(n_tangents)) n = (1 + n_tangents)*n_points
-      allocate (solution%force(n), solution%displacement(n), source=0.0_dp)
+      allocate (solution%force((1 + n_tangents)*n_points), source=0.0_dp)
+      solution%displacement = solution%force
       allocate (solution%status(n_points), source=open_point)
       allocate (solution%history(0))
    end subroutine new_contact_solution
