@@ -52,7 +52,7 @@ module amontons_constraints
    type :: constraints_t
       logical, allocatable :: is_free(:, :)
          !! whether the node can move along e1, e2, and in a twisted body around the axis (components, n_nodes)
-      real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
+      real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (components, n_nodes) [-]
       type(rigid_set_t), allocatable :: rigid(:)
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
@@ -193,7 +193,7 @@ contains
       n_components = 2
       if (present(materials)) n_components = materials%n_components()
       allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
-      allocate (constraints%axis(2, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%axis(n_components, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
       if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
       allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
@@ -370,7 +370,7 @@ contains
       integer :: free
 
       missing = displacement - dot_product(direction, prescribed)
-      if (all(self%is_free(:2, node)) .and. all(abs(direction(:2)) > negligible)) self%axis(:, node) = direction(:2)
+      if (all(self%is_free(:2, node)) .and. all(abs(direction(:2)) > negligible)) self%axis(:, node) = direction
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
       share = matmul(direction, frame)
@@ -457,11 +457,11 @@ contains
    pure function constraints_frame(self, node) result(frame)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp) :: frame(size(self%is_free, 1), size(self%is_free, 1))
+      real(dp) :: frame(size(self%axis, 1), size(self%axis, 1))
 
       frame = 0.0_dp
       frame(3:, 3:) = 1.0_dp
-      frame(:2, 1) = self%axis(:, node)
+      frame(:, 1) = self%axis(:, node)
       frame(:2, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 

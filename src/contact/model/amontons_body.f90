@@ -347,7 +347,7 @@ contains
          if (.not. ties(i)%has_jump) cycle
          associate (pair => body%ties(i))
             pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
-            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:, pair%lead) = pair%jump
+            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:2, pair%lead) = pair%jump
          end associate
       end do
    end subroutine set_preload_jumps
