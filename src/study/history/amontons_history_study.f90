@@ -192,9 +192,8 @@ contains
          if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
             result%stepping%state%solution%residual)))) call new_error(error, input_refused, &
             'it is not in equilibrium with the body and what acts on it at the time '// &
-            to_text(result%stepping%state%instant%time)//' (violation '//scientific(violation)// &
-            '): mesh, materials, '// &
-            'supports, friction and loads at that time must be those of the history that left it')
+            to_text(result%stepping%state%instant%time)//' (violation '//scientific(violation)//'): mesh, '// &
+            'materials, supports, friction and loads at that time must be those of the history that left it')
       end if
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
    end subroutine start_history
@@ -485,9 +484,10 @@ contains
 
       if (result%stepping%n_steps == 0) then
          ! No equilibrium at the first time is an outcome; a misplaced obstacle is an error.
-         if (result%stepping%fault_kind > 0 &
-            .and. result%stepping%outcome /= outcome_no_equilibrium) call new_error(error, result%stepping%fault_kind, &
-            result%stepping%fault)
+         associate (stepping => result%stepping)
+            if (stepping%fault_kind > 0 .and. stepping%outcome /= outcome_no_equilibrium) call new_error(error, &
+               stepping%fault_kind, stepping%fault)
+         end associate
          return
       end if
       call result%last%timings%begin(phase_recover)
