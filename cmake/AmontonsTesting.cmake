@@ -16,10 +16,8 @@ endif()
 # this must come after the project's flags.
 add_library(amontons_test_flags INTERFACE)
 
-# What is contracted is the library: the compiler would take three times as long over the tests.
-if(AMONTONS_CONTRACTED)
-  target_compile_options(amontons_test_flags INTERFACE -O0)
-endif()
+# What is optimized, or contracted, is the library: the compiler would take three times as long over the tests.
+target_compile_options(amontons_test_flags INTERFACE -O0)
 
 if(PFUNIT_FOUND)
   message(STATUS "Unit tests run on pFUnit ${PFUNIT_VERSION}")
