@@ -47,14 +47,16 @@ sort();
 
 const searched = document.getElementById("find"), count = document.getElementById("count");
 const sections = new Map([...document.querySelectorAll("section[data-case]")].map(one => [one.dataset.case, one]));
-const texts = rows.map(item => [item.row.textContent, ...Object.entries(item.values).map(([key, value]) =>
-  `${results.labels[key]} ${text(value)}`)].join(" ").toLowerCase());
+for (const item of rows) {
+  item.text = [item.row.textContent, ...Object.entries(item.values).map(([key, value]) =>
+    `${results.labels[key]} ${text(value)}`)].join(" ").toLowerCase();
+}
 
 function find() {
   const words = searched.value.toLowerCase().split(/\s+/).filter(Boolean);
   let found = 0;
   for (const item of rows) {
-    const isFound = words.every(word => texts[item.place].includes(word));
+    const isFound = words.every(word => item.text.includes(word));
     item.row.hidden = !isFound;
     const section = sections.get(item.values.case);
     if (section) section.hidden = !isFound;

@@ -412,6 +412,27 @@ class Pictures(ProgramTest):
                 self.assertIn(f"{width} | {expected}{paper} |", run.stdout, (width, scheme))
             self.assertNotIn("CONSOLE", run.stderr)
 
+    @unittest.skipIf(BROWSER is None, "chromium is not installed")
+    def test_a_search_finds_rows_that_are_sorted_otherwise_and_long_names_wrap(self):
+        # The folder has 10 before 2, the page 2 before 10.
+        long = "a_name_without_a_blank_" * 8 + "1"
+        for name in ("case_2", "case_10", long):
+            self.write(f"{name}.nml", block(PRESSURE, CONTACT, "support set = 'left'  ux = 0.0"))
+            self.run_program("--quiet", "--output", "found", f"{name}.nml")
+        self.script("report", "found")
+        page = self.directory / "found" / "report.html"
+        probe = """<script>addEventListener('load', () => {
+            const search = document.getElementById('find');
+            const isNarrow = document.querySelector('td.name').offsetWidth < 400;
+            search.value = 'case_10'; search.dispatchEvent(new Event('input'));
+            document.title = [...document.querySelectorAll('.cases tbody tr')].filter(row => !row.hidden).map(row =>
+               row.querySelector('td.name').textContent).join() + ' | ' + isNarrow + ' |' })</script>"""
+        page.write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
+        run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
+                              "--window-size=1280,900", f"--user-data-dir={self.directory / 'profile'}", "--dump-dom",
+                              page.as_uri()], capture_output=True, encoding="utf-8", timeout=300, check=True)
+        self.assertIn("case_10 | true |", run.stdout)
+
 
 if __name__ == "__main__":
     unittest.main()
