@@ -449,8 +449,7 @@ contains
       real(dp) :: sums(4), at(2), turning, center(2), acting(2), length, scale
       integer :: i, p, n_sets
 
-      n_sets = 0
-      if (body%zone%n_points > 0) n_sets = maxval(body%zone%set)
+      n_sets = maxval(body%zone%set)
       ! A single set needs no number.
       number = ''
       suffix = ''
@@ -464,9 +463,7 @@ contains
             do p = 1, zone%n_points
                if (zone%set(p) /= i) cycle
                acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
-               ! The force of a slave acts at its corner, that of a point on a rigid obstacle at the mean of its nodes.
-               at = zone%position(:, p)
-               if (.not. zone%pairs(i)%is_set()) at = zone%foot(:, p)
+               at = zone%acting(:, p)
                turning = at(1)*acting(2) - at(2)*acting(1)
                if (zone%n_tangents == 2) turning = -at(1)*force(2*zone%n_points + p)
                sums = sums + [acting, turning, force(p)]
@@ -484,11 +481,10 @@ contains
             quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
             quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
             quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
-         ! In a body of revolution the forces around the axis have no moment.
-         if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, &
-            sums(3), length*scale, dimension='F L')]
-         if (body%zone%n_tangents == 2) list = [list, quantity_t('contact_torque'//suffix, 'Torque '//number, &
-            sums(3), length*scale, dimension='F L')]
+         ! In a body of revolution forces have no moment but that about the axis.
+         if (.not. body%is_axisymmetric .or. body%zone%n_tangents == 2) list = [list, quantity_t('contact_'// &
+            merge('torque', 'moment', body%zone%n_tangents == 2)//suffix, merge('Torque ', 'Moment ', &
+            body%zone%n_tangents == 2)//number, sums(3), length*scale, dimension='F L')]
       end do
    end function set_results
 

@@ -111,6 +111,26 @@ class NamedForces(ProgramTest):
             self.assertAlmostEqual(key[f"reaction_{component}_b.bottom"], pair, delta=1e-10)
         self.assertAlmostEqual(key["force_normal_a.bottom"], 4.0, delta=1e-10)
 
+    def test_the_force_beside_an_end_without_multiplier_acts_at_its_mean_place(self):
+        # The corner of the slave is held, or belongs to another set: the multiplier beside it acts on the whole side.
+        pair, held = "&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /", "set = 'a.left'  ux = 0.0"
+        wall = "&contact set = 'a.left'  obstacle = 'plane'  normal = 1.0, 0.0 /\n"
+        pushed = TWO_BODIES.replace(f"&support {held} /\n", "").replace("0.3, 0.0", "-0.3, 0.0")
+        for element in ("quad4", "tri6"):
+            for kind, deck, other, load in (
+                    ("force", TWO_BODIES.replace(held, held + "  uy = 0.001"), "reaction_moment_a.left", -10.4),
+                    ("force", pushed.replace(pair, wall + pair), "force_moment_a.left", -5.6),
+                    ("tie", TWO_BODIES.replace(held, held + "  uy = 0.001").replace(
+                        pair, "&tie set = 'a.bottom'  to = 'b.top' /"), "reaction_moment_a.left", -10.4)):
+                with self.subTest(element=element, kind=kind, other=other):
+                    key = self.forces(deck.replace("8, 4 /", f"8, 4  element = '{element}' /"))
+                    moment = key[f"{kind}_moment_a.bottom"]
+                    self.assertAlmostEqual(moment + key[other], -load, delta=1e-8)
+                    self.assertAlmostEqual(moment, key["reaction_moment_b.bottom"], delta=1e-8)
+                    if kind == "force":
+                        number = "_2" if wall in deck else ""
+                        self.assertAlmostEqual(moment, key["contact_moment" + number], delta=1e-9)
+
     def test_pulled_and_held_face_of_a_press_fit(self):
         key = self.forces(PRESS_FIT)
         # It slips all along, so friction is at its bound.

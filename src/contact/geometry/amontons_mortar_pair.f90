@@ -61,7 +61,7 @@ module amontons_mortar_pair
    type :: mortar_points_t
       real(dp), allocatable :: area(:) !! D_p (n) [L^2]
       real(dp), allocatable :: length(:) !! tributary length: the integral of the averaging function (n) [L]
-      real(dp), allocatable :: center(:, :) !! mean position on the slave (2, n) [L]
+      real(dp), allocatable :: center(:, :) !! mean position on the slave, where the force acts (2, n) [L]
       real(dp), allocatable :: foot(:, :) !! mean position on the master (2, n) [L]
       type(contact_rows_t) :: rows !! shares of the nodes in w
       type(contact_quadrature_t) :: quadrature !! the quadrature points, with their gaps
@@ -324,7 +324,7 @@ contains
                   points%area(p) = points%area(p) + psi(1)
                   shear_area(p) = shear_area(p) + psi(2)
                   points%length(p) = points%length(p) + hat/place%depth
-                  points%center(:, p) = points%center(:, p) + hat*place%position
+                  points%center(:, p) = points%center(:, p) + psi(1)*place%position
                   points%foot(:, p) = points%foot(:, p) + hat*foot%position
                   hat_area(p) = hat_area(p) + hat
                   q = quadrature%start(p) + size(rule%xi)*filled(p) + l - 1
@@ -341,7 +341,7 @@ contains
          end do
       end do
       do p = 1, n
-         points%center(:, p) = points%center(:, p)/hat_area(p)
+         points%center(:, p) = points%center(:, p)/points%area(p)
          points%foot(:, p) = points%foot(:, p)/hat_area(p)
          associate (first => points%quadrature%start(p), last => points%quadrature%start(p + 1) - 1)
             points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)

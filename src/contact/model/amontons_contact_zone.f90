@@ -36,8 +36,8 @@ module amontons_contact_zone
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! points where gaps and friction are evaluated
       real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
-      real(dp), allocatable :: foot(:, :)
-         !! mean position on the other body of a pair; with a rigid obstacle that of the point's nodes (2, m) [L]
+      real(dp), allocatable :: acting(:, :) !! where the force acts: mean place of the point on the body (2, m) [L]
+      real(dp), allocatable :: foot(:, :) !! mean position on the other body of a pair, `acting` without one (2, m) [L]
       type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
@@ -79,7 +79,7 @@ contains
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
          zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%idle_side(2, 0), zone%is_cell(0), &
-         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
+         zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
          zone%is_tangent_fixed(0), zone%is_slave_guided(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
@@ -270,7 +270,9 @@ contains
       zone%is_cell = [zone%is_cell, spread(is_cell, 1, n)]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
-      zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
+      zone%acting = reshape([zone%acting, points%acting], [2, zone%n_points])
+      zone%foot = reshape([zone%foot, points%acting], [2, zone%n_points])
+      if (allocated(points%foot)) zone%foot(:, zone%n_points - n + 1:) = points%foot
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
@@ -387,7 +389,7 @@ contains
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
             normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
-         points%foot = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
+         points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [2, n])
       end associate
       points%area = abs(points%area)
@@ -440,7 +442,7 @@ contains
       points%normal = cells%normal(:, kept)
       points%weight = cells%length(kept)
       points%area = cells%area(kept)
-      points%foot = points%position
+      points%acting = points%position
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
       points%is_tangent_fixed = cells%is_tangent_fixed(kept)
@@ -468,7 +470,6 @@ contains
             call choose_cells(pair, contact%partition, body, error)
          else
             call check_ends(pair, remedy, .false., body%constraints, error)
-            if (allocated(error)) return
             call check_ends(pair, remedy, .true., body%constraints, shear_fault)
             if (allocated(shear_fault)) pair%shear_fault = shear_fault%message
          end if
@@ -490,6 +491,7 @@ contains
          zone%shared_node = [zone%shared_node, pair%shared_node]
          call take_facing_sides(follower, pair)
       end associate
+      points%acting = integrals%center
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area

@@ -11,6 +11,7 @@ module amontons_named_forces
    use amontons_contact_rows, only: turned
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
+   use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
@@ -156,7 +157,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(named_forces_t), intent(in) :: named !! the contact sets, supports or ties that exert the force
       integer, intent(in) :: component !! the component
-      real(dp), allocatable :: length(:), motion(:, :)
+      type(mortar_points_t) :: points
+      real(dp), allocatable :: motion(:, :)
       real(dp) :: middle(2)
       logical, allocatable :: is_meant(:)
       integer :: i, p
@@ -171,9 +173,7 @@ contains
          test%held = body%dof_map%substitution%displacement(motion)
          ! The motion of rigid sets is that of their nodes already.
          do i = 1, size(body%constraints%rigid)
-            associate (node => body%constraints%rigid(i)%node)
-               test%held(:, node) = motion(:, node)
-            end associate
+            test%held(:, body%constraints%rigid(i)%node) = motion(:, body%constraints%rigid(i)%node)
          end do
          is_meant = [(any(named%member == body%springs(i)%support), i=1, size(body%springs))]
          if (any(is_meant)) test%pulled = -spring_forces(body%mesh%n_nodes, pack(body%springs, is_meant), &
@@ -182,13 +182,12 @@ contains
          test%held = 0.0_dp*motion
          do i = 1, size(named%member)
             associate (tie => body%ties(named%member(i)))
-               if (tie%lead > 0) then
-                  ! Shear along the cut, and the moment about its middle.
-                  length = norm2(tie%slave%corner(:, 2, :) - tie%slave%corner(:, 1, :), dim=1)
-                  middle = matmul(tie%slave%corner(:, 3, :), length)/sum(length)
-                  motion = rigid_motion(component, body%mesh%coordinates - spread(middle, 2, size(motion, 2)), 2)
-                  if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
-               end if
+               call integrate_pair(points, tie, tie%segments, n_quadrature_points)
+               ! Of a preload the shear along the cut, and the moment about its middle.
+               middle = merge(1.0_dp, 0.0_dp, tie%lead > 0)*matmul(points%center, points%area)/sum(points%area)
+               motion(:, tie%node) = rigid_motion(component, points%center - spread(middle, 2, size(tie%node)), &
+                  size(motion, 1))
+               if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
                do p = 1, size(tie%node)
                   test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
                      motion(:, tie%node(p)))
@@ -231,7 +230,7 @@ contains
 
       m = body%zone%n_points
       factors = -body%zone%rows%displacement(motion)
-      at_points = rigid_motion(component, body%zone%position, size(motion, 1))
+      at_points = rigid_motion(component, body%zone%acting, size(motion, 1))
       do p = 1, m
          associate (direction => body%zone%normal(:, p))
             if (component <= tangential) then
