@@ -319,13 +319,18 @@ def print_steps_beside_cases(program, work, count):
 def main(build, work, is_full):
     program = build / "bin/amontons"
     rates = print_machine(build)
-    print_long_bar(program, work, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates)
-    print_strips(program, work, (1000, 2000, 4000, 10000) if is_full else (1000, 2000))
-    print_pairs(program, work, (128, 256, 512) if is_full else (128,))
-    print_peers(program, work, (64, 128, 256) if is_full else (32, 64))
-    print_reduced(program, work, (128, 256, 512, 1024) if is_full else (128, 256), rates)
-    print_histories(program, work, (100, 1000, 10000))
-    print_steps_beside_cases(program, work, 200 if is_full else 20)
+    tables = (
+        ("the long bar", print_long_bar, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates),
+        ("strips", print_strips, (1000, 2000, 4000, 10000) if is_full else (1000, 2000)),
+        ("pairs", print_pairs, (128, 256, 512) if is_full else (128,)),
+        ("other programs", print_peers, (64, 128, 256) if is_full else (32, 64)),
+        ("reduced problems", print_reduced, (128, 256, 512, 1024) if is_full else (128, 256), rates),
+        ("histories", print_histories, (100, 1000, 10000)),
+        ("steps beside cases", print_steps_beside_cases, 200 if is_full else 20),
+    )
+    for i, (name, print_table, *arguments) in enumerate(tables, start=1):
+        print(f"[{i}/{len(tables)}] {name}", file=sys.stderr, flush=True)
+        print_table(program, work, *arguments)
 
 
 main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), "--full" in sys.argv[3:])

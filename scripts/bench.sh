@@ -42,7 +42,10 @@ scripts/setup.sh build
 scripts/build.sh release amontons_app amontons_rates
 arguments=(build/release "$work")
 ! $is_full || arguments+=(--full)
-python3 -B bench/bench.py "${arguments[@]}" | tee "$work/tables.md"
+# What it measures is said on standard error.
+python3 -B bench/bench.py "${arguments[@]}" 2>&1 >"$work/tables.md" |
+   scripts/helpers/progress.sh "$work/log" 'the machine' || { cat "$work/log" >&2; exit 1; }
+cat "$work/tables.md"
 
 if $is_update; then
    # The page leaves out what follows from other tables. Everything between the markers is replaced.

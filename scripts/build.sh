@@ -29,7 +29,7 @@ build() {
    local targets=()
    (($# == 0)) || targets=(--target "$@")
    NINJA_STATUS='[%f/%t] ' cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" 2>&1 |
-      scripts/helpers/progress.sh "$log"
+      scripts/helpers/progress.sh "$log" "$preset"
 }
 
 { configure && build "$@"; } || { cat "$log" >&2; exit 1; }

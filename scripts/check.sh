@@ -22,7 +22,6 @@ findent_changes_nothing() {
 
 ford_has_no_warnings() {
    local output
-   mkdir -p build
    python3 -B scripts/dev/ford_page.py >build/ford.md
    output=$(.venv/bin/python -m ford build/ford.md 2>&1) || { echo "$output"; return 1; }
    ! grep --after-context 2 '^Warning' <<<"$output"
@@ -35,13 +34,15 @@ waivers_have_reasons() {
 }
 
 status=0
+mkdir -p build
 check() {
-   local name=$1 output
+   local name=$1 log=build/check.log
    shift
-   if output=$("$@" 2>&1); then
+   if "$@" 2>&1 | scripts/helpers/progress.sh "$log" "$name"; then
       echo "ok    $name"
    else
-      printf 'FAIL  %s\n%s\n' "$name" "$output"
+      echo "FAIL  $name"
+      cat "$log"
       status=1
    fi
 }

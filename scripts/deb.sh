@@ -17,5 +17,5 @@ make_packages() {
       cd "$folder" && cpack -G DEB
 }
 
-make_packages 2>&1 | scripts/helpers/progress.sh "$log" || { cat "$log" >&2; exit 1; }
+make_packages 2>&1 | scripts/helpers/progress.sh "$log" packages || { cat "$log" >&2; exit 1; }
 ls "$folder"/*.deb

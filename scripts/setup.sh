@@ -41,5 +41,6 @@ fi
 echo "Installing ${missing[*]}"
 apt=("${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get --yes -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0)
 # A third party's broken list is no reason to stop: the installation tells whether our packages are to be had.
-"${apt[@]}" -qq update || echo 'setup.sh: not every package list could be fetched.' >&2
+"${apt[@]}" -qq update | helpers/progress.sh /dev/null 'fetching package lists' ||
+   echo 'setup.sh: not every package list could be fetched.' >&2
 "${apt[@]}" -q install --no-install-recommends "${missing[@]}" | helpers/progress.sh /dev/null

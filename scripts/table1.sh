@@ -49,7 +49,8 @@ run_rows() { # mesh name, cells, options
          -e "s/method *= *'[a-z_]+'/method = '$method'  variant = '$variant'/" \
          "input/long_bar_$row.nml" >"$output/$name/row_$row.nml"
    done
-   build/release/bin/amontons --quiet "$@" --output "$output/$name" "$output/$name"/row_?.nml || status=$?
+   build/release/bin/amontons --quiet "$@" --output "$output/$name" "$output/$name"/row_?.nml |
+      scripts/helpers/progress.sh /dev/null "$name meshes" || status=$?
    # Status 4, not converged, is told in the table.
    ((status == 0 || status == 4)) || exit "$status"
 }

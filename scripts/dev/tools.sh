@@ -12,5 +12,6 @@ python=/usr/bin/python3
 [[ -x $python ]] || python=python3
 rm -rf .venv
 "$python" -m venv .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$wanted"
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement "$wanted" |
+   scripts/helpers/progress.sh /dev/null "$wanted"
 cp "$wanted" "$installed"
