@@ -15,7 +15,8 @@ is_installed() {
 become_root() {
    as_root=(env)
    [[ $(id -u) == 0 ]] && return
-   as_root=(sudo -n env)
+   # sudo hands on no variable by itself, the proxies are wanted.
+   as_root=(sudo -n env ${http_proxy:+"http_proxy=$http_proxy"} ${https_proxy:+"https_proxy=$https_proxy"})
    "${as_root[@]}" true 2>/dev/null
 }
 
