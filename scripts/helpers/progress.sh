@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Reads what ninja, pip wheel --verbose, apt-get or another command prints and shows how far it is, on standard error: in
-# place on a terminal, else a line every ten seconds, also while nothing comes. Hands on what it reads to a file.
+# Reads what ninja, pip wheel --verbose, apt-get or another command prints and shows how far it is, on standard error:
+# in place on a terminal, else a line every ten seconds, also while nothing comes. Hands on what it reads to a file.
 # Usage: progress.sh FILE [NAME]     NAME is shown until something tells how far it is
 set -euo pipefail
 
