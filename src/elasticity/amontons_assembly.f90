@@ -214,6 +214,7 @@ contains
       strained_share = 0.0_dp
       largest = maxval(magnitude)
       do element = 1, mesh%n_elements
+         if (all(magnitude(:, mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1)) <= 0.0_dp)) cycle
          associate (material => materials%list(materials%of_element(element)))
             call new_element_geometry(geometry, mesh, element, material)
             call element_stiffness(geometry, material, stiffness)

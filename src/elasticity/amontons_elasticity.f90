@@ -239,26 +239,28 @@ contains
    end subroutine element_stiffness
 
    !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
-   pure subroutine add_hoop_stiffness(geometry, hoop_law, i, j, block)
+   pure subroutine add_hoop_stiffness(geometry, law, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      real(dp), intent(in) :: hoop_law(4) !! stresses of a unit hoop strain [F/L^2]
+      real(dp), intent(in) :: law(4) !! stresses of a unit hoop strain [F/L^2]
       integer, intent(in) :: i !! node of the rows
       integer, intent(in) :: j !! node of the columns
       real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
-      real(dp) :: law(4), hoop_i, hoop_j
+      real(dp) :: a_by_hoop(2), hoop_by_b(2), hoop_by_hoop, hoop(2)
       integer :: point
 
+      a_by_hoop = 0.0_dp
+      hoop_by_b = 0.0_dp
+      hoop_by_hoop = 0.0_dp
       do point = 1, geometry%n_points
-         law = hoop_law*geometry%volume(point)
-         hoop_i = geometry%values(i, point)/geometry%position(1, point)
-         hoop_j = geometry%values(j, point)/geometry%position(1, point)
-         associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point))
-            block(1, 1) = block(1, 1) + (law(1)*a(1) + law(3)*a(2))*hoop_j + hoop_i*(law(1)*b(1) + law(3)*b(2)) &
-               + law(4)*hoop_i*hoop_j
-            block(2, 1) = block(2, 1) + (law(2)*a(2) + law(3)*a(1))*hoop_j
-            block(1, 2) = block(1, 2) + hoop_i*(law(2)*b(2) + law(3)*b(1))
-         end associate
+         hoop = geometry%values([i, j], point)/geometry%position(1, point)
+         a_by_hoop = a_by_hoop + geometry%volume(point)*hoop(2)*geometry%gradient(:, i, point)
+         hoop_by_b = hoop_by_b + geometry%volume(point)*hoop(1)*geometry%gradient(:, j, point)
+         hoop_by_hoop = hoop_by_hoop + geometry%volume(point)*hoop(1)*hoop(2)
       end do
+      block(1, 1) = block(1, 1) + law(1)*(a_by_hoop(1) + hoop_by_b(1)) + law(3)*(a_by_hoop(2) + hoop_by_b(2)) &
+         + law(4)*hoop_by_hoop
+      block(2, 1) = block(2, 1) + law(2)*a_by_hoop(2) + law(3)*a_by_hoop(1)
+      block(1, 2) = block(1, 2) + law(2)*hoop_by_b(2) + law(3)*hoop_by_b(1)
    end subroutine add_hoop_stiffness
 
    !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].

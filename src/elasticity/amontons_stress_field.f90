@@ -87,8 +87,8 @@ contains
       type(stress_field_t) :: twist
       type(materials_t) :: twist_materials
 
-      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes))
-      allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
+      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes), &
+         field%force(2, mesh%n_nodes), source=0.0_dp)
       if (present(thermal_strain)) strain = reshape(thermal_strain, [size(thermal_strain), 1])
       call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), strain, field)
       call move_alloc(node, field%node)
@@ -132,7 +132,7 @@ contains
    end subroutine internal_forces
 
    !> Evaluates the stresses at the nodes under several displacement fields; the shape functions of each element are
-   !> computed once.
+   !> computed once, and not at all where nothing is strained.
    subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
       integer, intent(in) :: n_fields !! number of fields
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -143,7 +143,7 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:, :)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` (any, fields) [-]
       type(stress_field_t), intent(inout), optional :: field_of_one
-         !! gains means and nodal forces of the one displacement field; its arrays made, the forces 0
+         !! gains means and nodal forces of the one displacement field; its arrays made, 0
       type(element_stress_t) :: own
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
       integer, allocatable :: n_elements(:)
@@ -161,19 +161,19 @@ contains
          !$omp color, field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             do element = coloring%first(i), coloring%last(i)
-               associate (material => materials%list(materials%of_element(element)), first => mesh%node_start(element))
+               associate (material => materials%list(materials%of_element(element)), &
+                  nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+                  n_elements(nodes) = n_elements(nodes) + 1
+                  if (.not. present(thermal_strain) .and. all(abs(displacement(:, nodes, :)) <= 0.0_dp)) cycle
                   call set_element(own, mesh, element, material, present(thermal_strain))
                   do field = 1, n_fields
                      if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
-                        thermal_strain(first:first + own%n_nodes - 1, field))
+                        thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1, field))
                      call compute_stresses(own, material, displacement(:, :, field))
                      call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
                      do k = 1, own%n_nodes
                         node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
                      end do
-                  end do
-                  do k = 1, own%n_nodes
-                     n_elements(own%node(k)) = n_elements(own%node(k)) + 1
                   end do
                   if (present(field_of_one)) call integrate(field_of_one, element, own, material)
                end associate

@@ -279,8 +279,9 @@ contains
       low = minval(slave%corner(:, :, side), dim=2) - reach
       high = maxval(slave%corner(:, :, side), dim=2) + reach
       do i = 1, master%n_sides
-         is_near(i) = all(maxval(master%corner(:, :, i), dim=2) >= low .and. &
-            minval(master%corner(:, :, i), dim=2) <= high)
+         associate (x => master%corner(1, :, i), y => master%corner(2, :, i))
+            is_near(i) = any(x >= low(1)) .and. any(x <= high(1)) .and. any(y >= low(2)) .and. any(y <= high(2))
+         end associate
       end do
       near = pack([(i, i=1, master%n_sides)], is_near)
    end function sides_near

@@ -265,32 +265,17 @@ contains
       real(dp), intent(inout) :: reaction(:, :)
          !! residual of equilibrium; on return its part along held directions (components, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
-      real(dp) :: along, across, unit
+      real(dp) :: along(size(reaction, 1)), unit
       integer :: node
 
       ! Squares over that of the largest force neither overflow nor vanish.
       unit = binary_scale(max(maxval(abs(reaction)), tiny(unit)))
       imbalance = 0.0_dp
       do node = 1, size(reaction, 2)
-         associate (axis => constraints%axis(:, node), is_free => constraints%is_free(:, node))
-            along = axis(1)*reaction(1, node) + axis(2)*reaction(2, node)
-            across = axis(1)*reaction(2, node) - axis(2)*reaction(1, node)
-            if (is_free(1)) then
-               imbalance = imbalance + (along*unit)**2
-               along = 0.0_dp
-            end if
-            if (is_free(2)) then
-               imbalance = imbalance + (across*unit)**2
-               across = 0.0_dp
-            end if
-            reaction(1, node) = along*axis(1) - across*axis(2)
-            reaction(2, node) = along*axis(2) + across*axis(1)
-            if (size(reaction, 1) > 2) then
-               if (constraints%is_free(3, node)) then
-                  imbalance = imbalance + (reaction(3, node)*unit)**2
-                  reaction(3, node) = 0.0_dp
-               end if
-            end if
+         associate (frame => constraints%frame(node), is_free => constraints%is_free(:, node))
+            along = matmul(reaction(:, node), frame)
+            imbalance = imbalance + sum((along*unit)**2, mask=is_free)
+            reaction(:, node) = matmul(frame, merge(0.0_dp, along, is_free))
          end associate
       end do
       imbalance = sqrt(imbalance)/unit

@@ -241,7 +241,7 @@ contains
    !> An upper bound of the largest eigenvalue of a positive semidefinite matrix: a Cholesky factor proves that no
    !> eigenvalue is larger. Power iterations provide the trial values.
    pure real(dp) function largest_eigenvalue(matrix) result(above)
-      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
+      real(dp), contiguous, intent(in) :: matrix(:, :) !! the matrix (n, n)
       real(dp), parameter :: resolution = 1.0e-4_dp
       integer, parameter :: n_powers = 60
       real(dp) :: vector(size(matrix, 1)), image(size(matrix, 1)), below, middle, step
