@@ -159,12 +159,14 @@ contains
             call solution%prepend(first)
          end if
       end if
-      if (solution%is_converged .and. problem%is_unloaded() .and. all(abs(solution%displacement) &
-         <= rounding*self%size_of_body)) then
-         ! The unloaded body is back at its initial position: what is left are rounding errors of a state with loads.
-         solution%displacement = 0.0_dp
+      if (solution%is_converged .and. problem%is_unloaded()) then
+         ! The unloaded body is where it was drawn, or where it has moved to: all else are errors of a state with loads.
+         first = solution
+         call fit_travel(motion, body, solution%displacement)
+         solution%displacement = merge(motion, 0.0_dp, any(abs(motion) > rounding*self%size_of_body))
          solution%force = 0.0_dp
          call solution%measure(problem)
+         if (.not. solution%residual <= self%method%tolerance) solution = first
       end if
       if (allocated(error)) then
          solution%is_converged = .false.

@@ -115,7 +115,7 @@ contains
          if (case%faults%n == n_faults) call repeat_steps(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
-         call new_step_result(step, cache, again%model, stepping, error)
+         call new_step_result(step, cache, again%model, stepping, again%result%reached, error)
          ! not raised: the numbers of the step were finite
          if (allocated(error)) return
          call again%result%record_certificate(step%certificate%largest())
@@ -208,7 +208,7 @@ contains
             ! The run certified this step, like those with grids.
             if (result%last_warned(end_of_set) == number .and. &
                .not. is_shown(number, again%model%history%fields_every)) then
-               call new_step_result(step, cache, again%model, result%stepping, error)
+               call new_step_result(step, cache, again%model, result%stepping, result%reached, error)
                ! not raised: the numbers of the step were finite
                if (allocated(error)) return
                call again%result%record_certificate(step%certificate%largest())
@@ -398,7 +398,7 @@ contains
 
       if (.not. is_shown(again%result%stepping%n_steps, again%model%history%fields_every)) return
       step%wants_error_estimate = case%config%accuracy%wants_estimate()
-      call new_step_result(step, cache, again%model, again%result%stepping, error)
+      call new_step_result(step, cache, again%model, again%result%stepping, again%result%reached, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return
       call again%result%record_certificate(step%certificate%largest())

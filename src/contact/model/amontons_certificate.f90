@@ -89,7 +89,7 @@ module amontons_certificate
 
    !> Violations above this limit are also compared with the rounding errors of the forces.
    real(dp), parameter :: suspicious = 1.0e-10_dp
-   !> Share of |K| |u| that is well above the largest rounding errors.
+   !> Share of |K| |u|, or of forces that the body carried before, that is well above the largest rounding errors.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
 
 contains
@@ -128,7 +128,8 @@ contains
          call sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
          force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
             norm_of(contact, sums%largest_contact))
-         least_scale = 0.0_dp
+         ! Unloading leaves rounding errors of the forces before.
+         least_scale = rounding_share*load_case%carried_force/max(1, body%zone%n_points)
          do i = 1, size(body%motions)
             least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
                contact, force_size, allocated(load_case%thermal_strain)))
@@ -142,11 +143,11 @@ contains
             sums%support_work = sums%support_work + work
             sums%external_size = sums%external_size + abs(work)
          end if
-         call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
-            springs)
+         call check_resultants(certificate, body, max(least_scale, rounding_share*load_case%carried_force, &
+            sums%springs), sums, loads, contact, reaction, springs)
          certificate%named = named_quantities(body, named, max(least_scale, sums%forces), &
             maxval(abs(displacement)))
-         certificate%imbalance = relative(certificate%equilibrium, force_size)
+         certificate%imbalance = relative(certificate%equilibrium, max(force_size, least_scale))
          ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants
          ! and energy are not affected: a share of |K| |u| is a scale, too.
          if (certificate%imbalance > suspicious) then
@@ -154,7 +155,7 @@ contains
                uncanceled, strained_share)
             force_size = max(force_size, rounding_share*uncanceled)
          end if
-         certificate%equilibrium = relative(certificate%equilibrium, force_size)
+         certificate%equilibrium = relative(certificate%equilibrium, max(force_size, least_scale))
          certificate%strain_energy = 0.5_dp*sums%internal_work
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
             - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
