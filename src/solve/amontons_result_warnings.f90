@@ -59,20 +59,14 @@ contains
       ! The cosine of 30 degrees.
       real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
       integer, allocatable :: reached(:)
-      integer :: peak, status(body%zone%n_points), set, i, first
+      integer :: peak, set, i, first
       real(dp) :: depth, place(2)
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
       call add_size_warnings(result%warnings, body, result%displacement)
-      associate (m => body%zone%n_points, force => result%solution%force)
-         ! A point whose force is rounding counts as open.
-         status = merge(result%solution%status, open_point, hypot(force(:m), &
-            tangential_norm(force(m + 1:), m))/body%zone%area &
-            > rounding_pressure(body, maxval(abs(result%displacement)), body_size(body)))
-      end associate
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
-         result%load_case%gap, status)
+         result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
       call find_corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
          result%displacement(:2, :), depth, place, set)
@@ -80,7 +74,8 @@ contains
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
          result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
          'there, so that its sides are smaller than the obstacle')
-      associate (is_closed => status /= open_point, zone => body%zone, lacks => lacks_points(status))
+      associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
+         lacks => lacks_points(result%solution%status))
          if (lacks(1)) then
             call add_no_contact(result, body)
          else if (lacks(2)) then
@@ -100,7 +95,7 @@ contains
                      error_clause(result, body, [(i == peak, i=1, size(pressure))])//'; refine it there, or see '// &
                      'with --refine 2 whether it converges')
                else if (peak == 0) then
-                  call add_mesh_warnings(result, body, status)
+                  call add_mesh_warnings(result, body, result%solution%status)
                end if
             end associate
          end if
@@ -113,22 +108,10 @@ contains
          end associate
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
-      call add_far_slips(result%warnings, body%zone, result%displacement, status)
+      call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
       call add_lost_friction(result, body)
       call add_couples(result, body)
    end subroutine add_result_warnings
-
-   !> The largest pressure caused by rounding errors of the displacements [F/L^2].
-   pure real(dp) function rounding_pressure(body, displacement, size_of_body) result(pressure)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement !! size of the displacements [L]
-      real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
-      ! Strain by rounding errors of displacements (1e-16 of them) in sides of a thousandth of the body, with some
-      ! summed up [-].
-      real(dp), parameter :: rounding = 1.0e-12_dp
-
-      pressure = rounding*maxval(body%materials%list%young(1))*displacement/size_of_body
-   end function rounding_pressure
 
    !> Warns of contact that reaches an end of its set beyond which body and obstacle continue.
    subroutine add_reached_ends(result, body, reached)
@@ -315,9 +298,7 @@ contains
       is_raised(end_of_set) = size(reached) > 0
       if (m <= 2 .or. any(is_raised(2:3))) return
       peak = jump_at(body%zone, solution%force(:m)/body%zone%area)
-      is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak) &
-         .and. maxval(solution%force(:m)/body%zone%area) &
-         > rounding_pressure(body, max(maxval(abs(solution%displacement)), maxval(abs(gap))), size_of_body)
+      is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak)
    end subroutine find_case_warnings
 
    !> Whether a point is at an end of a set that contact reaches, or next to such a point.

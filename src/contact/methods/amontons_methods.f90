@@ -14,6 +14,7 @@ module amontons_methods
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_extragradient, only: extragradient_t
    use amontons_fixed_point, only: fixed_point_t
+   use amontons_friction_law, only: open_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
@@ -80,6 +81,7 @@ contains
       call problem%matrix%find_parts(problem%n_points, component, n_components)
       if (n_components < 2) then
          call method%solve(problem, solution, error)
+         call drop_small_forces(problem, method%tolerance, solution)
          return
       end if
       displacement = solution%displacement
@@ -111,6 +113,7 @@ contains
          found%force = force(rows)
          call method%solve(part, found, error)
          if (allocated(error)) return
+         call drop_small_forces(part, method%tolerance, found)
          displacement(rows) = found%displacement
          force(rows) = found%force
          is_at_rest = is_at_rest .or. found%is_at_rest
@@ -136,5 +139,26 @@ contains
       if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
       solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
    end subroutine solve_components
+
+   !> Opens the points of a body whose forces are none to the tolerance: what a surface that nothing presses has for
+   !> zones and centroids would depend on rounding.
+   pure subroutine drop_small_forces(problem, tolerance, solution)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: tolerance !! residual that counts as solved [-]
+      type(contact_solution_t), intent(inout) :: solution !! the solution, converged or not
+      type(contact_solution_t) :: without
+      logical :: is_none(problem%n_points)
+      integer :: n
+
+      if (.not. (solution%is_converged .and. problem%matrix%has_stiffness())) return
+      is_none = hypot(solution%force(:problem%n_points), tangential_norm(solution%force(problem%n_points + 1:), &
+         problem%n_points)) <= tolerance*problem%force_scale(solution%force, solution%displacement)
+      if (.not. any(is_none .and. solution%status /= open_point)) return
+      without = solution
+      without%force = merge(0.0_dp, solution%force, [(is_none, n=0, problem%matrix%n_tangents)])
+      call without%measure(problem)
+      if (without%n_iterations > 0) without%history(without%n_iterations) = without%residual
+      if (without%residual <= tolerance) solution = without
+   end subroutine drop_small_forces
 
 end module amontons_methods

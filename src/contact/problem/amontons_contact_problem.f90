@@ -17,8 +17,8 @@
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_operator, only: contact_operator_t
-   use amontons_friction_law, only: contact_status, cut_to_bound, disc_violation, law_violation, slip_plus, &
-      slip_point, tangential_norm
+   use amontons_friction_law, only: contact_status, cut_to_bound, disc_violation, law_violation, open_point, &
+      slip_plus, slip_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: turned_pairs
    implicit none (type, external)
@@ -341,7 +341,7 @@ contains
          force(m + 1:), displacement(m + 1:) - self%anchor, self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 
-   !> Status of every point of a pair (v, lambda): the active bound of the law (m).
+   !> Status of every point of a pair (v, lambda): the active bound of the law; open without a force (m).
    pure function contact_problem_status(self, displacement, force) result(status)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (n) [L]
@@ -358,6 +358,7 @@ contains
          status = contact_status(augmented(:m), tangential_norm(augmented(m + 1:), m), self%friction, self%slip_bound)
          where (status == slip_plus) status = slip_point
       end if
+      where (hypot(force(:m), tangential_norm(force(m + 1:), m)) <= 0.0_dp) status = open_point
    end function contact_problem_status
 
    !> Assumes that every point is closed and sticks, except for points so far from the obstacle that pulling them to the
