@@ -243,8 +243,7 @@ contains
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
-      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
-      real(dp) :: c(3), xx, xy, yy
+      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms), c(3), xx, xy, yy
       type(moments_t) :: moments
       integer :: first, i, k
 

@@ -289,9 +289,8 @@ contains
    pure function extrapolation(kind, n_points) result(weights)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of quadrature points
-      real(dp) :: weights(max_nodes, max_points)
+      real(dp) :: weights(max_nodes, max_points), terms(4), xi(2), unused
       real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
-      real(dp) :: terms(4), xi(2), unused
       integer :: n_terms, i, info
 
       n_terms = min(n_points, merge(3, 4, is_triangle(kind)))

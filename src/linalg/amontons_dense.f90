@@ -249,10 +249,9 @@ contains
       real(dp), intent(in) :: most(:) !! upper bounds of the factors, at least 0; huge if there is none (n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
       real(dp) :: remainder(size(vector))
-      real(dp) :: unit(size(columns, 1), size(columns, 2))
+      real(dp) :: unit(size(columns, 1), size(columns, 2)), share, bound
       real(dp), dimension(size(columns, 2)) :: longest, gain, factor, trial, full
       logical, dimension(size(columns, 2)) :: is_used, is_full, is_leaving
-      real(dp) :: share, bound
       integer :: i, step
 
       do i = 1, size(columns, 2)

@@ -133,9 +133,8 @@ contains
       class(sparse_matrix_t), intent(inout) :: self !! the matrix, its pattern made with this element
       integer, intent(in) :: unknowns(:) !! the element's unknowns, distinct, 0 for a row and column to skip
       real(dp), intent(in) :: block(:, :) !! the block, both triangles (size(unknowns), size(unknowns))
-      integer :: sorted(size(unknowns))
+      integer :: sorted(size(unknowns)), i, j
       integer(int64) :: at
-      integer :: i, j
 
       sorted = sorting_order(unknowns)
       do j = 1, size(unknowns)

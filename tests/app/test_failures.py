@@ -63,20 +63,25 @@ class WrongSolution(ProgramTest):
 class LittleMemory(ProgramTest):
     """Status 3: a limit of addresses leaves no room; the program says so, and does not wait for room."""
 
-    def run_limited(self, limit, n_threads):
-        """Runs a sweep of a strip with 6 002 contact unknowns under a limit [kB]."""
+    def run_limited(self, limit, n_threads, *study):
+        """Runs a study of a strip with 6 002 contact unknowns, a case unless given, under a limit [kB]."""
         self.write("strip.nml", block("load set = 'top'  traction = 0.1, -1.0  name = 'push'", CONTACT,
-                                      "solver method = 'fixed_point'  max_iterations = 3",
-                                      "sweep load = 'push'  factor = 1.0, 1.1",
+                                      "solver method = 'fixed_point'  max_iterations = 3", *study,
                                       mesh="size = 300.0, 1.0  cells = 3000, 2"))
         # OpenBLAS takes memory for its own threads before the program begins.
         limited = f'ulimit -v {limit}; OMP_NUM_THREADS={n_threads} exec "$@"'
         return self.run_command(["bash", "-c", limited, "bash", PROGRAM, "--output", "out", "strip.nml"], 3)
 
-    def test_matrix(self):
-        run = self.run_limited(300000, 1)
-        self.assertRegex(run.stderr, r"^strip\.nml: not enough memory: a dense matrix of the contact points, 6002 by "
-                         r"6002 numbers, needs 288 MB\n$")
+    def test_matrix_of_a_case_a_row_or_a_step(self):
+        told = r"not enough memory: a dense matrix of the contact points, 6002 by 6002 numbers, needs 288 MB"
+        for study, before, behind in (
+                ((), "", ""), (("sweep load = 'push'  factor = 1.0, 1.1",), "", ""),
+                (("history times = 0.0, 1.0", "steps load = 'push'  factor = 1.0, 1.1"), r"step 1 \(to 0\.0\): ",
+                 "; the history ends at step 0")):
+            with self.subTest(study):
+                run = self.run_limited(300000, 1, *study)
+                self.assertRegex(run.stderr, rf"^strip\.nml: {before}{told}{behind}\n$")
+                self.assertEqual(list(self.directory.glob("out/*")), [])
 
     @unittest.skipUnless(HAS_OPENBLAS, "another BLAS takes no such memory")
     def test_threads_of_the_blas(self):

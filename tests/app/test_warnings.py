@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Warnings: what a deck can describe and a result cannot carry is said on screen, in the listing and in the summary,
 and checked by --verify."""
+import csv
 import json
 import re
 import unittest
@@ -255,6 +256,22 @@ class Warnings(ProgramTest):
                   "sweep load = 'press'  factor = 0.1, 0.4, 1.0"),
             "2 of 3 cases, case 1 the first: fewer than 3 contact points closed")
         self.assertEqual(self.row_warnings(), ["warnings", "few_points", "few_points", ""])
+
+    def test_surface_that_nothing_presses_has_no_zone(self):
+        # The upper block lies on the arch of a pressed one: what its points bear is none to the tolerance.
+        groups = ("mesh name = 'b'  size = 4.0, 2.0  cells = 7, 3  origin = 3.0, 3.0",
+                  "material region = 'b'  young = 3e4  poisson = 0.3", "contact set = 'a.bottom'  friction = 0.3",
+                  "contact set = 'b.bottom'  against = 'a.top'  friction = 0.3",
+                  "load name = 'press'  set = 'a.top'  pressure = 100.0")
+        changes = {"mesh": "name = 'a'  size = 10.0, 3.0  cells = 10, 3",
+                   "material": "region = 'a'  young = 1e5  poisson = 0.3"}
+        self.assert_warnings(block(*groups, **changes), "70.2 % of the estimated error")
+        summary = json.loads((self.directory/"results"/"case.summary.json").read_text(encoding="utf-8"))
+        self.assertEqual([summary["key_results"][f"contact_width_{i}"] for i in (1, 2)], [10.0, 0.0])
+        self.assert_warnings(block(*groups, "sweep load = 'press'  factor = 1.0, 2.0", **changes))
+        with open(self.directory/"results"/"case.sweep.csv", encoding="utf-8") as table:
+            rows = list(csv.DictReader(line for line in table if not line.startswith("#")))
+        self.assertEqual([row["contact_width_2"] for row in rows], ["0.0", "0.0"])
 
     def test_steps_of_a_history(self):
         # The last step is small, the one before it is not.

@@ -225,9 +225,8 @@ contains
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the side
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
-      real(dp) :: dual(2, 2)
+      real(dp) :: dual(2, 2), mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
       type(gauss_rule_t) :: rule
-      real(dp) :: mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
       type(surface_place_t) :: place
       integer :: i, k
 

@@ -141,11 +141,10 @@ contains
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(surface_place_t) :: place
-      real(dp) :: begin
+      real(dp) :: begin, mean(2)
       integer :: i, k, side_from(body%mesh%n_nodes), next
       ! Cosine of the smallest angle between two sides at a corner: 40 degrees.
       real(dp), parameter :: sharp = 0.766_dp
-      real(dp) :: mean(2)
 
       surface%side = sides
       surface%n_sides = size(sides, 2)

@@ -188,14 +188,13 @@ contains
       real(dp), intent(inout) :: x(:) !! the point, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
+      real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share, move(size(x)), image(size(x)), length, slope
       logical :: is_free(size(b)), was_free(size(b)), is_exact, is_soft
       integer :: i, k, n_trials
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
       real(dp), parameter :: sufficient = 1.0e-4_dp
       integer, parameter :: most_trials = 30
-      real(dp) :: move(size(x)), image(size(x)), length, slope
 
       share = (real(size(b), dp)/a%n)**2
       is_exact = .false.

@@ -304,8 +304,7 @@ contains
       real(dp), parameter :: axis_share = 0.125_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
-      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes)
-      integer :: ends(2), i, k, n, n_corners
+      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), ends(2), i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:)
 
       point_of = 0

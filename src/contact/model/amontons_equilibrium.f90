@@ -50,8 +50,7 @@ contains
    !> that supports do not hold.
    pure function leading_pieces(body) result(leader)
       type(body_t), intent(in) :: body !! the body
-      integer :: leader(size(body%motions))
-      integer :: piece(body%mesh%n_nodes), p, i, first, second
+      integer :: leader(size(body%motions)), piece(body%mesh%n_nodes), p, i, first, second
 
       do i = 1, size(leader)
          piece(body%motions(i)%node) = i

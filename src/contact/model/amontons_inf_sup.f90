@@ -24,9 +24,8 @@ contains
       integer, intent(in) :: number !! number of the contact set
       character(*), intent(in) :: set !! name of its boundary set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer :: place(2, body%mesh%n_nodes), n
+      integer :: place(2, body%mesh%n_nodes), n, info
       real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :)
-      integer :: info
 
       beta = 0.0_dp
       call trace_mass(mass, place, n, set, body)

@@ -175,10 +175,9 @@ contains
       ! Rounding error of gaps of surfaces that touch, over the coordinates: as an overlap it would cause forces between
       ! unloaded bodies.
       real(dp), parameter :: noise = 1.0e-14_dp
-      real(dp) :: corners(2, 2), size_of_body, extent
+      real(dp) :: corners(2, 2), size_of_body, extent, gap, cosine
       integer :: p, i, q
       character(:), allocatable :: hint
-      real(dp) :: gap, cosine
       logical :: is_met
 
       load_case%contacts = contacts

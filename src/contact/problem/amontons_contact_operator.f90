@@ -323,8 +323,7 @@ contains
       type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (2m, 2m)
       integer, intent(out) :: part(:) !! number of the part of each point (m)
       integer, intent(out) :: n_parts !! number of parts
-      integer :: reached(size(part)), n_reached, n_followed, first, column, point, i, m
-      integer :: begin, last
+      integer :: reached(size(part)), n_reached, n_followed, first, column, point, i, m, begin, last
       real(dp) :: entry
 
       m = size(part)

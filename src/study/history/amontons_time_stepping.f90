@@ -188,9 +188,8 @@ contains
       type(step_state_t), intent(in) :: state !! the state at its end
       ! Rounding error of the dissipation in a cycle without slip, over the sum of the works of its steps.
       real(dp), parameter :: rounding = 1.0e-9_dp
-      real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn))
+      real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn)), dissipation, changes(3), force
       real(dp), allocatable :: parameters(:, :)
-      real(dp) :: dissipation, changes(3), force
       integer :: t
 
       ! The columns: 1 + t forces, t positions, slip, dissipation, t drifts.

@@ -655,8 +655,7 @@ contains
       integer, allocatable :: cases(:)
       type(load_case_t) :: load_cases(n_together)
       type(acting_t) :: acting
-      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strains(:, :)
-      real(dp), allocatable :: nodal(:, :)
+      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strains(:, :), nodal(:, :)
       type(materials_t) :: twist
       integer :: first, i, k, n
 
