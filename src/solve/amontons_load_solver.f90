@@ -108,7 +108,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-14_dp
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
-      type(error_t), allocatable :: error
+      type(error_t), allocatable :: error, ignored
       logical :: is_loose
       real(dp), allocatable :: motion(:)
       type(newton_t) :: quick
@@ -121,16 +121,15 @@ contains
       if (self%is_auto .and. has_start_position(solution)) then
          quick = newton_t(tolerance=self%method%tolerance, max_iterations=min(n_newton_steps, &
             self%method%max_iterations), patience=patience, decrease=decrease)
+         ! If memory does not suffice for these steps, it may for the deck's method.
          if (is_loose) then
             ! Displacements are counted from the rigid motion of the start, if the start is hardly anything else.
             call fit_travel(motion, body, solution%displacement)
-            call solve_from_motion(motion, quick, body, problem, solution, error)
+            call solve_from_motion(motion, quick, body, problem, solution, ignored)
          else
-            call solve_components(quick, problem, solution, error)
+            call solve_components(quick, problem, solution, ignored)
          end if
       end if
-      ! If memory does not suffice for these steps, it may for the deck's method.
-      if (allocated(error)) deallocate (error)
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
          > self%size_of_body) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
