@@ -192,7 +192,7 @@ def count_abscissas(axes: Canvas) -> None:
     if isinstance(axes, SvgAxes):
         axes.has_whole_abscissas = True
     else:
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.xaxis.get_major_locator().set_params(integer=True, min_n_ticks=1)
 
 
 def draw_history(axes: Canvas, case: Case) -> None:

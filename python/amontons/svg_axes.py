@@ -131,7 +131,8 @@ class Arrows:
 def ticks_between(limits: tuple[float, float], most: float, are_whole: bool = False) \
         -> tuple[list[tuple[float, str]], str]:
     """Pairs of value and text of ticks, as many as there is room for, and the factor of the texts."""
-    locator = MaxNLocator(int(np.clip(most, 1, MOST_TICKS)), steps=STEPS, integer=are_whole)
+    locator = MaxNLocator(int(np.clip(most, 1, MOST_TICKS)), steps=STEPS, integer=are_whole,
+                          min_n_ticks=1 if are_whole else 2)
     return labels_of(locator.tick_values(*limits).tolist(), limits)
 
 

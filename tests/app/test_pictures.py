@@ -22,6 +22,7 @@ if matplotlib:
     import numpy as np
     from amontons.draw_line import closed_zone, points_of, stretches
     from amontons.grid import Grid
+    from amontons.svg_axes import ticks_between
 
 ROOT = Path(__file__).resolve().parents[2]
 BROWSER = shutil.which("chromium")
@@ -365,6 +366,10 @@ class Pictures(ProgramTest):
         sets = stretches(line)
         zone = points_of(closed_zone(line, sets))
         self.assertTrue(set(zone) <= set(range(11, 22)) and {14, 15} <= set(zone), zone)
+
+    def test_a_single_iteration_has_a_tick_at_its_number_alone(self):
+        ticks, _ = ticks_between((0.95, 1.05), 5, are_whole=True)
+        self.assertEqual([value for value, _ in ticks], [1.0])
 
     def test_large_displacements_are_drawn_as_they_are(self):
         # A fourth of the block's height; a twelfth of its width is what smaller ones are magnified to.
