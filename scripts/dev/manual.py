@@ -24,6 +24,9 @@ STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }
 nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { display: block; padding: .2rem .5rem }
 nav a[aria-current] { font-weight: 600; background: #dde5ec; border-radius: .3rem }
+nav .part { padding-left: 1.3rem; font-size: .85em; line-height: 1.35 }
+@media (min-width: 45.1rem) { nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto;
+   box-sizing: border-box } }
 main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
 a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
@@ -102,14 +105,21 @@ def resolved(target, source, folder):
     return name + hash_sign + anchor
 
 
+def parts_of(body):
+    """Links to the sections of a page, from its headings."""
+    return "".join(f'\n<a class=part href="#{name}">{re.sub("<[^>]*>", "", heading).strip()}</a>'
+                   for name, heading in re.findall(r'<h2\s+id="([^"]*)">(.*?)</h2>', body, re.DOTALL))
+
+
 def write_page(source, folder):
-    """Writes a page into the manual."""
+    """Writes a page into the manual, beside links to all pages and to its own sections."""
     body = re.sub(r'\b(href|src)="([^"]*)"', lambda match: f'{match[1]}="{resolved(match[2], source, folder)}"',
                   body_of(source))
     entries = [(name_of(other), title_of(other)) for other in sources()] + [("api/index.html", "Library, by module")]
-    links = "\n".join(f'<a href="{name}"{" aria-current=page" * (name == name_of(source))}>{html.escape(title)}</a>'
-                      for name, title in entries)
-    (folder / name_of(source)).write_text(PAGE.format(title=html.escape(title_of(source)), style=STYLE, links=links,
+    own = name_of(source)
+    links = "\n".join(f'<a href="{name}"{" aria-current=page" * (name == own)}>{html.escape(title)}</a>'
+                      + parts_of(body) * (name == own) for name, title in entries)
+    (folder / own).write_text(PAGE.format(title=html.escape(title_of(source)), style=STYLE, links=links,
                                                       body=body), encoding="utf-8")
 
 

@@ -36,6 +36,14 @@ class Manual(ProgramTest):
         for name in ("sweep.csv", "history.csv", "history.pvd", "sweep.pvd"):
             self.assertTrue(re.search(rf"(?m)^\.IR? NAME\.{name}\b", text), name)
 
+    def test_its_keys_are_those_of_their_groups(self):
+        lines = re.findall(r"^\.B &(\w+) (.*)$", MANUAL.read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertGreaterEqual(len(lines), 2)
+        for group, words in lines:
+            known = re.findall(r"^\| \**`(\w+)`", self.run_program("--reference", group).stdout, re.MULTILINE)
+            for key in re.findall(r"\w+(?= =)", words) or words.split():
+                self.assertIn(key, known, group)
+
     def test_its_example_is_that_of_help(self):
         lines = [line.strip() for line in MANUAL.read_text(encoding="utf-8").splitlines() if line.startswith("    &")]
         self.assertEqual(lines, re.findall(r"^  (&.*)$", self.run_program("--help").stdout, re.MULTILINE))
