@@ -95,7 +95,9 @@ def cell_text(value: Union[float, str, None]) -> str:
         return "–"
     if isinstance(value, str):
         return html.escape(value)
-    return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else scientific(value)
+    if value and abs(value) < 1e-3:
+        return scientific(value)
+    return f"{float(f'{value:.5g}'):.10g}".replace("e+", "e")
 
 
 def table_of(cases: list[Case], smalls: list[str]) -> str:
