@@ -3,6 +3,7 @@
 Everything that doc/performance.md states is printed here. scripts/bench.sh builds first and calls this.
 """
 
+import datetime
 import json
 import math
 import os
@@ -72,6 +73,7 @@ def print_machine(build):
     processor = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
     rates = dict(line.split() for line in run([build / "bin/amontons_rates"])[0].splitlines())
     print("### Machine\n")
+    print(f"* measured on {datetime.date.today().isoformat()}")
     print(f"* {processor.group(1) if processor else 'processor unknown'}, {len(os.sched_getaffinity(0))} cores")
     print(f"* {run(['gfortran', '--version'])[0].splitlines()[0]}")
     for package in ("libopenblas0-pthread", "libsuitesparse-dev", "python3-getfem", "calculix-ccx", "python3-siconos"):
