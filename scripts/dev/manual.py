@@ -25,8 +25,8 @@ body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: f
 nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { display: block; padding: .2rem .5rem }
 nav a[aria-current] { font-weight: 600; background: #dde5ec; border-radius: .3rem }
 nav .part { padding-left: 1.3rem; font-size: .85em; line-height: 1.35 }
-@media (min-width: 45.1rem) { nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto;
-   box-sizing: border-box } }
+@media (min-width: 45.1rem) {
+   nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto; box-sizing: border-box } }
 main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
 a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
