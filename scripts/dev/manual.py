@@ -26,7 +26,8 @@ nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { displ
 nav a[aria-current] { font-weight: 600; background: #dde5ec; border-radius: .3rem }
 nav .part { padding-left: 1.3rem; font-size: .85em; line-height: 1.35 }
 @media (min-width: 45.1rem) {
-   nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto; box-sizing: border-box } }
+   nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto }
+   nav { box-sizing: border-box } }
 main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
 a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
