@@ -246,16 +246,18 @@ contains
    end subroutine visitor_require
 
    !> Reads the table in a file that a key of the group names.
-   subroutine visitor_table(self, key, file, table, n_columns)
+   subroutine visitor_table(self, key, file, table, n_columns, station, least)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       character(*), intent(in) :: key !! name of the key
       character(:), allocatable, intent(in) :: file !! name of the file from the root on; empty without one
       real(dp), allocatable, intent(inout) :: table(:, :) !! the table (columns, rows)
       integer, intent(in), optional :: n_columns !! number of columns, 2 where it is not present
+      character(*), intent(in), optional :: station !! what the first column holds if it must increase
+      real(dp), intent(in), optional :: least !! smallest number allowed in the other columns
       type(error_t), allocatable :: error
 
       if (.not. (self%has(key) .and. is_filled(file))) return
-      call read_number_table(table, file, error, n_columns)
+      call read_number_table(table, file, error, n_columns, station, least)
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
 

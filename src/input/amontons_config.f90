@@ -218,14 +218,14 @@ contains
             do i = 1, size(config%rigid_sets)
                associate (set => config%rigid_sets(i))
                   call describe_rigid(visitor, set%motion, set%drive, is_axisymmetric)
-                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, .true., &
+                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, &
                      is_axisymmetric)
                end associate
             end do
             do i = 1, size(config%preloads)
                associate (set => config%preloads(i))
                   call describe_preload(visitor, set%motion, set%drive, set%tie)
-                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, .false., &
+                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, &
                      is_axisymmetric)
                end associate
             end do

@@ -385,12 +385,9 @@ contains
       if (.not. ((size(young) == 1 .or. is_orthotropic) .and. size(poisson) == size(young) &
          .and. any(size(expansion) == [1, size(young)]) .and. (is_orthotropic .eqv. material%shear > 0.0_dp) &
          .and. all(young > 0.0_dp) .and. all(poisson > -1.0_dp))) return
-      material%young = young(1)
-      material%poisson = poisson(1)
-      material%expansion = expansion(1)
-      if (is_orthotropic) material%young = young
-      if (is_orthotropic) material%poisson = poisson
-      if (size(expansion) > 1) material%expansion = expansion
+      material%young = reshape(young, [3], young)
+      material%poisson = reshape(poisson, [3], poisson)
+      material%expansion = reshape(expansion, [3], expansion)
       call material%derive(error)
       if (allocated(error)) call visitor%require(.false., trim(merge('twist', 'young', material%is_twisted)), &
          error%message)
@@ -469,6 +466,7 @@ contains
       call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
+      motion%rigid%is_given = .true.
       if (.not. visitor%is_judging()) return
       call check_driven(visitor, motion, motion%is_held(2) .and. (is_axisymmetric .or. all(motion%is_held([1, 3]))))
       is_driven = abs([drive%force, drive%moment]) > 0.0_dp
@@ -510,6 +508,8 @@ contains
       call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', tie%origin)
+      tie%has_jump = .true.
+      motion%is_jump = .true.
       motion%name = tie%name
       motion%set = tie%set
       motion%origin = tie%origin
@@ -544,21 +544,17 @@ contains
    end subroutine check_driven
 
    !> Adds the support and the load that represent a rigid set or preload, and the tie of a preload.
-   subroutine take_driven(supports, loads, ties, set, is_rigid, is_axisymmetric)
+   subroutine take_driven(supports, loads, ties, set, is_axisymmetric)
       type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
       type(tie_t), allocatable, intent(inout) :: ties(:) !! gains the two sides of a preload
       type(driven_set_t), intent(in) :: set !! the rigid set or preload
-      logical, intent(in) :: is_rigid !! whether it is a rigid set
       logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
       type(support_t) :: support
       type(load_t) :: load
-      type(tie_t) :: tie
 
       support = set%motion
-      support%rigid%is_given = is_rigid
-      support%is_jump = .not. is_rigid
-      if (is_axisymmetric .and. is_rigid) support%is_held([1, 3]) = .true.
+      if (is_axisymmetric .and. support%rigid%is_given) support%is_held([1, 3]) = .true.
       call new_load(load, support%set)
       load%name = support%name
       load%origin = support%origin
@@ -567,10 +563,7 @@ contains
       load%moment = set%drive%moment
       supports = [supports, support]
       loads = [loads, load]
-      if (is_rigid) return
-      tie = set%tie
-      tie%has_jump = .true.
-      ties = [ties, tie]
+      if (support%is_jump) ties = [ties, set%tie]
    end subroutine take_driven
 
    !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
@@ -834,7 +827,6 @@ contains
       type(line_field_t), intent(inout) :: field !! the quantity
       type(key_t) :: value_key
       logical :: has_table
-      integer :: n
 
       value_key = keys(1)
       ! Where a slope may raise it, it is measured at the contact points.
@@ -843,13 +835,10 @@ contains
       call visitor%real(value_key, field%value)
       call visitor%reals(keys(2), field%slope)
       call visitor%text(keys(3), field%file, has_table)
-      call visitor%table(trim(keys(3)%name), field%file, field%table)
-      if (.not. allocated(field%table)) return
-      call visitor%require(.not. any(abs([field%value, field%slope]) > 0.0_dp), trim(keys(3)%name), 'give either '// &
-         trim(keys(1)%name)//' and '//trim(keys(2)%name)//', or '//trim(keys(3)%name))
-      n = size(field%table, 2)
-      call visitor%require(all(field%table(1, 2:) > field%table(1, :n - 1)), trim(keys(3)%name), &
-         trim(keys(3)%name)//' must have lengths that increase from row to row')
+      call visitor%table(trim(keys(3)%name), field%file, field%table, station='length', least=keys(1)%at_least)
+      if (allocated(field%table)) call visitor%require(.not. any(abs([field%value, field%slope]) > 0.0_dp), &
+         trim(keys(3)%name), 'give either '//trim(keys(1)%name)//' and '//trim(keys(2)%name)//', or '// &
+         trim(keys(3)%name))
    end subroutine describe_field
 
 end module amontons_config_groups

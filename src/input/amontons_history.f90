@@ -434,7 +434,8 @@ contains
       call visitor%text(key_t('table', 'instead of the lists: file of times and numbers in columns, linear between;'// &
          ' of an obstacle time, `shift_x`, `shift_y` and `turn`', is_file=.true., is_filled=.true., also='file'), &
          steps%file, has_table)
-      call visitor%table('table', steps%file, steps%table, 1 + steps%n_numbers())
+      call visitor%table('table', steps%file, steps%table, 1 + steps%n_numbers(), 'time', &
+         merge(0.0_dp, -huge(1.0_dp), steps%target == stepped_friction))
       call visitor%close_group()
       call visitor%locate('load', steps%origin)
       if (visitor%is_judging()) call judge_steps(visitor, steps, has_name, has_values)
@@ -460,14 +461,6 @@ contains
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
       n_given = count(has_values)
       call visitor%require((n_given > 0) .neqv. visitor%has('table'), '', '&steps needs either values or table')
-      if (allocated(steps%table)) then
-         associate (table => steps%table)
-            call visitor%require(all(table(1, 2:) > table(1, :size(table, 2) - 1)), 'table', &
-               'table must have times that increase from row to row')
-            call visitor%require(steps%target /= stepped_friction .or. all(table(2:, :) >= 0.0_dp), 'table', &
-               'table must not have a negative friction_factor')
-         end associate
-      end if
       if (allocated(steps%values)) then
          do i = 1, size(value_keys)
             if (value_owners(i) /= 'obstacle' .or. .not. has_values(i)) cycle

@@ -476,11 +476,12 @@ contains
          if (.not. allocated(result%answer)) then
             n = size(result%key_results)
             if (allocated(result%certificate%named)) n = n - size(result%certificate%named)
-            text = heading('Key results')//quantities_text(result%key_results(:n), label%units)// &
-               counts_text(solution%status, 1 + body%zone%n_tangents)
-            if (n < size(result%key_results)) text = text//heading('Forces by name')// &
-               quantities_text(result%key_results(n + 1:), label%units)
-            call listing%add(text, [maxval([force_scale(result), result%key_results%scale])])
+            call listing%add(heading('Key results')//quantities_text(result%key_results(:n), label%units)// &
+               counts_text(solution%status, 1 + body%zone%n_tangents), [spread(0.0_dp, 1, 3), &
+               result%key_results(:n)%scale, 0.0_dp], is_by_line=.true.)
+            if (n < size(result%key_results)) call listing%add(heading('Forces by name')// &
+               quantities_text(result%key_results(n + 1:), label%units), [spread(0.0_dp, 1, 3), &
+               result%key_results(n + 1:)%scale], is_by_line=.true.)
          end if
          call listing%add(warnings_text(result%warnings))
          call listing%add(model_text(body, result%load_case, label%units))

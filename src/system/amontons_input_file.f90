@@ -140,14 +140,16 @@ contains
 
    !> Reads a table. Empty lines, lines that begin with `#` and one line of headings above the numbers are skipped; the
    !> headings must not begin like a number.
-   subroutine read_number_table(table, file, error, n_columns)
+   subroutine read_number_table(table, file, error, n_columns, station, least)
       real(dp), allocatable, intent(out) :: table(:, :) !! the table (columns, rows), two rows at the least
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error
-         !! the file cannot be read, or a row does not hold as many numbers as there are columns
+         !! the file cannot be read, or a row does not hold as many numbers as there are columns, or others than allowed
       integer, intent(in), optional :: n_columns !! number of columns, 2 where it is not present
+      character(*), intent(in), optional :: station !! what the first column holds if it must increase: 'length'
+      real(dp), intent(in), optional :: least !! smallest number allowed in the other columns
       character(6), parameter :: counts(4) = [character(6) :: 'one', 'two', 'three', 'four']
-      character(:), allocatable :: text, numbers
+      character(:), allocatable :: text, numbers, expected
       real(dp), allocatable :: rows(:, :), row(:)
       integer :: first, last, line, n_lines, n_rows, start
       logical :: is_empty, is_row, may_be_headings
@@ -172,11 +174,21 @@ contains
          start = first
          call read_row(text(first:last), row, is_row, is_empty)
          first = last + 2
+         expected = ''
          if (is_row) then
             n_rows = n_rows + 1
             rows(:, n_rows) = row
+            if (present(station) .and. n_rows > 1) then
+               if (row(1) <= rows(1, n_rows - 1)) expected = 'a '//station//' above that of the row before'
+            end if
+            if (present(least)) then
+               if (any(row(2:) < least)) expected = 'numbers of at least '//to_text(least)//' behind the first'
+            end if
          else if (.not. (is_empty .or. may_be_headings .and. scan(text(start:start), '+-.0123456789') == 0)) then
-            call new_error(error, input_refused, file//':'//to_text(line)//': expected '//numbers)
+            expected = numbers
+         end if
+         if (expected /= '') then
+            call new_error(error, input_refused, file//':'//to_text(line)//': expected '//expected)
             return
          end if
          may_be_headings = may_be_headings .and. is_empty

@@ -109,6 +109,7 @@ contains
             is_skipping = .false.
             first = 1
             number = line_number(stated, at)
+            k = number - 1
             do while (first <= len(part%text) .and. .not. is_skipping)
                last = line_end(part%text, first)
                if (at > len(stated)) then
@@ -117,8 +118,11 @@ contains
                   cycle
                end if
                last_stated = line_end(stated, at)
-               call compare_line(fault, stated(at:last_stated), part%text(first:last), header, part%scales, &
-                  least_difference, is_skipping)
+               associate (line => min(number - k, size(part%scales)))
+                  call compare_line(fault, stated(at:last_stated), part%text(first:last), header, &
+                     part%scales(merge(line, 1, part%is_by_line):merge(line, size(part%scales), part%is_by_line)), &
+                     least_difference, is_skipping)
+               end associate
                if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
                ! A listing says the same thing several times: the first line of a part is enough.
                is_skipping = is_skipping .or. (len(fault) > 0 .and. document%ending == '.lst')

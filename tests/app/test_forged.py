@@ -62,6 +62,16 @@ class Forged(Verification):
             self.assert_forgery_is_found("case_0.lst", lambda content, old=old, new=new: content.replace(old, new),
                                          "case_0.lst:")
 
+    def test_small_numbers_of_a_listing_with_large_forces(self):
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH, material="young = 1.0e9  poisson = 0.25"))
+        for label in ("Max. displacement", "Max. slip"):
+            with self.subTest(label=label):
+                self.assert_forgery_is_found(
+                    "case_0.lst", lambda content, label=label: re.sub(
+                        label.encode() + rb" +\d\.\d",
+                        lambda match: match[0][:-1] + b"%d" % ((match[0][-1] + 3) % 10), content, count=1),
+                    f"case_0.lst:.*{label}")
+
     def test_structure_of_the_table(self):
         def changed_row(old, new):
             return lambda content: content.replace(old, new, 1)

@@ -124,8 +124,17 @@ class Tables(ProgramTest):
         for key in ("friction_table", "slip_bound_table", "gap_table"):
             deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
             run = self.run_program(self.write("case.nml", deck), status=1)
-            self.assertEqual(run.stderr, f"case.nml:5: {key} must have lengths that increase from row to row\n")
+            self.assertEqual(run.stderr, f"case.nml:5: {key}: {self.directory}/table.txt:3: expected a length above"
+                             " that of the row before\n")
         self.assertEqual(self.files(), ["case.nml", "table.txt"])
+
+    def test_negative_friction_of_a_table(self):
+        self.write("table.txt", "s, value\n0.0, 0.3\n2.0, -0.2\n")
+        for key in ("friction_table", "slip_bound_table"):
+            deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
+            run = self.run_program(self.write("case.nml", deck), status=1)
+            self.assertEqual(run.stderr, f"case.nml:5: {key}: {self.directory}/table.txt:3: expected numbers of at"
+                             " least 0.0 behind the first\n")
 
     def test_table_beside_the_value_that_it_replaces(self):
         self.write("table.txt", "0.0 0.3\n4.0 0.2\n")

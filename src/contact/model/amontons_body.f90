@@ -162,7 +162,6 @@ contains
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
-      call name_forces(body%named, supports, contacts, all_ties)
       call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call set_preload_jumps(body, supports, all_ties)
@@ -207,6 +206,7 @@ contains
             'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
          return
       end do
+      call name_forces(body%named, supports, contacts, all_ties, error)
    end subroutine new_body
 
    !> Whether ties resist a rotation of the joined bodies: across a gap, and between the polygons of a curve, the
@@ -229,55 +229,56 @@ contains
    end function strains_ties
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
-   pure subroutine name_forces(list, supports, contacts, ties)
+   pure subroutine name_forces(list, supports, contacts, ties, error)
       type(named_forces_t), allocatable, intent(out) :: list(:) !! the named forces
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(tie_t), intent(in) :: ties(:) !! the bonded sets
+      type(error_t), allocatable, intent(out) :: error !! a name is too long
       integer :: i
 
       allocate (list(0))
       do i = 1, size(supports)
          if (.not. supports(i)%is_jump) call add_name(list, of_support, i, supports(i)%set, 'point_'//to_text(i), &
-            supports(i)%name)
+            supports(i)%name, supports(i)%origin, error)
       end do
       do i = 1, size(contacts)
-         call add_name(list, of_contact, i, contacts(i)%set, '', contacts(i)%name)
+         call add_name(list, of_contact, i, contacts(i)%set, '', contacts(i)%name, contacts(i)%origin, error)
       end do
       do i = 1, size(ties)
-         call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name)
+         call add_name(list, of_tie, i, ties(i)%set, '', ties(i)%name, ties(i)%origin, error)
       end do
    end subroutine name_forces
 
    !> Adds a contact set, support or tie to those of its kind and name.
-   pure subroutine add_name(list, kind, number, set, other, name)
+   pure subroutine add_name(list, kind, number, set, other, name, origin, error)
       type(named_forces_t), allocatable, intent(inout) :: list(:) !! the named forces so far
       integer, intent(in) :: kind !! the addend
       integer, intent(in) :: number !! its number
       character(*), intent(in) :: set !! name of its set; may be empty
       character(*), intent(in) :: other !! its name if it has neither name nor set
       character(:), allocatable, intent(in) :: name !! its name, if it has one
-      type(named_forces_t), allocatable :: longer(:)
+      character(*), intent(in) :: origin !! where it was specified, as messages begin
+      type(error_t), allocatable, intent(inout) :: error !! its name is too long; an earlier fault stays
+      type(named_forces_t) :: named
       character(:), allocatable :: own
-      integer :: i, n
+      integer :: i
 
       own = set
       if (allocated(name)) then
          if (len(name) > 0) own = name
       end if
       if (len(own) == 0) own = other
-      n = size(list)
-      do i = 1, n
+      do i = 1, size(list)
          if (list(i)%kind == kind .and. list(i)%name == own) exit
       end do
-      if (i > n) then
-         allocate (longer(n + 1))
-         longer(:n) = list
-         longer(i)%kind = kind
-         longer(i)%name = own
-         allocate (longer(i)%member(0))
-         call move_alloc(longer, list)
-      end if
+      if (len(own) > len(list%name) .and. .not. allocated(error)) call new_error(error, input_refused, origin// &
+         "'"//own//"' is too long for the names of results; give a name of at most "//to_text(len(list%name))// &
+         ' characters')
+      named%kind = kind
+      named%name = own
+      allocate (named%member(0))
+      if (i > size(list)) list = [list, named]
       list(i)%member = [list(i)%member, number]
    end subroutine add_name
 
@@ -367,9 +368,8 @@ contains
       type(body_t), intent(inout) :: body !! the body; gains the motions
       type(support_t), intent(in) :: supports(:) !! the supports
       character(7), parameter :: drives(3) = [character(7) :: 'force_x', 'force_y', 'moment']
-      real(dp), parameter :: unit(3, 3) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, &
-         1.0_dp], [3, 3])
       type(driven_motion_t) :: driven
+      real(dp) :: unit(3)
       integer :: i, k, number
 
       allocate (body%driven(0))
@@ -390,9 +390,10 @@ contains
                driven%lock_time = merge(huge(1.0_dp), supports(i)%lock_time, supports(i)%is_held(k))
                driven%lead = rigid%lead(merge(2, 1, k == 3))
                driven%axis = merge(1, k, k == 3)
-               driven%own = merge([rigid%length, 0.0_dp], unit(:2, k), k == 3)
+               unit = merge(1.0_dp, 0.0_dp, [1, 2, 3] == k)
+               driven%own = merge([rigid%length, 0.0_dp], unit(:2), k == 3)
                driven%node = rigid%lead
-               driven%force = rigid%lead_forces(unit(:, k))
+               driven%force = rigid%lead_forces(unit)
                body%driven = [body%driven, driven]
             end do
          end associate

@@ -85,7 +85,7 @@ contains
          if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then
             if (size(raw%parts) > 1) call input%refuse( &
                'several of *PART, but no *INSTANCE that says where they are', input%position - 1)
-            call start_instance(raw, input, 'instance, part='//raw%parts(1)%name)
+            call start_instance(raw, input, 'instance, name, part='//raw%parts(1)%name)
             cycle
          end if
          if (keyword == '' .or. allocated(input%error)) exit
@@ -107,7 +107,7 @@ contains
             if (raw%place_behind > 0) input%position = raw%place_behind
             raw%place_behind = 0
          case ('assembly', 'instance', 'endinstance', 'endassembly')
-            call end_instance(raw, input)
+            call end_instance(raw, input, keyword)
             if (keyword == 'instance') call start_instance(raw, input, line)
             if (keyword == 'endassembly') raw%scope = ''
          case ('system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
@@ -118,7 +118,7 @@ contains
          if (.not. is_read) call ignored%add(keyword, line)
       end do
       call ignored%tell(raw)
-      call end_instance(raw, input)
+      call end_instance(raw, input, '')
       raw%scope = ''
       call name_instance_sets(raw)
       if (.not. allocated(input%error)) call resolve_elements(raw, input)
@@ -405,20 +405,20 @@ contains
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: orientation
       character(:), allocatable :: name
-      real(dp) :: axis(2), points(3, 2), turn(2)
+      real(dp) :: axis(2), points(most_fields), turn(2)
       logical :: is_there
 
       call refuse_parameters(input, line)
       call find_parameter(line, 'name', name, is_there)
-      call take_line_of_numbers(input, points(:, 1), points(:, 2))
+      call take_line_of_numbers(input, points)
       call take_line_of_numbers(input, turn)
-      if (any(abs(points(3, :)) > 0.0_dp) .or. .not. points(1, 1)*points(2, 2) > points(2, 1)*points(1, 2) &
+      if (any(abs(points([3, 6])) > 0.0_dp) .or. .not. points(1)*points(5) > points(2)*points(4) &
          .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse( &
          '*ORIENTATION: the third axis must be that of z', input%position - 1)
       axis = [1.0_dp, 0.0_dp]
       if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%axis
       orientation%name = name
-      orientation%angle = (atan2(points(2, 1), points(1, 1)) + atan2(axis(2), axis(1)))/degree + turn(2)
+      orientation%angle = (atan2(points(2), points(1)) + atan2(axis(2), axis(1)))/degree + turn(2)
       raw%model%orientations = [raw%model%orientations, orientation]
    end subroutine read_orientation
 

@@ -299,6 +299,8 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'name', name, is_there)
+      if (name == '' .or. len(name) > longest_name .or. place_of_name(raw%parts%name, name) > 0) call input%refuse( &
+         'expected *PART, NAME= and a name that no part has above', input%position - 1)
       part%name = name
       part%place = input%position
       raw%parts = [raw%parts, part]
@@ -306,6 +308,7 @@ contains
          call next_keyword(input, keyword, more)
          if (keyword == 'endpart' .or. keyword == '') exit
       end do
+      if (keyword == '') call input%refuse('*PART without *END PART', part%place - 1)
    end subroutine start_part
 
    !> Prefix of the names of an instance's sets.
@@ -324,25 +327,27 @@ contains
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name, part
       type(file_part_t) :: instance
-      real(dp) :: center(3), way(3), angle(1)
+      real(dp) :: turn(most_numbers), way(3)
       integer :: i
       logical :: is_there
 
       call find_parameter(line, 'name', name, is_there)
-      if (len(name) > longest_name) call input%refuse('a name of more than '//to_text(longest_name)//' characters', &
-         input%position - 1)
+      if (.not. is_there .or. len(name) > longest_name) call input%refuse( &
+         'expected *INSTANCE, NAME= and a name of at most '//to_text(longest_name)//' characters', input%position - 1)
       if (place_of_name(raw%instances%name, name) > 0) call input%refuse("a second instance '"//name//"'", &
          input%position - 1)
       call find_parameter(line, 'part', part, is_there)
       i = place_of_name(raw%parts%name, part)
       if (is_there .and. i == 0) call input%refuse("there is no part '"//part//"' above", input%position - 1)
       call take_line_of_numbers(input, instance%origin)
-      call take_line_of_numbers(input, center, way, angle)
-      way = way - center
-      if (abs(angle(1)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse( &
+      call take_line_of_numbers(input, turn)
+      call next_data_line(input, is_there)
+      if (is_there) call input%refuse('*INSTANCE has two data lines at most: a translation and a rotation')
+      way = turn(4:6) - turn(:3)
+      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse( &
          'an instance can be turned about an axis normal to the plane only', input%position - 1)
-      instance%axis = [cos(angle(1)*degree), sign(1.0_dp, way(3))*sin(angle(1)*degree)]
-      instance%origin(:2) = center(:2) + turned(instance%axis, instance%origin(:2) - center(:2))
+      instance%axis = [cos(turn(7)*degree), sign(1.0_dp, way(3))*sin(turn(7)*degree)]
+      instance%origin(:2) = turn(:2) + turned(instance%axis, instance%origin(:2) - turn(:2))
       instance%name = name
       instance%n_before = [raw%node_tag%n, raw%cell_tag%n, raw%node%n, raw%n_groups]
       raw%instances = [raw%instances, instance]
@@ -354,15 +359,18 @@ contains
    end subroutine start_instance
 
    !> Ends an instance, if one has begun: moves its nodes, and gives nodes and elements numbers above all others.
-   subroutine end_instance(raw, input)
+   subroutine end_instance(raw, input, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
       type(input_file_t), intent(inout) :: input !! the file
+      character(*), intent(in) :: keyword !! the keyword that ends it; empty at the end of the file
       integer :: group, node, shift
 
       raw%scope = assembly_scope
       if (.not. raw%is_in_instance) return
       raw%is_in_instance = .false.
       associate (instance => raw%instances(size(raw%instances)))
+         if (keyword /= 'endinstance' .and. instance%name /= '') call input%refuse( &
+            "the instance '"//trim(instance%name)//"' does not end: expected *END INSTANCE", input%position - 1)
          do node = instance%n_before(1) + 1, raw%node_tag%n
             raw%coordinates(:, node) = instance%origin + [turned(instance%axis, raw%coordinates(:2, node)), &
                raw%coordinates(3, node)]
@@ -406,14 +414,11 @@ contains
       turned = [axis(1)*x(1) - axis(2)*x(2), axis(2)*x(1) + axis(1)*x(2)]
    end function turned
 
-   !> Reads the numbers of a data line; all are zero if there is no data line.
-   pure subroutine take_line_of_numbers(input, first, second, third)
+   !> Reads the first numbers of a data line; all are zero if there is no data line.
+   pure subroutine take_line_of_numbers(input, values)
       type(input_file_t), intent(inout) :: input !! the file
-      real(dp), intent(out) :: first(:) !! the first numbers
-      real(dp), intent(out), optional :: second(:) !! those behind them
-      real(dp), intent(out), optional :: third(:) !! those behind these
+      real(dp), intent(out) :: values(:) !! the numbers
       character(longest_name) :: fields(most_numbers)
-      real(dp) :: values(most_numbers)
       integer :: i, n
       logical :: is_there
 
@@ -421,13 +426,9 @@ contains
       call next_data_line(input, is_there)
       n = 0
       if (is_there) call take_fields(input, fields, n)
-      do i = 1, n
+      do i = 1, min(n, size(values))
          if (fields(i) /= '') call take_number(input, fields(i), values(i))
       end do
-      n = size(first)
-      first = values(:n)
-      if (present(second)) second = values(n + 1:n + size(second))
-      if (present(third)) third = values(n + size(second) + 1:n + size(second) + size(third))
    end subroutine take_line_of_numbers
 
    !> Index of a name in a list, irrespective of upper and lower case; 0 if it is not there.

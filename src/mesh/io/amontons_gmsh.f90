@@ -193,8 +193,6 @@ contains
       call input%start_record()
       do dimension = 0, 3
          call input%take_size(n(dimension), 'the number of entities of dimension '//to_text(dimension))
-      end do
-      do dimension = 0, 3
          call input%check_count(n(dimension), least_bytes, 'entities')
       end do
       call input%end_record()
@@ -331,11 +329,8 @@ contains
       integer, intent(out) :: tag !! the number
       character(*), intent(in) :: what !! meaning of the number, for the message
 
-      if (version == msh_40) then
-         call input%take_integer(tag, what)
-      else
-         call input%take_size(tag, what)
-      end if
+      if (version == msh_40) call input%take_integer(tag, what)
+      if (version == msh_41) call input%take_size(tag, what)
    end subroutine take_tag
 
    !> Reads the section of the elements: blocks of elements of one type on one entity.
@@ -607,11 +602,9 @@ contains
             'expected the dimension of a physical group, 0 to 3, and its number, which is positive')
          place = input%position
          call input%take_line(name)
-         if (len(name) < 2) then
-            call input%refuse('expected the name of a physical group in double quotes', place)
-         else if (name(1:1)//name(len(name):) /= '""') then
-            call input%refuse('expected the name of a physical group in double quotes', place)
-         end if
+         if (len(name) < 2) name = '  '
+         if (name(1:1)//name(len(name):) /= '""') call input%refuse( &
+            'expected the name of a physical group in double quotes', place)
          if (allocated(input%error)) return
          name = trim(adjustl(name(2:len(name) - 1)))
          if (dimension == 3 .or. len(name) == 0) cycle
