@@ -155,6 +155,21 @@ class Pairs(ProgramTest):
         self.assertTrue(any(lost in warning for warning in self.summary_of(held + CONTACT)["warnings"]))
         self.run_program("--verify", ".")
 
+    def test_a_single_closed_point_transmits_a_moment(self):
+        # Its stress acts on its tributary length, beside which a gap of 0.01 is small, and one of 0.5 is not.
+        for gap, is_large in ((0.01, False), (0.5, True)):
+            warnings = self.summary_of(
+                "&mesh name = 'a'  size = 4.0, 2.0  cells = 4, 2 /\n"
+                f"&mesh name = 'b'  size = 6.0, 2.0  cells = 6, 2  origin = -1.0, {-2.0 - gap} /\n"
+                "&material young = 1000.0  poisson = 0.3 /\n&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /\n"
+                f"&rigid name = 'tool'  set = 'a.top'  ux = {2.0*gap}  uy = 0.0  turn = {0.6*gap} /\n"
+                "&contact set = 'a.bottom'  against = 'b.top'  friction = 0.5 /\n")["warnings"]
+            self.assertTrue(any(text.startswith("only 1 contact point closed") for text in warnings), warnings)
+            couples = [text for text in warnings if " make a couple of " in text]
+            self.assertEqual(bool(couples), is_large, warnings)
+            for text in couples:
+                self.assertRegex(text, r", \d{2,3}\.\d %")
+
     def test_grid_shows_the_forces_on_both(self):
         self.solve(BODIES + CONTACT)
         arrays, n_points, n_cells = read_vtu((self.directory / "case.contact.vtu").read_bytes())

@@ -377,7 +377,7 @@ contains
       real(dp), intent(in) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: on_nodes(:, :)
-      real(dp) :: of_pairs(size(force))
+      real(dp) :: of_pairs(size(force)), moment
       logical :: is_paired(body%zone%n_points)
       integer :: p
 
@@ -392,8 +392,9 @@ contains
       if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes, size(contact, 1))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
-      call check_moment(certificate%pair_moment, certificate%couple, certificate%couple_scale, body, &
-         body%checked_rows, body%zone%set, of_pairs, on_nodes)
+      call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, 0.25_dp*body%zone%weight, &
+         of_pairs, on_nodes)
+      certificate%pair_moment = moment
    end subroutine check_pairs
 
    !> Checks the moments of the forces that bonded surfaces exert on each other like those of pairs, and adds these
@@ -404,6 +405,7 @@ contains
       real(dp), intent(in) :: tied(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
       real(dp), allocatable :: on_nodes(:, :)
+      real(dp) :: moment
       integer, allocatable :: set(:)
       integer :: i, p
 
@@ -413,20 +415,22 @@ contains
       contact = contact + on_nodes
       if (body%is_axisymmetric) return
       set = [([(size(body%zone%pairs) + i, p=1, size(body%ties(i)%node))], i=1, size(body%ties))]
-      call check_moment(certificate%tie_moment, certificate%couple, certificate%couple_scale, body, &
-         body%checked_tie_rows, set, tied, on_nodes)
+      call check_moment(moment, certificate, body, body%checked_tie_rows, set, spread(0.0_dp, 1, size(set)), tied, &
+         on_nodes)
+      certificate%tie_moment = moment
    end subroutine check_ties
 
    !> Checks that the sum of the moments of the forces on both sides of some points is the couple of these forces across
    !> the gaps.
-   pure subroutine check_moment(violation, couple, scale, body, rows, set, force, on_nodes)
+   pure subroutine check_moment(violation, certificate, body, rows, set, reach, force, on_nodes)
       real(dp), intent(out) :: violation
          !! missing moment over the magnitudes of the forces times half the body's size [-]
-      real(dp), intent(inout) :: couple(:) !! gains the couple of the points of each set [F L]
-      real(dp), intent(inout) :: scale(:) !! gains the moments of their forces about their middle, in magnitude [F L]
+      type(certificate_t), intent(inout) :: certificate
+         !! gains the couple of the points of each set, and the magnitude of their moments about their middle
       type(body_t), intent(in) :: body !! the body
       type(contact_rows_t), intent(in) :: rows !! the rows of the points, integrated a second time
       integer, intent(in) :: set(:) !! which set each point belongs to (n)
+      real(dp), intent(in) :: reach(:) !! mean distance of the stress of each point from its middle (n) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) of the points (2n) [F]
       real(dp), intent(in) :: on_nodes(:, :)
          !! these forces on the nodes, made from the rows of the solution (components, n_nodes) [F]
@@ -449,10 +453,11 @@ contains
          place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], [2, n])
       end associate
       do i = minval(set), maxval(set)
-         couple(i) = couple(i) + sum(jump(:n), mask=set == i)
-         if (.not. any(set == i .and. magnitude > 0.0_dp)) cycle
-         middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/sum(magnitude, mask=set == i)
-         scale(i) = scale(i) + sum(magnitude*hypot(place(1, :) - middle(1), place(2, :) - middle(2)), mask=set == i)
+         certificate%couple(i) = certificate%couple(i) + sum(jump(:n), mask=set == i)
+         middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/max(tiny(1.0_dp), sum(magnitude, mask=set == i))
+         ! A single point that is closed transmits a moment, too.
+         certificate%couple_scale(i) = certificate%couple_scale(i) + sum(magnitude*max(reach, hypot(place(1, :) &
+            - middle(1), place(2, :) - middle(2))), mask=set == i)
       end do
    end subroutine check_moment
 
