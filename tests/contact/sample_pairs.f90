@@ -18,17 +18,17 @@ module sample_pairs
 contains
 
    !> A rectangle named so, somewhere.
-   subroutine block_mesh(mesh, name, origin, size, cells, element)
+   subroutine block_mesh(mesh, name, origin, extent, cells, element)
       type(mesh_t), intent(out) :: mesh !! the mesh
       character(*), intent(in) :: name !! its name
       real(dp), intent(in) :: origin(2) !! its lower left corner [L]
-      real(dp), intent(in) :: size(2) !! width and height [L]
+      real(dp), intent(in) :: extent(2) !! width and height [L]
       integer, intent(in) :: cells(2) !! number of cells along x and y
       character(*), intent(in) :: element !! kind of element
       type(rectangle_t) :: rectangle
       type(error_t), allocatable :: error
 
-      rectangle = rectangle_t(size, cells, diagonal='right')
+      rectangle = rectangle_t(extent, cells, diagonal='right')
       rectangle%element = trim(element)
       call new_rectangle_mesh(mesh, rectangle, error)
       mesh%coordinates = mesh%coordinates + spread(origin, 2, mesh%n_nodes)
