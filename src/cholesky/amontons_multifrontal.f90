@@ -32,6 +32,8 @@ module amontons_multifrontal
    integer, parameter :: narrow = 96
    !> So many columns are factorized at once.
    integer, parameter :: few = 24
+   !> Number of products in a substitution from which threads are worth waiting for each other, on a busy machine long.
+   integer, parameter :: worth_threads = 2000000
 
    !> The contribution block of a front, which is added to its parent.
    type :: contribution_t
@@ -546,7 +548,8 @@ contains
 
       ! The root has no row structure.
       call limit_nested_threads(threads, 1)
-      !$omp parallel default(none) num_threads(n_threads()) shared(self, is_forward, n_steps, y, none)
+      !$omp parallel default(none) num_threads(n_threads()) if (self%n_factor_entries*n_vectors >= worth_threads) &
+      !$omp shared(self, is_forward, n_steps, y, none)
       !$omp single
       if (is_forward) then
          call forward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y(:, 1), none(1, :))
