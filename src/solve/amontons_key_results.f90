@@ -570,7 +570,13 @@ contains
          else
             if (zone%next(p) == 0) cycle
             ends(2) = zone%next(p)
-            length = norm2(zone%position(:, ends(2)) - zone%position(:, p))*covered_share(zone, p)
+            length = norm2(zone%position(:, ends(2)) - zone%position(:, p))
+            ! Of a side of a pair the share that faces the master counts.
+            if (allocated(zone%pairs)) then
+               associate (pair => zone%pairs(zone%set(p)), first => findloc(zone%set, zone%set(p), dim=1))
+                  if (pair%is_set()) length = length*pair%covered_share(p - first + 1)
+               end associate
+            end if
          end if
          if (any(status(ends) == open_point)) then
             lengths%open = lengths%open + length
@@ -581,19 +587,6 @@ contains
          end if
       end do
    end subroutine new_lengths
-
-   !> The share of the side after a contact point that may come into contact: for a pair the share that faces the master
-   !> [-].
-   pure real(dp) function covered_share(zone, p)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, intent(in) :: p !! number of the point
-
-      covered_share = 1.0_dp
-      if (.not. allocated(zone%pairs)) return
-      associate (pair => zone%pairs(zone%set(p)))
-         if (pair%is_set()) covered_share = pair%covered_share(p - findloc(zone%set, zone%set(p), dim=1) + 1)
-      end associate
-   end function covered_share
 
    !> The lengths under their names [L].
    pure function lengths_quantities(self) result(list)

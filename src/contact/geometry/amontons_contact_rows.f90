@@ -14,7 +14,7 @@ module amontons_contact_rows
    implicit none (type, external)
    private
 
-   public :: contact_quadrature_t, contact_rows_t, picked_places, turned
+   public :: contact_quadrature_t, contact_rows_t, picked_places, share_parts, turned
 
    !> The rows of all points; the parts of point p are those from `start(p)` to `start(p + 1) - 1`, and a node may occur
    !> several times.
@@ -107,12 +107,30 @@ contains
       integer, allocatable :: places(:)
 
       places = picked_places(self%start, points)
-      picked%start = starts(self%start(points + 1) - self%start(points))
-      picked%node = self%node(places)
-      picked%part = self%part(:, places)
-      picked%tangent = self%tangent(:, places)
-      picked%around = self%around(places)
+      picked = contact_rows_t(starts(self%start(points + 1) - self%start(points)), self%node(places), &
+         self%part(:, places), self%tangent(:, places), self%around(places))
    end function contact_rows_picked
+
+   !> Shares the parts of nodes with other nodes at the same place that move like them, by their areas.
+   pure subroutine share_parts(rows, partner, area)
+      type(contact_rows_t), intent(inout) :: rows !! the rows
+      integer, intent(in) :: partner(:) !! the node that each node moves like: itrows but for those others (n_nodes)
+      real(dp), intent(in) :: area(:) !! the areas of the nodes (n_nodes) [L^2]
+      integer, allocatable :: others(:), own(:), node(:), place(:)
+      real(dp), allocatable :: share(:)
+      integer :: i
+
+      others = pack([(i, i=1, size(partner))], partner /= [(i, i=1, size(partner))])
+      allocate (node(0), place(0), share(0))
+      do i = 1, size(rows%node)
+         own = [rows%node(i), pack(others, partner(others) == rows%node(i))]
+         node = [node, own]
+         place = [place, spread(i, 1, size(own))]
+         share = [share, max(area(own), tiny(1.0_dp))/sum(max(area(own), tiny(1.0_dp)))]
+      end do
+      rows = contact_rows_t([(1 + count(place < rows%start(i)), i=1, size(rows%start))], node, &
+         rows%part(:, place)*spread(share, 1, 2), rows%tangent(:, place)*spread(share, 1, 2), rows%around(place)*share)
+   end subroutine share_parts
 
    !> Merges the parts of a point that have the same node, and removes parts that are 0.
    pure subroutine contact_rows_merge_nodes(self)
@@ -206,13 +224,8 @@ contains
       integer, allocatable :: places(:)
 
       places = picked_places(self%start, points)
-      picked%start = starts(self%start(points + 1) - self%start(points))
-      picked%position = self%position(:, places)
-      picked%normal = self%normal(:, places)
-      picked%outward = self%outward(places)
-      picked%arc_length = self%arc_length(places)
-      picked%gap = self%gap(places)
-      picked%share = self%share(places)
+      picked = contact_quadrature_t(starts(self%start(points + 1) - self%start(points)), self%position(:, places), &
+         self%normal(:, places), self%outward(places), self%arc_length(places), self%gap(places), self%share(places))
    end function contact_quadrature_picked
 
    !> First places of consecutive ranges of given sizes, and one beyond the last range.

@@ -51,9 +51,9 @@ module amontons_mortar_pair
    type :: mortar_piece_t
       type(mortar_segment_t) :: segment !! the part
       integer :: point(2) = 0 !! the points, 0 for none
-      real(dp) :: psi(2, 2) = 0.0_dp !! hats that make up the multiplier's function of each point (point, corner) [-]
-      real(dp) :: shear(2, 2) = 0.0_dp !! hats that make up its tangential function (point, corner) [-]
-      real(dp) :: hat(2, 2) = 0.0_dp
+      real(dp) :: psi(2, 2) = 1.0_dp !! hats that make up the multiplier's function of each point (point, corner) [-]
+      real(dp) :: shear(2, 2) = 1.0_dp !! hats that make up its tangential function (point, corner) [-]
+      real(dp) :: hat(2, 2) = 1.0_dp
          !! hats that make up the weight of gaps and friction (point, corner) [-]
    end type mortar_piece_t
 
@@ -86,6 +86,8 @@ module amontons_mortar_pair
       real(dp) :: search = 0.0_dp !! largest magnitude of a gap [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
+      integer, allocatable :: partner(:)
+         !! the node of the master at the same place that a bonded point is joined to alone, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
          !! share of the side that follows a corner that faces the master; not allocated with cells (n) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
@@ -160,7 +162,7 @@ contains
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
-      integer :: first, last, i, k
+      integer :: first, last, k
 
       allocate (pieces(size(segments)))
       first = 1
@@ -170,7 +172,7 @@ contains
             if (segments(last + 1)%slave /= segments(first)%slave) exit
             last = last + 1
          end do
-         piece%point = point_of(:, segments(first)%slave)
+         piece = mortar_piece_t(segments(first), point_of(:, segments(first)%slave))
          if (all(piece%point > 0)) then
             piece%psi = dual_functions(segments(first:last), slave, n_points)
             piece%shear = piece%psi
@@ -178,15 +180,9 @@ contains
             do k = 1, 2
                if (gives_shear(piece%point(3 - k)) .and. .not. gives_shear(piece%point(k))) piece%shear(k, :) = 1.0_dp
             end do
-         else
-            piece%psi = 1.0_dp
-            piece%shear = 1.0_dp
-            piece%hat = 1.0_dp
          end if
-         do i = first, last
-            piece%segment = segments(i)
-            pieces(i) = piece
-         end do
+         pieces(first:last) = piece
+         pieces(first:last)%segment = segments(first:last)
          first = last + 1
       end do
    end subroutine corner_pieces
@@ -197,22 +193,17 @@ contains
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments
       type(mortar_segment_t), intent(in) :: cells(:)
          !! parts of the slave's sides; in the place of the master the point that their cell is, 0 for none
-      type(mortar_piece_t) :: piece
       real(dp) :: range(2)
       integer :: i, k
 
       allocate (pieces(0))
-      piece%psi = 1.0_dp
-      piece%shear = 1.0_dp
-      piece%hat = 1.0_dp
       do k = 1, size(cells)
          do i = 1, size(segments)
             if (segments(i)%slave /= cells(k)%slave) cycle
             range = [max(segments(i)%range(1), cells(k)%range(1)), min(segments(i)%range(2), cells(k)%range(2))]
             if (.not. range(1) < range(2)) cycle
-            piece%segment = mortar_segment_t(segments(i)%slave, segments(i)%master, range)
-            piece%point = [cells(k)%master, 0]
-            pieces = [pieces, piece]
+            pieces = [pieces, mortar_piece_t(mortar_segment_t(segments(i)%slave, segments(i)%master, range), &
+               [cells(k)%master, 0])]
          end do
       end do
    end subroutine cell_pieces
@@ -271,7 +262,7 @@ contains
       type(mortar_piece_t), allocatable :: pieces(:)
       type(gauss_rule_t) :: rule
       real(dp), dimension(size(pair%normal, 2)) :: hat_area, shear_area
-      integer, dimension(size(pair%normal, 2)) :: n_pieces, filled
+      integer, dimension(size(pair%normal, 2)) :: n_pieces, n_partners, filled
       integer :: i, k, p, first_node, l, j, n, q
       type(surface_place_t) :: place, foot
       real(dp) :: at, area, psi(2), hat, normal(2)
@@ -289,8 +280,10 @@ contains
             if (p > 0) n_pieces(p) = n_pieces(p) + 1
          end do
       end do
+      n_partners = 0
+      if (.not. allocated(pair%cells)) n_partners = merge(2, 0, pair%partner > 0)
       allocate (points%area(n), points%length(n), points%center(2, n), points%foot(2, n), source=0.0_dp)
-      call points%rows%begin(n_piece_nodes*n_pieces)
+      call points%rows%begin(n_piece_nodes*n_pieces + n_partners)
       call points%quadrature%begin(n_points*n_pieces)
       rule = gauss_rule(n_points)
       hat_area = 0.0_dp
@@ -304,9 +297,8 @@ contains
             associate (segment => pieces(i)%segment, node => points%rows%node, part => points%rows%part, &
                quadrature => points%quadrature, slave => pair%slave, master => pair%master)
                ! Parts are shares in the normal and in the tangential displacement first.
-               ! A straight side has no middle node; its part there is 0.
-               node(first_node + 1:first_node + 3) = used_nodes(slave%side(:3, segment%slave))
-               node(first_node + 4:first_node + 6) = used_nodes(master%side(:3, segment%master))
+               ! A straight side has no middle node: its part there is 0, and no entry remains of it.
+               node(first_node + 1:first_node + 6) = [slave%side(:3, segment%slave), master%side(:3, segment%master)]
                do l = 1, size(rule%xi)
                   at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(l))
                   place = slave%place(segment%slave, at)
@@ -340,6 +332,14 @@ contains
          end do
       end do
       do p = 1, n
+         if (n_partners(p) > 0) then
+            associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
+               points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
+               points%rows%node(first:first + 1) = [pair%node(p), pair%partner(p)]
+               points%rows%part(:, first:first + 1) = reshape([1.0_dp, 1.0_dp, -1.0_dp, -1.0_dp], [2, 2])
+            end associate
+            cycle
+         end if
          points%center(:, p) = points%center(:, p)/points%area(p)
          points%foot(:, p) = points%foot(:, p)/hat_area(p)
          associate (first => points%quadrature%start(p), last => points%quadrature%start(p + 1) - 1)
@@ -360,14 +360,6 @@ contains
          end do
       end do
    end subroutine integrate_pair
-
-   !> The nodes of a side; if it has no middle node, its first corner takes that place.
-   pure function used_nodes(side) result(nodes)
-      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
-      integer :: nodes(3)
-
-      nodes = merge(side, side(1), side > 0)
-   end function used_nodes
 
    !> Selects from two local coordinates the one that lies on the side, from -1 to 1.
    pure real(dp) function place_on(xi)
@@ -479,20 +471,17 @@ contains
    pure subroutine explain_distance(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
       type(error_t), allocatable, intent(out) :: error !! the reason
-      real(dp) :: distance, least
-      integer :: i, k, j, l, at(2)
+      real(dp) :: distance(3*pair%master%n_sides), least
+      integer :: i, j, at(2)
 
       least = huge(least)
       at = 1
       do i = 1, pair%slave%n_sides
-         do k = 1, pair%master%n_sides
-            do j = 1, 3
-               do l = 1, 3
-                  distance = norm2(pair%slave%corner(:, j, i) - pair%master%corner(:, l, k))
-                  if (distance < least) at = [i, k]
-                  least = min(least, distance)
-               end do
-            end do
+         do j = 1, 3
+            distance = norm2(reshape(pair%master%corner, [2, size(distance)]) &
+               - spread(pair%slave%corner(:, j, i), 2, size(distance)), dim=1)
+            if (minval(distance) < least) at = [i, (minloc(distance, dim=1) + 2)/3]
+            least = min(least, minval(distance))
          end do
       end do
       associate (set => pair%set, against => pair%against)
@@ -551,8 +540,8 @@ contains
       pair%normal = normal(:, pair%node)
       point = 0
       point(pair%node) = [(i, i=1, size(pair%node))]
-      allocate (pair%point_of(2, pair%slave%n_sides), pair%next(size(pair%node)))
-      pair%next = 0
+      allocate (pair%point_of(2, pair%slave%n_sides))
+      allocate (pair%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
       do i = 1, pair%slave%n_sides
          pair%point_of(:, i) = point(pair%slave%side(:2, i))
          if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)

@@ -44,23 +44,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
-      integer, allocatable :: sum_of(:)
       real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       type(mortar_pair_t) :: means
       integer :: i, fault, node, n
 
-      ! Each corner that is a point has a sum, and each middle node.
-      n = size(normal, 2) + sum([(size(ties(i)%node) + ties(i)%slave%n_sides, i=1, size(ties))])
-      do i = 1, size(pairs)
-         if (pairs(i)%is_set()) n = n + size(pairs(i)%node) + pairs(i)%slave%n_sides
-      end do
-      do i = 1, size(constraints%rigid)
-         n = n + size(constraints%rigid(i)%node)
-      end do
-      allocate (sums(n))
-      allocate (sum_of(size(coordinates, 2)), source=0)
       n = size(constraints%is_free, 1)
-      allocate (substitution%is_bonded(n, size(sum_of)), source=.false.)
+      allocate (sums(size(coordinates, 2)))
+      allocate (substitution%is_bonded(n, size(sums)), source=.false.)
       fault = 0
       do i = 1, size(ties)
          substitution%is_bonded(:, ties(i)%node) = .true.
@@ -68,28 +58,22 @@ contains
             frame = constraints%frame(ties(i)%lead)
             substitution%is_bonded(:2, ties(i)%lead) = abs(matmul(ties(i)%jump, frame(:2, :2))) < 0.5_dp
          end if
-         call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
+         call add_pair(sums, ties(i), .true., constraints, fault)
       end do
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
-         call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
+         call add_pair(sums, pairs(i), .false., constraints, fault)
       end do
-      n = maxval(sum_of)
       means%node = rows%node(rows%start(:size(normal, 2)))
       means%normal = normal
       do i = 1, size(means%node)
-         n = n + 1
-         sum_of(means%node(i)) = n
-         call solve_row(sums(n), rows, i, means, spread([0, 0], 2, size(sum_of)), .false., constraints)
+         call solve_row(sums(means%node(i)), rows, i, means, spread([0, 0], 2, size(sums)), .false., constraints)
       end do
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
             do node = 1, size(rigid%node)
-               n = n + 1
-               sum_of(rigid%node(node)) = n
-               sums(n)%node = rigid%lead
-               sums(n)%block = rigid%displacement(coordinates(:, rigid%node(node)))
-               sums(n)%is_own = [.true., .true.]
+               sums(rigid%node(node)) = sum_t(rigid%lead, rigid%displacement(coordinates(:, rigid%node(node))), &
+                  [.true., .true.])
             end do
          end associate
       end do
@@ -98,39 +82,36 @@ contains
             place_text(coordinates(:, fault))//' of a slave otherwise than the corners beside it: hold these, too')
          return
       end if
-      do i = 1, size(sum_of)
-         if (sum_of(i) > 0 .and. fault == 0) call resolve(sums, sum_of, i, fault)
+      do i = 1, size(sums)
+         if (allocated(sums(i)%node) .and. fault == 0) call resolve(sums, i, fault)
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'the node at '//place_text(coordinates(:, fault))// &
             ' is slave and master in a ring of pairs: exchange set and against of one')
          return
       end if
-      if (all(sum_of == 0)) return
-      allocate (substitution%start(size(sum_of) + 1))
+      if (.not. any([(allocated(sums(i)%node), i=1, size(sums))])) return
+      allocate (substitution%start(size(sums) + 1))
       substitution%start(1) = 1
-      do node = 1, size(sum_of)
-         n = 0
-         if (sum_of(node) > 0) n = size(sums(sum_of(node))%node)
-         substitution%start(node + 1) = substitution%start(node) + n
+      do i = 1, size(sums)
+         if (.not. allocated(sums(i)%node)) allocate (sums(i)%node(0))
+         substitution%start(i + 1) = substitution%start(i) + size(sums(i)%node)
       end do
-      n = substitution%start(size(sum_of) + 1) - 1
-      allocate (substitution%node(n), substitution%block(size(substitution%is_bonded, 1), &
-         size(substitution%is_bonded, 1), n))
-      do node = 1, size(sum_of)
-         if (sum_of(node) == 0) cycle
-         associate (first => substitution%start(node), last => substitution%start(node + 1) - 1)
-            substitution%node(first:last) = sums(sum_of(node))%node
-            substitution%block(:, :, first:last) = sums(sum_of(node))%block
+      allocate (substitution%node(substitution%start(size(sums) + 1) - 1))
+      allocate (substitution%block(n, n, size(substitution%node)))
+      do i = 1, size(sums)
+         associate (first => substitution%start(i), last => substitution%start(i + 1) - 1)
+            if (last < first) cycle
+            substitution%node(first:last) = sums(i)%node
+            substitution%block(:, :, first:last) = sums(i)%block
          end associate
       end do
    end subroutine new_pair_substitution
 
    !> Adds the sums of the middle nodes beside points (own unknown plus the mean of the corners), and then those of the
    !> corners.
-   subroutine add_pair(sums, sum_of, pair, is_tied, constraints, fault)
-      type(sum_t), intent(inout) :: sums(:) !! the sums so far
-      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
+   subroutine add_pair(sums, pair, is_tied, constraints, fault)
+      type(sum_t), intent(inout) :: sums(:) !! the sums so far (nodes)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       logical, intent(in) :: is_tied !! whether it is bonded
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -150,9 +131,8 @@ contains
                if (maxval(abs(constraints%free_projector(nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
                   .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
             end do
-            if (sum_of(nodes(3)) > 0) cycle
-            sum_of(nodes(3)) = maxval(sum_of) + 1
-            associate (middle => sums(sum_of(nodes(3))))
+            associate (middle => sums(nodes(3)))
+               if (allocated(middle%node)) cycle
                call middle%add(nodes(3), diagonal(spread(1.0_dp, 1, size(half, 1))), .true.)
                call middle%add(nodes(1), half, .false.)
                call middle%add(nodes(2), half, .false.)
@@ -161,14 +141,13 @@ contains
       end do
       if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
-      allocate (ends(2, size(sum_of)), source=0)
+      allocate (ends(2, size(sums)), source=0)
       do i = 1, pair%slave%n_sides
          if (pair%slave%side(3, i) == 0 .or. all(pair%point_of(:, i) == 0)) cycle
          ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
       end do
       do i = 1, size(pair%node)
-         sum_of(pair%node(i)) = maxval(sum_of) + 1
-         call solve_row(sums(sum_of(pair%node(i))), points%rows, i, pair, ends, is_tied, constraints)
+         call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
       end do
    end subroutine add_pair
 
@@ -281,27 +260,26 @@ contains
    end subroutine sum_add
 
    !> Substitutes the sums of the displacements in a sum, until it contains unknowns only.
-   recursive subroutine resolve(sums, sum_of, node, fault)
-      type(sum_t), intent(inout) :: sums(:) !! the sums
-      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
+   recursive subroutine resolve(sums, node, fault)
+      type(sum_t), intent(inout) :: sums(:) !! the sums, not allocated for a node without one (nodes)
       integer, intent(in) :: node !! the node to resolve
       integer, intent(inout) :: fault !! a node that depends on itself, 0 for none
       type(sum_t) :: resolved
       integer :: i, k, other
 
-      associate (total => sums(sum_of(node)))
+      associate (total => sums(node))
          if (total%visit == 1) fault = node
          if (total%visit > 0) return
          total%visit = 1
          do i = 1, size(total%node)
             other = total%node(i)
-            if (total%is_own(i) .or. sum_of(other) == 0) then
+            if (total%is_own(i) .or. .not. allocated(sums(other)%node)) then
                call resolved%add(other, total%block(:, :, i), .true.)
                cycle
             end if
-            call resolve(sums, sum_of, other, fault)
+            call resolve(sums, other, fault)
             if (fault > 0) return
-            associate (inner => sums(sum_of(other)))
+            associate (inner => sums(other))
                do k = 1, size(inner%node)
                   call resolved%add(inner%node(k), matmul(total%block(:, :, i), inner%block(:, :, k)), .true.)
                end do

@@ -10,7 +10,7 @@ module amontons_body
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
       new_foundation, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
-   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_rows, only: contact_rows_t, share_parts, turned
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, &
       recompute_pairs, segments_again
@@ -96,6 +96,8 @@ module amontons_body
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
+      integer, allocatable :: partner(:)
+         !! the node that each node shares its contact points with: itself, or that which it is joined to (n_nodes)
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(contact_rows_t) :: tie_rows !! the rows of the points of all ties, one tie after the other
@@ -135,10 +137,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
       type(tie_t), intent(in), optional :: ties(:) !! its bonded sets; none without them
       type(substitution_t) :: substitution
-      real(dp), allocatable :: prescribed(:, :)
+      real(dp), allocatable :: prescribed(:, :), joined_area(:)
       type(tie_t), allocatable :: all_ties(:)
       integer, allocatable :: bonded(:)
       type(mortar_points_t) :: points
+      type(meshed_body_t) :: joined
       integer :: nothing(0), i
       ! Rounding errors are about the square root of the precision; a few digits to spare.
       real(dp), parameter :: dependent = 1.0e-6_dp
@@ -164,9 +167,12 @@ contains
       allocate (bonded(mesh%n_nodes), source=0)
       call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
+      call join_corners(body, contacts, joined_area)
       call set_preload_jumps(body, supports, all_ties)
       call add_rigid_drives(body, supports)
-      call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
+      joined = body%meshed_body_t
+      joined%mesh%node = body%partner(mesh%node)
+      call new_contact_zone(body%zone, joined, contacts, error, bonded)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
@@ -187,6 +193,7 @@ contains
             zone%normal(:, zone%mean_point), body%constraints, mesh%coordinates, error)
       end associate
       if (allocated(error)) return
+      if (any(body%partner /= [(i, i=1, mesh%n_nodes)])) call share_parts(body%zone%rows, body%partner, joined_area)
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
       call set_motions(body)
       call number_unknowns(body, substitution, error)
@@ -200,7 +207,7 @@ contains
       allocate (body%inf_sup(size(contacts)), source=1.0_dp)
       do i = 1, size(contacts)
          if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
-         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%meshed_body_t)
+         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, joined)
          if (body%inf_sup(i) > dependent) cycle
          call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
             'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
@@ -335,6 +342,49 @@ contains
       end subroutine refuse
 
    end subroutine check_rigid_sets
+
+   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets:
+   !> its contact point is then that of the body in one piece. Its neighbor on the side has the multiplier of the side.
+   subroutine join_corners(body, contacts, area)
+      type(body_t), intent(inout) :: body !! the body, its ties found; gains the partners
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      real(dp), allocatable, intent(out) :: area(:)
+         !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
+      ! Mesh files carry about eight digits.
+      real(dp), parameter :: negligible = 1.0e-6_dp
+      integer, allocatable :: facing(:)
+      type(boundary_line_t) :: line
+      type(error_t), allocatable :: fault
+      integer :: i, k, side, place
+
+      allocate (area(body%mesh%n_nodes), source=0.0_dp)
+      do i = 1, merge(size(contacts), 0, size(body%ties) > 0)
+         call new_boundary_line(line, body%mesh, contacts(i)%set, fault, body%materials)
+         ! A missing set is reported later. A single linear side keeps the ends that no other set has.
+         if (line%n_nodes > 2) area(line%node) = area(line%node) + line%area
+      end do
+      body%partner = [(i, i=1, size(area))]
+      do i = 1, size(body%ties)
+         associate (tie => body%ties(i))
+            facing = [tie%master%side(:2, :)]
+            facing = pack(facing, area(facing) > 0.0_dp)
+            do k = 1, merge(size(tie%node), 0, tie%lead == 0)
+               associate (node => tie%node(k), beside => findloc(tie%point_of, k))
+                  side = beside(2)
+                  if (.not. area(node) > 0.0_dp .or. count(tie%point_of == k) /= 1 .or. &
+                     tie%point_of(3 - beside(1), side) == 0 .or. .not. all(body%constraints%is_free(:, node))) cycle
+                  place = findloc(hypot(body%mesh%coordinates(1, facing) - body%mesh%coordinates(1, node), &
+                     body%mesh%coordinates(2, facing) - body%mesh%coordinates(2, node)) &
+                     <= negligible*tie%slave%longest, .true., dim=1)
+                  if (place == 0) cycle
+                  tie%partner(k) = facing(place)
+                  tie%point_of(beside(1), side) = 0
+                  where (body%partner == node) body%partner = body%partner(facing(place))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine join_corners
 
    !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
    !> leading nodes along each jump.

@@ -24,8 +24,12 @@ contains
       integer, intent(in) :: number !! number of the contact set
       character(*), intent(in) :: set !! name of its boundary set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer :: place(2, body%mesh%n_nodes), n, info
-      real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :)
+      integer :: place(2, body%mesh%n_nodes), n
+      real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :), x(:)
+      integer, parameter :: n_steps = 200
+      real(dp), parameter :: settled = 1.0e-6_dp
+      real(dp) :: last
+      integer :: info, i
 
       beta = 0.0_dp
       call trace_mass(mass, place, n, set, body)
@@ -37,7 +41,16 @@ contains
       call cholesky_solve(mass, projected)
       gram = matmul(rows, projected)
       call cholesky_factor(gram, info)
-      if (info == 0) beta = sqrt(smallest_eigenvalue(gram))
+      if (info /= 0) return
+      ! Inverse iteration from a vector that changes sign from entry to entry; the estimate comes from above.
+      x = [(sin(real(i, dp)**2), i=1, size(gram, 1))]
+      do i = 1, n_steps
+         last = beta
+         x = x/norm2(x)
+         call cholesky_solve(gram, x)
+         beta = 1.0_dp/sqrt(norm2(x))
+         if (abs(last - beta) <= settled*beta) return
+      end do
    end function inf_sup_constant
 
    !> The mass matrix of the free displacements on a contact line: (v, v) = |v|^2.
@@ -51,22 +64,15 @@ contains
       type(error_t), allocatable :: error
       integer, allocatable :: sides(:, :)
       real(dp) :: area, block(2, 2)
-      integer :: i, j, k, a, side, point, c, b
+      logical :: is_free(2, body%mesh%n_nodes)
+      integer :: i, j, side, point, c, b
 
-      place = 0
-      n = 0
       call body%mesh%set_sides(set, sides, error)
-      do side = 1, size(sides, 2)
-         do k = 1, count(sides(:3, side) > 0)
-            do a = 1, 2
-               associate (of_component => place(a, sides(k, side)))
-                  if (of_component > 0 .or. .not. body%constraints%is_free(a, sides(k, side))) cycle
-                  n = n + 1
-                  of_component = n
-               end associate
-            end do
-         end do
-      end do
+      is_free = .false.
+      is_free(:, pack(sides(:3, :), sides(:3, :) > 0)) = .true.
+      is_free = is_free .and. body%constraints%is_free(:2, :)
+      n = count(is_free)
+      place = unpack([(i, i=1, n)], is_free, 0)
       allocate (mass(n, n), source=0.0_dp)
       do side = 1, size(sides, 2)
          call new_side_geometry(geometry, sides(:3, side), body%mesh%coordinates)
@@ -125,27 +131,5 @@ contains
       end do
       rows = all_rows(pack([(i, i=1, size(is_active))], is_active), :)
    end function scaled_rows
-
-   !> The smallest eigenvalue of a definite matrix, by inverse iteration from a vector that changes sign from entry to
-   !> entry; the estimate comes from above.
-   pure real(dp) function smallest_eigenvalue(factor) result(eigenvalue)
-      real(dp), intent(in) :: factor(:, :) !! Cholesky factor of the matrix
-      integer, parameter :: n_steps = 200
-      real(dp), parameter :: settled = 1.0e-6_dp
-      real(dp) :: x(size(factor, 1)), norm, last
-      integer :: i, step
-
-      x = [(sin(real(i, dp)**2), i=1, size(x))]
-      x = x/norm2(x)
-      eigenvalue = huge(eigenvalue)
-      do step = 1, n_steps
-         last = eigenvalue
-         call cholesky_solve(factor, x)
-         norm = norm2(x)
-         x = x/norm
-         eigenvalue = 1.0_dp/norm
-         if (abs(last - eigenvalue) <= settled*eigenvalue) return
-      end do
-   end function smallest_eigenvalue
 
 end module amontons_inf_sup

@@ -96,7 +96,7 @@ contains
       allocate (places(0))
       do i = 1, size(sides, 2)
          do k = 1, count(sides(:3, i) > 0)
-            if (any(abs(body%mesh%coordinates(:, sides(k, i)) - position) > 0.0_dp)) cycle
+            if (any(abs(body%mesh%coordinates(:, body%partner(sides(k, i))) - position) > 0.0_dp)) cycle
             material = body%materials%list(body%materials%of_element(sides(4, i)))
             do point = 1, n_side_points
                call side_shapes(sides(3, i) > 0, side_abscissa(point), values, slopes)
