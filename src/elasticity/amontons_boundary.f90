@@ -20,6 +20,10 @@ module amontons_boundary
       real(dp), allocatable :: area(:)
          !! tributary area, where materials give the depth; 0 for a corner of a quadratic side on the axis of revolution
          !! (n_nodes) [L^2]
+      real(dp), allocatable :: bare_area(:)
+         !! of such a corner the integral of its shape function, which may be negative; 0 elsewhere (n_nodes) [L^2]
+      real(dp), allocatable :: moment(:)
+         !! integral of the node's shape function times the square of x, where materials are given (n_nodes) [L^4]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
    end type boundary_line_t
@@ -88,7 +92,8 @@ contains
          do i = 1, size(sides, 2)
             if (sides(3, i) > 0) is_bare(sides(:2, i)) = is_on_axis(sides(:2, i))
          end do
-         where (is_bare(line%node)) line%area = 0.0_dp
+         line%bare_area = merge(line%area, 0.0_dp, is_bare(line%node))
+         line%area = line%area - line%bare_area
       end if
       do i = 1, line%n_nodes
          length = norm2(line%normal(:, i))
@@ -121,7 +126,7 @@ contains
       is_on_axis = .false.
       axial = 0.0_dp
       if (present(materials)) then
-         allocate (line%area(line%n_nodes), source=0.0_dp)
+         allocate (line%area(line%n_nodes), line%moment(line%n_nodes), source=0.0_dp)
          is_on_axis = on_axis(mesh, materials)
       end if
       do i = 1, size(sides, 2)
@@ -140,7 +145,9 @@ contains
                   else
                      line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
                   end if
-                  if (present(materials)) line%area(p) = line%area(p) + value*area
+                  if (.not. present(materials)) cycle
+                  line%area(p) = line%area(p) + value*area
+                  line%moment(p) = line%moment(p) + value*area*geometry%position(1, point)**2
                end associate
             end do
          end do

@@ -300,12 +300,10 @@ contains
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      ! The alpha with which the pressure on the axis is exact where it is a quadratic function of the radius.
-      real(dp), parameter :: axis_share = 0.125_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
       integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), ends(2), i, k, n, n_corners
-      integer, allocatable :: own(:), place(:), stand_in(:)
+      integer, allocatable :: beside(:), own(:), place(:), stand_in(:)
 
       point_of = 0
       n = 0
@@ -313,9 +311,12 @@ contains
       along = 0.0_dp
       area = merge(line%area, 0.0_dp, line%area > negligible*maxval(line%area))
       do k = 1, line%n_nodes
-         ! The share of a corner on the axis is negative among the terms of the middle node beside it.
-         if (line%area(k) <= negligible*maxval(line%area)) area(k) = -axis_share*max(0.0_dp, &
-            maxval(area(pack([(i, i=1, line%n_nodes)], line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]))))
+         if (area(k) > 0.0_dp) cycle
+         ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
+         ! pressure on the axis is exact where it is a quadratic function of the radius.
+         beside = pack([(i, i=1, line%n_nodes)], (line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]) .and. &
+            area > 0.0_dp)
+         if (size(beside) > 0) area(k) = min(0.0_dp, area(beside(1))*line%moment(k)/line%moment(beside(1)))
       end do
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
@@ -391,7 +392,7 @@ contains
          points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [2, n])
       end associate
-      points%area = abs(points%area)
+      points%area = abs(points%area) + line%bare_area(kept(:n))
       zone%node = [zone%node, line%node(kept(:n))]
       call add_points(zone, set, .false., points)
    end subroutine add_line

@@ -199,9 +199,11 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
       integer, allocatable :: sides(:, :)
+      type(error_t), allocatable :: error
       integer :: i
 
-      sides = sides_of(mesh, set)
+      ! not raised: the contact zone has been made of these sets
+      call mesh%set_sides(set, sides, error)
       do i = 1, size(sides, 2)
          outline%is_taken_node(pack(sides(:3, i), sides(:3, i) > 0)) = .true.
          associate (from => outline%from(sides(1, i)), to => outline%to(sides(2, i)))
@@ -210,18 +212,6 @@ contains
          end associate
       end do
    end subroutine take_set
-
-   !> The sides of a boundary set: first corner, second corner, middle or 0, element; empty if the mesh has no such set
-   !> (4, sides).
-   pure function sides_of(mesh, set) result(sides)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      character(*), intent(in) :: set !! name of the boundary set
-      integer, allocatable :: sides(:, :)
-      type(error_t), allocatable :: error
-
-      call mesh%set_sides(set, sides, error)
-      if (allocated(error)) allocate (sides(4, 0))
-   end function sides_of
 
    !> Extends a boundary set beyond its ends, along sides that belong to no contact set or tie.
    pure subroutine extend_set(extended, set, number, is_of_master, outline, body)
@@ -232,12 +222,13 @@ contains
       type(outline_t), intent(in) :: outline !! the sides of the boundary
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, allocatable :: sides(:, :)
+      type(error_t), allocatable :: error
       integer :: place(size(outline%side, 2)), side, first, i, k, n
       logical :: continues(body%mesh%n_nodes, 2)
 
       extended%number = number
       extended%is_of_master = is_of_master
-      sides = sides_of(body%mesh, set)
+      call body%mesh%set_sides(set, sides, error)
       extended%n_own = size(sides, 2)
       continues = .false.
       do k = 1, 2
