@@ -487,12 +487,11 @@ contains
          ! The contact zone was made of these lines, so they are sound.
          call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
          ! The points of a pair have no area where the slave faces nothing.
-         line%area = max(line%area, area(body%partner(line%node)))
+         line%area = max(line%area, area(line%node))
          ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle node.
          place = [(k, k=1, line%n_nodes)]
          where (line%area <= negligible*maxval(line%area)) place = merge(line%next, place - 1, line%next > 0)
-         traction(:, line%node) = traction(:, body%partner(line%node(place))) &
-            /spread(max(line%area(place), tiny(1.0_dp)), 1, 2)
+         traction(:, line%node) = traction(:, line%node(place))/spread(max(line%area(place), tiny(1.0_dp)), 1, 2)
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
       end do
       is_joined = .false.

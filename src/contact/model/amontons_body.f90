@@ -343,42 +343,47 @@ contains
 
    end subroutine check_rigid_sets
 
-   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets:
-   !> its contact point is then that of the body in one piece. Its neighbor on the side has the multiplier of the side.
+   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets
+   !> of nodal multipliers on a wall: its contact point is then that of the body in one piece. Its neighbor on the side
+   !> has the multiplier of the side.
    subroutine join_corners(body, contacts, area)
       type(body_t), intent(inout) :: body !! the body, its ties found; gains the partners
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       real(dp), allocatable, intent(out) :: area(:)
          !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
-      ! Mesh files carry about eight digits.
-      real(dp), parameter :: negligible = 1.0e-6_dp
+      ! Mesh files carry about eight digits; the walls of both go on as one line.
+      real(dp), parameter :: negligible = 1.0e-6_dp, least_cosine = 0.7_dp
+      real(dp) :: normal(2, body%mesh%n_nodes)
       integer, allocatable :: facing(:)
       type(boundary_line_t) :: line
       type(error_t), allocatable :: fault
-      integer :: i, k, side, place
+      integer :: i, k, place
 
       allocate (area(body%mesh%n_nodes), source=0.0_dp)
+      normal = 0.0_dp
       do i = 1, merge(size(contacts), 0, size(body%ties) > 0)
+         if (contacts(i)%pairing%is_pair() .or. contacts(i)%partition%is_constant) cycle
          call new_boundary_line(line, body%mesh, contacts(i)%set, fault, body%materials)
          ! A missing set is reported later. A single linear side keeps the ends that no other set has.
-         if (line%n_nodes > 2) area(line%node) = area(line%node) + line%area
+         if (line%n_nodes <= 2) cycle
+         area(line%node) = area(line%node) + line%area
+         normal(:, line%node) = line%normal
       end do
       body%partner = [(i, i=1, size(area))]
       do i = 1, size(body%ties)
          associate (tie => body%ties(i))
             facing = [tie%master%side(:2, :)]
-            facing = pack(facing, area(facing) > 0.0_dp)
             do k = 1, merge(size(tie%node), 0, tie%lead == 0)
                associate (node => tie%node(k), beside => findloc(tie%point_of, k))
-                  side = beside(2)
-                  if (.not. area(node) > 0.0_dp .or. count(tie%point_of == k) /= 1 .or. &
-                     tie%point_of(3 - beside(1), side) == 0 .or. .not. all(body%constraints%is_free(:, node))) cycle
+                  if (count(tie%point_of == k) /= 1 .or. tie%point_of(3 - beside(1), beside(2)) == 0 .or. &
+                     .not. all(body%constraints%is_free(:, node))) cycle
                   place = findloc(hypot(body%mesh%coordinates(1, facing) - body%mesh%coordinates(1, node), &
                      body%mesh%coordinates(2, facing) - body%mesh%coordinates(2, node)) &
-                     <= negligible*tie%slave%longest, .true., dim=1)
+                     <= negligible*tie%slave%longest .and. matmul(normal(:, node), normal(:, facing)) > least_cosine, &
+                     .true., dim=1)
                   if (place == 0) cycle
                   tie%partner(k) = facing(place)
-                  tie%point_of(beside(1), side) = 0
+                  tie%point_of(beside(1), beside(2)) = 0
                   where (body%partner == node) body%partner = body%partner(facing(place))
                end associate
             end do

@@ -430,9 +430,7 @@ contains
       call new_contact_cells(cells, body, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
       zone%is_nodal = .false.
-      do k = 1, line%n_nodes
-         if (all(zone%node /= line%node(k))) zone%node = [zone%node, line%node(k)]
-      end do
+      zone%node = [zone%node, pack(line%node, [(all(zone%node /= line%node(k)), k=1, line%n_nodes)])]
       zone%n_held_cells = zone%n_held_cells + count(cells%is_held)
       kept = pack([(k, k=1, cells%n_cells)], .not. cells%is_held)
       allocate (point_of(0:cells%n_cells), source=0)
