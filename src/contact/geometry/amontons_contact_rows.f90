@@ -121,6 +121,7 @@ contains
       integer :: i
 
       others = pack([(i, i=1, size(partner))], partner /= [(i, i=1, size(partner))])
+      if (size(others) == 0) return
       allocate (node(0), place(0), share(0))
       do i = 1, size(rows%node)
          own = [rows%node(i), pack(others, partner(others) == rows%node(i))]

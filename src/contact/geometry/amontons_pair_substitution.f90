@@ -5,9 +5,10 @@
 !> u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical unknowns, in which that of a
 !> middle node is its deviation from the mean of the corners.
 module amontons_pair_substitution
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: contact_rows_t, turned
-   use amontons_contact_set, only: pairing_t, tie_t
+   use amontons_contact_set, only: contact_t, pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points, &
@@ -17,7 +18,7 @@ module amontons_pair_substitution
    implicit none (type, external)
    private
 
-   public :: new_pair_substitution, new_tied_pairs
+   public :: join_corners, new_pair_substitution, new_tied_pairs
 
    !> The displacement of a node as a sum of unknowns of nodes and displacements of nodes, each times a block.
    type :: sum_t
@@ -318,6 +319,57 @@ contains
          if (allocated(error)) return
       end do
    end subroutine new_tied_pairs
+
+   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets
+   !> of nodal multipliers on a wall: its contact point is then that of the body in one piece. Its neighbor on the side
+   !> has the multiplier of the side.
+   subroutine join_corners(ties, partner, area, contacts, body)
+      type(mortar_pair_t), intent(inout) :: ties(:) !! the ties, with their points; gain the partners
+      integer, allocatable, intent(out) :: partner(:)
+         !! the node that each node shares its contact points with: itself, or that which it is joined to (n_nodes)
+      real(dp), allocatable, intent(out) :: area(:)
+         !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      ! Mesh files carry about eight digits; the walls of both go on as one line.
+      real(dp), parameter :: negligible = 1.0e-6_dp, least_cosine = 0.7_dp
+      real(dp) :: normal(2, body%mesh%n_nodes)
+      integer, allocatable :: facing(:)
+      type(boundary_line_t) :: line
+      type(error_t), allocatable :: fault
+      integer :: i, k, place
+
+      allocate (area(body%mesh%n_nodes), source=0.0_dp)
+      normal = 0.0_dp
+      do i = 1, merge(size(contacts), 0, size(ties) > 0)
+         if (contacts(i)%pairing%is_pair() .or. contacts(i)%partition%is_constant) cycle
+         call new_boundary_line(line, body%mesh, contacts(i)%set, fault, body%materials)
+         ! A missing set is reported later. A single linear side keeps the ends that no other set has.
+         if (line%n_nodes <= 2) cycle
+         area(line%node) = area(line%node) + line%area
+         normal(:, line%node) = line%normal
+      end do
+      partner = [(i, i=1, size(area))]
+      do i = 1, size(ties)
+         associate (tie => ties(i))
+            facing = [tie%master%side(:2, :)]
+            do k = 1, merge(size(tie%node), 0, tie%lead == 0)
+               associate (node => tie%node(k), beside => findloc(tie%point_of, k))
+                  if (count(tie%point_of == k) /= 1 .or. tie%point_of(3 - beside(1), beside(2)) == 0 .or. &
+                     .not. all(body%constraints%is_free(:, node))) cycle
+                  place = findloc(hypot(body%mesh%coordinates(1, facing) - body%mesh%coordinates(1, node), &
+                     body%mesh%coordinates(2, facing) - body%mesh%coordinates(2, node)) &
+                     <= negligible*tie%slave%longest .and. matmul(normal(:, node), normal(:, facing)) > least_cosine, &
+                     .true., dim=1)
+                  if (place == 0) cycle
+                  tie%partner(k) = facing(place)
+                  tie%point_of(beside(1), beside(2)) = 0
+                  where (partner == node) partner = partner(facing(place))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine join_corners
 
    !> Finds the direction of the jump of a preload, and the corner whose unknown the jump is: one that can move along
    !> it.

@@ -25,7 +25,7 @@ module amontons_body
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points
    use amontons_new_cholesky, only: new_cholesky
-   use amontons_pair_substitution, only: new_pair_substitution, new_tied_pairs
+   use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_rigid_set, only: rigid_components
@@ -167,7 +167,7 @@ contains
       allocate (bonded(mesh%n_nodes), source=0)
       call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
-      call join_corners(body, contacts, joined_area)
+      call join_corners(body%ties, body%partner, joined_area, contacts, body%meshed_body_t)
       call set_preload_jumps(body, supports, all_ties)
       call add_rigid_drives(body, supports)
       joined = body%meshed_body_t
@@ -193,7 +193,7 @@ contains
             zone%normal(:, zone%mean_point), body%constraints, mesh%coordinates, error)
       end associate
       if (allocated(error)) return
-      if (any(body%partner /= [(i, i=1, mesh%n_nodes)])) call share_parts(body%zone%rows, body%partner, joined_area)
+      call share_parts(body%zone%rows, body%partner, joined_area)
       call let_guided_slaves_slip(body%zone, body%constraints, substitution)
       call set_motions(body)
       call number_unknowns(body, substitution, error)
@@ -342,54 +342,6 @@ contains
       end subroutine refuse
 
    end subroutine check_rigid_sets
-
-   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets
-   !> of nodal multipliers on a wall: its contact point is then that of the body in one piece. Its neighbor on the side
-   !> has the multiplier of the side.
-   subroutine join_corners(body, contacts, area)
-      type(body_t), intent(inout) :: body !! the body, its ties found; gains the partners
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      real(dp), allocatable, intent(out) :: area(:)
-         !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
-      ! Mesh files carry about eight digits; the walls of both go on as one line.
-      real(dp), parameter :: negligible = 1.0e-6_dp, least_cosine = 0.7_dp
-      real(dp) :: normal(2, body%mesh%n_nodes)
-      integer, allocatable :: facing(:)
-      type(boundary_line_t) :: line
-      type(error_t), allocatable :: fault
-      integer :: i, k, place
-
-      allocate (area(body%mesh%n_nodes), source=0.0_dp)
-      normal = 0.0_dp
-      do i = 1, merge(size(contacts), 0, size(body%ties) > 0)
-         if (contacts(i)%pairing%is_pair() .or. contacts(i)%partition%is_constant) cycle
-         call new_boundary_line(line, body%mesh, contacts(i)%set, fault, body%materials)
-         ! A missing set is reported later. A single linear side keeps the ends that no other set has.
-         if (line%n_nodes <= 2) cycle
-         area(line%node) = area(line%node) + line%area
-         normal(:, line%node) = line%normal
-      end do
-      body%partner = [(i, i=1, size(area))]
-      do i = 1, size(body%ties)
-         associate (tie => body%ties(i))
-            facing = [tie%master%side(:2, :)]
-            do k = 1, merge(size(tie%node), 0, tie%lead == 0)
-               associate (node => tie%node(k), beside => findloc(tie%point_of, k))
-                  if (count(tie%point_of == k) /= 1 .or. tie%point_of(3 - beside(1), beside(2)) == 0 .or. &
-                     .not. all(body%constraints%is_free(:, node))) cycle
-                  place = findloc(hypot(body%mesh%coordinates(1, facing) - body%mesh%coordinates(1, node), &
-                     body%mesh%coordinates(2, facing) - body%mesh%coordinates(2, node)) &
-                     <= negligible*tie%slave%longest .and. matmul(normal(:, node), normal(:, facing)) > least_cosine, &
-                     .true., dim=1)
-                  if (place == 0) cycle
-                  tie%partner(k) = facing(place)
-                  tie%point_of(beside(1), beside(2)) = 0
-                  where (body%partner == node) body%partner = body%partner(facing(place))
-               end associate
-            end do
-         end associate
-      end do
-   end subroutine join_corners
 
    !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
    !> leading nodes along each jump.

@@ -303,7 +303,7 @@ contains
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
       integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), ends(2), i, k, n, n_corners
-      integer, allocatable :: beside(:), own(:), place(:), stand_in(:)
+      integer, allocatable :: own(:), place(:), stand_in(:)
 
       point_of = 0
       n = 0
@@ -311,12 +311,10 @@ contains
       along = 0.0_dp
       area = merge(line%area, 0.0_dp, line%area > negligible*maxval(line%area))
       do k = 1, line%n_nodes
-         if (area(k) > 0.0_dp) cycle
          ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
          ! pressure on the axis is exact where it is a quadratic function of the radius.
-         beside = pack([(i, i=1, line%n_nodes)], (line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]) .and. &
-            area > 0.0_dp)
-         if (size(beside) > 0) area(k) = min(0.0_dp, area(beside(1))*line%moment(k)/line%moment(beside(1)))
+         if (area(k) <= 0.0_dp) area(k) = min(0.0_dp, sum(max(area, 0.0_dp)*line%moment(k)/max(line%moment, &
+            tiny(1.0_dp)), mask=line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]))
       end do
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
