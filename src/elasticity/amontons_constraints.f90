@@ -212,21 +212,23 @@ contains
    !> Adds a set that moves as a rigid body.
    subroutine add_rigid_set(constraints, prescribed, mesh, support, number, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
-      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements, own unknowns (2, n_nodes) [L]
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements, own unknowns (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: support !! the set, and what is prescribed of its motion
       integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or has a node of another rigid one
       type(rigid_set_t) :: rigid
       real(dp) :: motion(3)
-      integer :: shared
+      integer :: shared, k
 
-      call new_rigid_set(rigid, mesh, support%set, support%rigid, error)
+      call new_rigid_set(rigid, mesh, support%set, support%rigid, size(prescribed, 1), error)
       if (.not. allocated(error)) then
          shared = findloc(constraints%rigid_of(rigid%node) > 0, .true., dim=1)
          if (shared > 0) call new_error(error, input_refused, 'the node at '// &
             place_text(mesh%coordinates(:, rigid%node(shared)))//' belongs to two rigid sets; give them as one: '// &
             "set = 'A, B'")
+         if (all(.not. constraints%is_free(size(prescribed, 1), rigid%node))) call new_error(error, input_refused, &
+            'the rigid set lies on the axis of revolution and cannot turn')
       end if
       if (allocated(error)) then
          error%message = support%origin//error%message
@@ -234,10 +236,10 @@ contains
       end if
       motion = merge(support%displacement(:3), 0.0_dp, support%is_held(:3))
       constraints%is_free(:, rigid%node) = .false.
-      constraints%is_free(:, rigid%lead(1)) = .not. support%is_held(:2)
-      constraints%is_free(1, rigid%lead(2)) = .not. support%is_held(3)
-      prescribed(:, rigid%lead(1)) = motion(:2)
-      prescribed(1, rigid%lead(2)) = motion(3)*rigid%length
+      do k = 1, 3
+         constraints%is_free(rigid%axis(k), rigid%lead(k)) = .not. support%is_held(k)
+         prescribed(rigid%axis(k), rigid%lead(k)) = motion(k)*merge(rigid%length, 1.0_dp, k == 3)
+      end do
       constraints%rigid = [constraints%rigid, rigid]
       constraints%rigid_of(rigid%node) = size(constraints%rigid)
       constraints%holder(:, rigid%node) = number
@@ -246,18 +248,18 @@ contains
    !> Checks that a support agrees with the rigid motion of the set that its node belongs to.
    subroutine check_on_rigid(constraints, prescribed, mesh, node, direction, displacement, error)
       type(constraints_t), intent(in) :: constraints !! the constraints
-      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements, own unknowns (2, n_nodes) [L]
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements, own unknowns (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: direction(2) !! unit vector along which the support holds the node [-]
+      real(dp), intent(in) :: direction(:) !! unit vector along which the support holds the node (components) [-]
       real(dp), intent(in) :: displacement !! the prescribed displacement along the direction [L]
       type(error_t), allocatable, intent(out) :: error !! the motion along the direction is free, or another one
-      real(dp) :: block(2, 2, 2), given
+      real(dp) :: block(size(direction), size(direction), 2), given
 
       associate (rigid => constraints%rigid(constraints%rigid_of(node)))
          block = rigid%displacement(mesh%coordinates(:, node))
          given = dot_product(direction, matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
-            + matmul(block(:, :, 2), prescribed(:, rigid%lead(2))))
+            + matmul(block(:, :, 2), prescribed(:, rigid%lead(3))))
          if (constraints%rigid_moves(node, mesh%coordinates(:, node), direction)) then
             call new_error(error, input_refused, 'the support holds the node at '// &
                place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
@@ -273,15 +275,16 @@ contains
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: place(2) !! where it is [L]
-      real(dp), intent(in) :: direction(2) !! unit vector [-]
-      real(dp) :: block(2, 2, 2)
+      real(dp), intent(in) :: direction(:) !! unit vector, in the plane or with that around the axis [-]
+      real(dp), allocatable :: block(:, :, :)
 
       moves = self%rigid_of(node) > 0
       if (.not. moves) return
       associate (rigid => self%rigid(self%rigid_of(node)))
          block = rigid%displacement(place)
+         block = block(:size(direction), :, :)
          moves = any(abs([matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]) > negligible &
-            .and. [self%is_free(:, rigid%lead(1)), self%is_free(:, rigid%lead(2))])
+            .and. [self%is_free(:, rigid%lead(1)), self%is_free(:, rigid%lead(3))])
       end associate
    end function constraints_rigid_moves
 
@@ -289,13 +292,13 @@ contains
    pure subroutine constraints_spread_resultants(self, forces)
       class(constraints_t), intent(in) :: self !! the constraints
       real(dp), intent(inout) :: forces(:, :)
-         !! forces on the nodes' own unknowns; of rigid sets on return forces on nodes (2, n_nodes) [F]
+         !! forces on the nodes' own unknowns; of rigid sets on return forces on nodes (components, n_nodes) [F]
       integer :: i
 
       do i = 1, size(self%rigid)
          associate (rigid => self%rigid(i))
-            forces(:, rigid%lead) = rigid%lead_forces([forces(:, rigid%lead(1)), &
-               forces(1, rigid%lead(2))*rigid%length])
+            forces(:, rigid%lead(2:)) = rigid%lead_forces([forces(:2, rigid%lead(1)), &
+               forces(rigid%axis(3), rigid%lead(3))*rigid%length])
          end associate
       end do
    end subroutine constraints_spread_resultants
@@ -318,12 +321,10 @@ contains
       if (any(nodes == 0)) then
          call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
             to_text(support%point(2)))
-         return
-      end if
-      if (any(support%is_held(5:)) .and. size(prescribed, 1) == 2) then
+      else if (any(support%is_held(5:)) .and. size(prescribed, 1) == 2) then
          call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
-         return
       end if
+      if (allocated(error)) return
       direction = 0.0_dp
       direction(1, 1) = 1.0_dp
       direction(2, 2) = 1.0_dp
@@ -465,8 +466,7 @@ contains
       frame(:2, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 
-   !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t t t^T) along each side; refuses
-   !> supports that a twisted body cannot have.
+   !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t t t^T) along each side.
    pure subroutine new_foundation(sides, mesh, materials, supports, error)
       type(spring_side_t), allocatable, intent(out) :: sides(:) !! the springs, side by side
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -481,11 +481,6 @@ contains
 
       allocate (sides(0))
       do i = 1, size(supports)
-         if (materials%n_components() > 2 .and. supports(i)%is_driven()) then
-            call new_error(error, input_refused, supports(i)%origin// &
-               '&rigid and &preload do not go with twist = .true.')
-            return
-         end if
          if (.not. any(supports(i)%spring > 0.0_dp)) cycle
          call mesh%set_sides(supports(i)%set, nodes, error)
          if (allocated(error)) then

@@ -146,15 +146,13 @@ contains
       type(load_t) :: load
       integer, allocatable :: sides(:, :)
       type(side_geometry_t) :: geometry
-      real(dp) :: force(2), around
+      real(dp) :: force(3)
       integer :: i, k, point
 
       load = given
-      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. size(forces, 1) == 2) then
-         call new_error(error, input_refused, 'torque and traction_theta need twist = .true. in &material')
-         return
-      end if
-      call spread_total_force(load, mesh, materials, error)
+      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. size(forces, 1) == 2) call new_error(error, &
+         input_refused, 'torque and traction_theta need twist = .true. in &material')
+      if (.not. allocated(error)) call spread_total_force(load, mesh, materials, error)
       if (.not. allocated(error)) call mesh%set_sides(load%set, sides, error)
       if (allocated(error)) return
       do i = 1, size(sides, 2)
@@ -162,15 +160,13 @@ contains
          do point = 1, size(geometry%along, 2)
             associate (x => geometry%position(:, point), along => geometry%along(:, point), &
                material => materials%list(materials%of_element(sides(4, i))))
-               force = (load%traction + matmul(load%traction_slope, x))*norm2(along) &
+               force(:2) = (load%traction + matmul(load%traction_slope, x))*norm2(along) &
                   - (load%pressure + dot_product(load%pressure_slope, x))*[along(2), -along(1)]
-               around = (load%traction_theta + load%torque_traction*x(1))*norm2(along)*material%depth(x(1))
+               force(3) = (load%traction_theta + load%torque_traction*x(1))*norm2(along)
                force = force*material%depth(x(1))
             end associate
             do k = 1, count(sides(:3, i) > 0)
-               forces(:2, sides(k, i)) = forces(:2, sides(k, i)) + geometry%values(k, point)*force
-               if (size(forces, 1) > 2) forces(3, sides(k, i)) = forces(3, sides(k, i)) + geometry%values(k, &
-                  point)*around
+               forces(:, sides(k, i)) = forces(:, sides(k, i)) + geometry%values(k, point)*force(:size(forces, 1))
             end do
          end do
       end do

@@ -93,7 +93,7 @@ contains
                motion(3, :) = 0.0_dp
                motion(3, 3) = rigid%length/motions(p)%radius
                do axis = 1, 3
-                  if (constraints%is_free(merge(axis, 1, axis < 3), rigid%lead(merge(1, 2, axis < 3)))) cycle
+                  if (constraints%is_free(rigid%axis(axis), rigid%lead(axis))) cycle
                   gram = gram + spread(motion(axis, :), 1, size(gram, 1))*spread(motion(axis, :), 2, size(gram, 1))
                end do
             end associate

@@ -1,7 +1,8 @@
-!> Sets of nodes that move as rigid bodies: `u = (ux - turn (y - y0), uy + turn (x - x0))` about a point.
+!> Sets of nodes that move as rigid bodies: `u = (ux - turn (y - y0), uy + turn (x - x0))` about a point, in a twisted
+!> body `u = (ux, uy, turn x)`, which turns about its axis.
 !>
-!> The three unknowns belong to two of the nodes, the leading ones: ux and uy to the first, turn times their distance to
-!> the second. Any forces on the two with the same resultant do the same work on every motion.
+!> The three unknowns belong to two of the nodes, the leading ones: ux and uy to the first, turn times a length to the
+!> second. Any forces on the two with the same resultant do the same work on every motion.
 module amontons_rigid_set
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -24,10 +25,12 @@ module amontons_rigid_set
    !> A set that moves as a rigid body.
    type :: rigid_set_t
       integer, allocatable :: node(:) !! its nodes
-      integer :: lead(2) = 0 !! the nodes whose own unknowns are those of the motion
+      integer :: lead(3) = 0 !! the nodes whose own unknowns are ux, uy and turn; the first two are the same
+      integer :: axis(3) = [1, 2, 1] !! which of their own unknowns these are
       real(dp) :: point(2) = 0.0_dp !! the point that displacements and moment are counted about [L]
       real(dp) :: place(2, 2) = 0.0_dp !! coordinates of the leading nodes [L]
-      real(dp) :: length = 0.0_dp !! their distance, the length that scales the turn [L]
+      real(dp) :: length = 0.0_dp
+         !! the length that scales the turn: their distance, in a twisted body the radius of the second [L]
    contains
       procedure :: displacement => rigid_set_displacement
       procedure :: lead_forces => rigid_set_lead_forces
@@ -36,11 +39,12 @@ module amontons_rigid_set
 contains
 
    !> Finds the nodes of one or several boundary or node sets.
-   subroutine new_rigid_set(rigid, mesh, names, face, error)
+   subroutine new_rigid_set(rigid, mesh, names, face, n_components, error)
       type(rigid_set_t), intent(out) :: rigid !! the set
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: names !! names of the sets, separated by commas
       type(rigid_face_t), intent(in) :: face !! the point
+      integer, intent(in) :: n_components !! number of components of a displacement, 3 in a twisted body
       type(error_t), allocatable, intent(out) :: error !! no such set, an empty name, one twice, or one node only
       character(:), allocatable :: name, seen
       integer, allocatable :: sides(:, :)
@@ -74,38 +78,46 @@ contains
          return
       end if
       associate (x => mesh%coordinates(:, rigid%node))
-         rigid%lead = rigid%node([1, maxloc(hypot(x(1, :) - x(1, 1), x(2, :) - x(2, 1)), dim=1)])
+         i = maxloc(merge(x(1, :), hypot(x(1, :) - x(1, 1), x(2, :) - x(2, 1)), n_components > 2), dim=1)
+         rigid%lead = rigid%node([merge(2, 1, i == 1), merge(2, 1, i == 1), i])
+         rigid%axis(3) = 2*n_components - 3
          rigid%point = 0.5_dp*(minval(x, dim=2) + maxval(x, dim=2))
       end associate
       if (face%has_point) rigid%point = face%point
-      rigid%place = mesh%coordinates(:, rigid%lead)
-      rigid%length = norm2(rigid%place(:, 2) - rigid%place(:, 1))
+      rigid%place = mesh%coordinates(:, rigid%lead(2:))
+      rigid%length = merge(rigid%place(1, 2), norm2(rigid%place(:, 2) - rigid%place(:, 1)), n_components > 2)
    end subroutine new_rigid_set
 
-   !> The matrix of a node's displacement in terms of the own unknowns of the leading nodes (2, 2, leading node) [-].
+   !> The matrix of a node's displacement in terms of the own unknowns of the leading nodes
+   !> (components, components, leading node) [-].
    pure function rigid_set_displacement(self, place) result(block)
       class(rigid_set_t), intent(in) :: self !! the set
       real(dp), intent(in) :: place(2) !! coordinates of the node [L]
-      real(dp) :: block(2, 2, 2)
+      real(dp) :: block(max(2, self%axis(3)), max(2, self%axis(3)), 2)
 
       block = 0.0_dp
       block(1, 1, 1) = 1.0_dp
       block(2, 2, 1) = 1.0_dp
-      block(:, 1, 2) = [self%point(2) - place(2), place(1) - self%point(1)]/self%length
+      block(3:, 3:, 2) = place(1)/self%length
+      if (self%axis(3) == 1) block(:, 1, 2) = [self%point(2) - place(2), place(1) - self%point(1)]/self%length
    end function rigid_set_displacement
 
-   !> Forces on the leading nodes with a given resultant (2, 2) [F].
+   !> Forces on the leading nodes with a given resultant (components, 2) [F].
    pure function rigid_set_lead_forces(self, resultant) result(forces)
       class(rigid_set_t), intent(in) :: self !! the set
-      real(dp), intent(in) :: resultant(3) !! force along x and y, moment about the point [F, F L]
-      real(dp) :: forces(2, 2)
+      real(dp), intent(in) :: resultant(3) !! force along x and y, moment about the point or the axis [F, F L]
+      real(dp) :: forces(max(2, self%axis(3)), 2)
       real(dp) :: arm(2), moment
 
+      forces = 0.0_dp
+      forces(:2, 1) = resultant(:2)
+      forces(3:, 2) = resultant(3)/self%length
+      if (self%axis(3) > 1) return
       arm = self%point - self%place(:, 1)
       moment = resultant(3) + arm(1)*resultant(2) - arm(2)*resultant(1)
       arm = self%place(:, 2) - self%place(:, 1)
       forces(:, 2) = moment/self%length**2*[-arm(2), arm(1)]
-      forces(:, 1) = resultant(:2) - forces(:, 2)
+      forces(:, 1) = forces(:, 1) - forces(:, 2)
    end function rigid_set_lead_forces
 
 end module amontons_rigid_set

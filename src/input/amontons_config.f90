@@ -189,6 +189,7 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case
       integer :: group, i
+      logical :: has(3)
 
       call describe_case(visitor, config)
       call describe_problem(visitor, config%reduced)
@@ -214,22 +215,20 @@ contains
          do i = config%n_used(use_loads) + 1, size(config%loads)
             if (config%loads(i)%target /= load_on_motion) call describe_load(visitor, config%loads(i))
          end do
-         associate (is_axisymmetric => any(config%materials%is_axisymmetric))
-            do i = 1, size(config%rigid_sets)
-               associate (set => config%rigid_sets(i))
-                  call describe_rigid(visitor, set%motion, set%drive, is_axisymmetric)
-                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, &
-                     is_axisymmetric)
-               end associate
-            end do
-            do i = 1, size(config%preloads)
-               associate (set => config%preloads(i))
-                  call describe_preload(visitor, set%motion, set%drive, set%tie)
-                  if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, &
-                     is_axisymmetric)
-               end associate
-            end do
-         end associate
+         ! A body of revolution moves along its axis and, if it is twisted, turns about it.
+         has = .not. any(config%materials%is_axisymmetric) .or. [.false., .true., any(config%materials%is_twisted)]
+         do i = 1, size(config%rigid_sets)
+            associate (set => config%rigid_sets(i))
+               call describe_rigid(visitor, set%motion, set%drive, has)
+               if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, has)
+            end associate
+         end do
+         do i = 1, size(config%preloads)
+            associate (set => config%preloads(i))
+               call describe_preload(visitor, set%motion, set%drive, set%tie)
+               if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, has)
+            end associate
+         end do
          do i = 1, size(config%contacts)
             call describe_contact(visitor, config%contacts(i))
          end do

@@ -432,11 +432,11 @@ contains
    end subroutine describe_support
 
    !> Describes one `&rigid`: sets that move as a rigid body.
-   subroutine describe_rigid(visitor, motion, drive, is_axisymmetric)
+   subroutine describe_rigid(visitor, motion, drive, has)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(inout) :: motion !! the sets, and what is prescribed of their motion
       type(load_t), intent(inout) :: drive !! the force and the moment that act on them
-      logical, intent(in) :: is_axisymmetric !! whether they belong to a body of revolution
+      logical, intent(in) :: has(3) !! which of the components of `rigid_components` the body has
       character(*), parameter :: forced(3) = [character(6) :: 'force', 'force', 'moment']
       character(*), parameter :: meanings(3) = [character(37) :: 'displacement of the point along x', &
          'displacement of the point along y', 'rotation in radians, counterclockwise']
@@ -461,22 +461,22 @@ contains
       end do
       call visitor%reals(key_t('force', 'force on the point along x and y', 'F', default='none', &
          also='f fx fy'), drive%force, has_force)
-      call visitor%real(key_t('moment', 'moment about the point, counterclockwise', 'F L', default='none', &
-         also='m torque'), drive%moment, has_moment)
+      call visitor%real(key_t('moment', 'moment about the point, counterclockwise; with `twist` about the axis', &
+         'F L', default='none', also='m torque'), drive%moment, has_moment)
       call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
       motion%rigid%is_given = .true.
       if (.not. visitor%is_judging()) return
-      call check_driven(visitor, motion, motion%is_held(2) .and. (is_axisymmetric .or. all(motion%is_held([1, 3]))))
+      call check_driven(visitor, motion, all(motion%is_held(:3) .or. .not. has))
       is_driven = abs([drive%force, drive%moment]) > 0.0_dp
       do k = 1, size(rigid_components)
          call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
             trim(rigid_components(k))//' is prescribed: nothing is left for '//trim(forced(k))//' to move')
       end do
       is_driven = is_driven .or. (motion%is_held(:3) .and. abs(motion%displacement(:3)) > 0.0_dp)
-      call visitor%require(.not. (is_axisymmetric .and. any(is_driven([1, 3]))), 'set', &
-         'a rigid set of a body of revolution moves along the axis only: give uy or the second component of force')
+      call visitor%require(.not. any(is_driven .and. .not. has), 'set', 'a rigid set of a body of revolution moves '// &
+         'along the axis only: give uy or the second component of force; with twist turn and moment, too')
    end subroutine describe_rigid
 
    !> Describes one `&preload`: a cut whose sides are moved together.
@@ -544,17 +544,17 @@ contains
    end subroutine check_driven
 
    !> Adds the support and the load that represent a rigid set or preload, and the tie of a preload.
-   subroutine take_driven(supports, loads, ties, set, is_axisymmetric)
+   subroutine take_driven(supports, loads, ties, set, has)
       type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
       type(tie_t), allocatable, intent(inout) :: ties(:) !! gains the two sides of a preload
       type(driven_set_t), intent(in) :: set !! the rigid set or preload
-      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
+      logical, intent(in) :: has(3) !! which of the components of `rigid_components` the body has
       type(support_t) :: support
       type(load_t) :: load
 
       support = set%motion
-      if (is_axisymmetric .and. support%rigid%is_given) support%is_held([1, 3]) = .true.
+      if (support%rigid%is_given) support%is_held(:3) = support%is_held(:3) .or. .not. has
       call new_load(load, support%set)
       load%name = support%name
       load%origin = support%origin

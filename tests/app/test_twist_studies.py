@@ -8,6 +8,10 @@ from harness import ProgramTest
 from histories import CLUTCH, DISC, TO_AND_FRO
 
 
+# A rigid plate on the clutch.
+PLATE = "&rigid name = 'p'  set = 'upper.top'  "
+
+
 class Twist(ProgramTest):
     """Decks of a clutch."""
 
@@ -87,6 +91,99 @@ class Twist(ProgramTest):
         self.assertIn("fretting = 'parameters' does not go with twist = .true.", run.stderr)
         run = self.run_program(self.write("case.nml", CLUTCH + DISC + "&solver method = 'lemke' /\n"), status=1)
         self.assertIn("space", run.stderr)
+
+    def rigid(self, text, body=CLUTCH):
+        """The key results of a deck with a rigid plate in the place of the loads, verified."""
+        held = "".join(line for line in body.splitlines(keepends=True) if not line.startswith("&load"))
+        return self.solve_and_verify(held + text).summary["key_results"]
+
+    def test_flange_turns_as_torsion_says(self):
+        torque, length, shear = 7.0, 6.0, 100.0
+        for inner, element in ((0.0, "quad8"), (1.0, "quad4"), (1.0, "tri6")):
+            shaft = (f"&mesh size = {2.0 - inner}, {length}  cells = 3, 4  origin = {inner}, 0.0  element = "
+                     f"'{element}' /\n&material young = 260.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = "
+                     ".true. /\n&support name = 'foot'  set = 'bottom'  uy = 0.0  turn = 0.0 /\n"
+                     "&support set = 'left'  ux = 0.0 /\n")
+            turn = torque*length/(shear*math.pi*(2.0**4 - inner**4)/2)
+            with self.subTest(element=element):
+                driven = self.rigid(f"&rigid name = 'p'  set = 'top'  moment = {torque} /\n", shaft)
+                self.assertAlmostEqual(driven["rigid_p_turn"], turn, delta=1e-12)
+                self.assertAlmostEqual(driven["reaction_torque_foot"], -torque, delta=1e-10)
+                turned = self.rigid(f"&rigid name = 'p'  set = 'top'  turn = {turn!r} /\n", shaft)
+                self.assertAlmostEqual(turned["rigid_p_moment"], torque, delta=1e-10)
+
+    def test_plate_under_force_and_torque_moves_as_prescribed(self):
+        # All sticks, or the rim slips: all of the disc slips at 8.8.
+        names = "uy", "turn", "force_y", "moment"
+        for contact in (DISC, DISC.replace(" /", "  multipliers = 'constant' /")):
+            for moment in (6.0, 8.4):
+                driven = self.rigid(contact + PLATE + f"force = 0.0, -18.9  moment = {moment} /\n")
+                motion = [driven[f"rigid_p_{name}"] for name in names]
+                self.assert_close(motion[2:], [-18.9, moment], 1e-9)
+                self.assertAlmostEqual(driven["force_torque_disc"], -moment, delta=1e-8)
+                for keys in (f"uy = {motion[0]!r}  turn = {motion[1]!r}",
+                             f"uy = {motion[0]!r}  moment = {moment}", f"turn = {motion[1]!r}  force = 0.0, -18.9"):
+                    again = self.rigid(contact + PLATE + keys + " /\n")
+                    self.assert_close([again[f"rigid_p_{name}"] for name in names[:2]], motion[:2], 1e-9)
+                    self.assert_close([again[f"rigid_p_{name}"] for name in names[2:]], motion[2:], 1e-6)
+
+    def test_rigid_plate_is_the_limit_of_a_stiff_one(self):
+        drive = "force = 0.0, -18.9  moment = 8.4 /\n"
+        rigid = self.rigid(DISC + PLATE + drive)
+        layer = ("&mesh name = 'plate'  size = 1.0, 0.5  cells = 4, 2  origin = 1.0, 1.0 /\n&material young = 1e9  "
+                 "poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true.  region = 'plate' /\n"
+                 "&tie set = 'upper.top'  to = 'plate.bottom' /\n")
+        stiff = self.rigid(layer + DISC + "&rigid name = 'p'  set = 'plate.top'  " + drive)
+        for key in "rigid_p_uy", "rigid_p_turn":
+            self.assertAlmostEqual(stiff[key]/rigid[key], 1.0, delta=1e-4)
+
+    def test_plate_in_a_sweep_and_in_a_history(self):
+        held = "".join(line for line in CLUTCH.splitlines(keepends=True) if "'turn'" not in line)
+        plate = PLATE + "moment = 6.0 {} /\n"
+        self.run_program("--quiet", self.write("case.nml", held + DISC + plate.format("") + "&sweep load = 'p'  "
+                                               "factor = 0.5, 1.4, 1.5 /\n&output key_results = 'all'  "
+                                               "fields_every = 1 /\n"))
+        self.run_program("--verify", ".")
+        with open(self.directory/"case.sweep.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["outcome"] for row in rows], ["solved", "solved", "no_equilibrium"])
+        self.assertAlmostEqual(float(rows[1]["rigid_p_moment"]), 8.4, delta=1e-8)
+        for lock in "", "lock_time = 2.0":
+            self.solve_and_verify(held + DISC + plate.format(lock) + TO_AND_FRO.replace("'turn'", "'p'"))
+            with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            moments, turns = ([float(row[f"rigid_p_{name}"]) for row in rows] for name in ("moment", "turn"))
+            self.assertAlmostEqual(moments[8], 8.4, delta=1e-8)
+            # What is locked stays where it is, under its reaction.
+            self.assertAlmostEqual(moments[12], 8.4 if lock else -8.4, delta=1e-6)
+            self.assertAlmostEqual(turns[12]/turns[8], 1.0 if lock else -1.0, delta=0.0 if lock else 0.02)
+
+    def test_tightened_bolt_passes_the_torque_on(self):
+        bolt = ("&mesh name = 'a'  size = 2.0, 3.0  cells = 4, 6 /\n&mesh name = 'b'  size = 2.0, 3.0  cells = 4, 6  "
+                "origin = 0.0, 3.0 /\n&material young = 260.0  poisson = 0.0  hypothesis = 'axisymmetric'  "
+                "twist = .true. /\n"
+                "&support name = 'foot'  set = 'a.bottom'  uy = 0.0  turn = 0.0 /\n"
+                "&rigid name = 'p'  set = 'b.top'  uy = 0.0  moment = 7.0 /\n"
+                "&preload name = 'bolt'  set = 'b.bottom'  to = 'a.top'  {} /\n")
+        tight = self.rigid("", bolt.format("force = 30.0"))
+        self.assertAlmostEqual(tight["tie_torque_bolt"], -7.0, delta=1e-9)
+        self.assertAlmostEqual(tight["reaction_y_p"], 30.0, delta=1e-9)
+        # Without Poisson's ratio the shank is a spring; the tightening does not turn it.
+        self.assertAlmostEqual(tight["preload_bolt_shortening"], 30.0*6.0/(260.0*math.pi*4.0), delta=1e-12)
+        loose = self.rigid("", bolt.format("shortening = 0.01"))
+        self.assertAlmostEqual(loose["rigid_p_turn"], tight["rigid_p_turn"], delta=1e-12)
+        self.assertAlmostEqual(loose["preload_bolt_force"], 0.01*260.0*math.pi*4.0/6.0, delta=1e-9)
+
+    def test_refused_of_a_rigid_plate(self):
+        side = "&support set = 'upper.right'  {} /\n"
+        # Without the end, which is added to all.
+        for text, words in (("ux = 0.1", "with twist turn and moment, too"),
+                            ("moment = 1.0 /\n" + side.format("utheta = 0.1")[:-3], "prescribe ux, uy or turn of the"),
+                            ("turn = 0.1 /\n" + side.format("turn = 0.2")[:-3], "contradicts the motion of the rigid")):
+            run = self.run_program(self.write("case.nml", CLUTCH + DISC + PLATE + text + " /\n"), status=1)
+            self.assertIn(words, run.stderr)
+        # A support that agrees is no contradiction.
+        self.rigid(DISC + PLATE + "force = 0.0, -18.9  turn = 1e-4 /\n" + side.format("turn = 1e-4"))
 
 
 if __name__ == "__main__":

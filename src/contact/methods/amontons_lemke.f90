@@ -54,13 +54,11 @@ contains
       if (problem%matrix%n_tangents == 2) then
          call new_error(error, input_refused, 'the method lemke is for the plane: friction in space is no linear '// &
             'complementarity problem')
-         return
-      end if
-      if (problem%n_points > max_points) then
+      else if (problem%n_points > max_points) then
          call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
             ' contact points, this problem has '//to_text(problem%n_points))
-         return
       end if
+      if (allocated(error)) return
       m = problem%n_points
       call solution%reset()
       best = solution

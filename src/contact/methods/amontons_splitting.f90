@@ -229,11 +229,9 @@ contains
       logical :: is_soft
       integer :: i, m
 
-      if (problem%matrix%n_tangents == 2) then
-         call new_error(error, input_refused, "variant = '"//trim(variant)//"' is for the plane: the paper prints "// &
-            "its algorithm for one tangential direction; take 'exact'")
-         return
-      end if
+      if (problem%matrix%n_tangents == 2) call new_error(error, input_refused, "variant = '"//trim(variant)// &
+         "' is for the plane: the paper prints its algorithm for one tangential direction; take 'exact'")
+      if (allocated(error)) return
       m = problem%n_points
       associate (a => problem%matrix%compliance, normal => [(i, i=1, m)], tangential => [(m + i, i=1, m)])
          call allocate_matrix(printed%a11_factor, m, m, owner, error)

@@ -72,10 +72,10 @@ module amontons_body
       integer :: lead = 0 !! the node
       integer :: axis = 1 !! of a rigid set which of the node's own unknowns it is
       integer :: tie = 0 !! of a preload the tie
-      real(dp) :: own(2) = 0.0_dp !! own unknowns of the node in a motion of 1
+      real(dp) :: own(3) = 0.0_dp !! own unknowns of the node in a motion of 1
       real(dp) :: length = 1.0_dp !! displacement of nodes in a motion of 1 [L]
       integer, allocatable :: node(:) !! the nodes that its force acts on
-      real(dp), allocatable :: force(:, :) !! the nodal forces of a force of 1 (2, nodes) [-]
+      real(dp), allocatable :: force(:, :) !! the nodal forces of a force of 1 (components, nodes) [-]
    end type driven_motion_t
 
    !> A body, which many load cases share; constant once it is condensed.
@@ -370,7 +370,8 @@ contains
       end do
    end function support_of_jump
 
-   !> Adds the motions of rigid sets to the driven motions. In a body of revolution they move along the axis only.
+   !> Adds the motions of rigid sets to the driven motions. In a body of revolution they move along the axis and,
+   !> if it is twisted, turn about it.
    pure subroutine add_rigid_drives(body, supports)
       type(body_t), intent(inout) :: body !! the body; gains the motions
       type(support_t), intent(in) :: supports(:) !! the supports
@@ -386,7 +387,7 @@ contains
          number = number + 1
          associate (rigid => body%constraints%rigid(number))
             do k = 1, 3
-               if (body%is_axisymmetric .and. k /= 2) cycle
+               if (body%is_axisymmetric .and. (k == 1 .or. k > size(body%constraints%is_free, 1))) cycle
                driven%name = supports(i)%name
                driven%kind = 'rigid'
                driven%words = [character(16) :: rigid_components(k), drives(k)]
@@ -395,11 +396,11 @@ contains
                driven%component = k
                driven%length = merge(rigid%length, 1.0_dp, k == 3)
                driven%lock_time = merge(huge(1.0_dp), supports(i)%lock_time, supports(i)%is_held(k))
-               driven%lead = rigid%lead(merge(2, 1, k == 3))
-               driven%axis = merge(1, k, k == 3)
+               driven%lead = rigid%lead(k)
+               driven%axis = rigid%axis(k)
                unit = merge(1.0_dp, 0.0_dp, [1, 2, 3] == k)
-               driven%own = merge([rigid%length, 0.0_dp], unit(:2), k == 3)
-               driven%node = rigid%lead
+               driven%own = merge(driven%length, 0.0_dp, [1, 2, 3] == driven%axis)
+               driven%node = rigid%lead(2:)
                driven%force = rigid%lead_forces(unit)
                body%driven = [body%driven, driven]
             end do
@@ -416,19 +417,20 @@ contains
       type(mortar_points_t), intent(in) :: points !! their points
       type(driven_motion_t) :: driven
       real(dp), allocatable :: force(:, :)
-      real(dp) :: share(2*size(points%area))
+      real(dp) :: share(size(body%constraints%is_free, 1)*size(points%area))
       integer :: i, p
 
       driven%support = support_of_jump(supports, name)
+      share = 0.0_dp
       associate (pair => body%ties(tie))
          do p = 1, size(points%area)
             share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
                *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]
          end do
          driven%lead = pair%lead
-         driven%own = pair%jump
+         driven%own(:2) = pair%jump
       end associate
-      force = points%rows%forces(share, body%mesh%n_nodes, 2)
+      force = points%rows%forces(share, body%mesh%n_nodes, size(body%constraints%is_free, 1))
       driven%name = name
       driven%kind = 'preload'
       driven%words = [character(16) :: 'shortening', 'force']
@@ -459,14 +461,14 @@ contains
       end do
    end function body_driven_forces
 
-   !> The displacements of all nodes for a unit of one driven motion (2, n_nodes) [L].
+   !> The displacements of all nodes for a unit of one driven motion (components, n_nodes) [L].
    pure function body_driven_field(self, number) result(field)
       class(body_t), intent(in) :: self !! the body
       integer, intent(in) :: number !! index of the motion
       real(dp), allocatable :: field(:, :)
 
-      allocate (field(2, self%mesh%n_nodes), source=0.0_dp)
-      field(:, self%driven(number)%lead) = self%driven(number)%own
+      allocate (field(size(self%constraints%is_free, 1), self%mesh%n_nodes), source=0.0_dp)
+      field(:, self%driven(number)%lead) = self%driven(number)%own(:size(field, 1))
       field = self%dof_map%substitution%displacement(field)
    end function body_driven_field
 

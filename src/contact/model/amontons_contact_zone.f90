@@ -117,6 +117,7 @@ contains
       integer, intent(in) :: point !! the point
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, allocatable :: nodes(:)
+      integer :: i
 
       nodes = zone%rows%node(zone%rows%start(point):zone%rows%start(point + 1) - 1)
       associate (pair => zone%pairs(zone%set(point)))
@@ -124,7 +125,8 @@ contains
             nodes = [pair%node(point - findloc(zone%set, zone%set(point), dim=1) + 1)]
          end if
       end associate
-      holds = .not. any(constraints%is_free(3, nodes))
+      holds = .not. any([(constraints%is_free(3, nodes(i)) .or. constraints%rigid_moves(nodes(i), &
+         zone%position(:, point), [0.0_dp, 0.0_dp, 1.0_dp]), i=1, size(nodes))])
    end function holds_twist
 
    !> Adds the points of a set that faces a rigid obstacle.

@@ -116,7 +116,7 @@ contains
       do k = 1, size(body%driven)
          associate (driven => body%driven(k), support => supports(body%driven(k)%support))
             if (support%is_jump) load_case%prescribed(:2, driven%lead) = load_case%prescribed(:2, driven%lead) &
-               + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own
+               + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own(:2)
          end associate
       end do
       load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
@@ -137,7 +137,7 @@ contains
       load_case%driven = body%driven_forces(loads)
       do k = 1, size(body%driven)
          associate (driven => body%driven(k))
-            load_case%force(:2, driven%node) = load_case%force(:2, driven%node) + load_case%driven(k)*driven%force
+            load_case%force(:, driven%node) = load_case%force(:, driven%node) + load_case%driven(k)*driven%force
          end associate
       end do
    end subroutine apply_loads

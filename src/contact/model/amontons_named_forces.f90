@@ -64,8 +64,9 @@ contains
          if (is_cut) is_cut = body%ties(body%named(i)%member(1))%lead > 0
          do component = normal, torque
             if (component <= tangential .and. body%named(i)%kind /= of_contact .and. .not. is_cut) cycle
-            if (is_cut .and. (body%is_axisymmetric .or. all(component /= [tangential, moment]))) cycle
-            if (body%is_axisymmetric .and. any(component == [along_x, moment])) cycle
+            if (is_cut .and. all(component /= [tangential, moment, torque])) cycle
+            if (body%is_axisymmetric .and. (any(component == [along_x, moment]) .or. is_cut .and. component &
+               == tangential)) cycle
             if (component == torque .and. body%materials%n_components() == 2) cycle
             list = reshape([list, i, component], [2, size(list, 2) + 1])
          end do
@@ -143,7 +144,7 @@ contains
       associate (driven => body%driven((of_motion + 1)/2))
          if (modulo(of_motion, 2) == 1) then
             allocate (test%pulled(size(body%constraints%is_free, 1), body%mesh%n_nodes), source=0.0_dp)
-            test%pulled(:2, driven%node) = driven%force
+            test%pulled(:, driven%node) = driven%force
          else
             test%driven = of_motion/2
             test%held = body%driven_field(test%driven)
@@ -184,7 +185,8 @@ contains
             associate (tie => body%ties(named%member(i)))
                call integrate_pair(points, tie, tie%segments, n_quadrature_points)
                ! Of a preload the shear along the cut, and the moment about its middle.
-               middle = merge(1.0_dp, 0.0_dp, tie%lead > 0)*matmul(points%center, points%area)/sum(points%area)
+               middle = merge(1.0_dp, 0.0_dp, tie%lead > 0 .and. component /= torque)* &
+                  matmul(points%center, points%area)/sum(points%area)
                motion(:, tie%node) = rigid_motion(component, points%center - spread(middle, 2, size(tie%node)), &
                   size(motion, 1))
                if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))

@@ -69,19 +69,16 @@ contains
       integer :: j, most, i, m
       real(dp), allocatable :: rows(:, :)
 
+      most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (problem%matrix%n_tangents == 2) then
          call new_error(error, input_refused, 'all solutions can be found in the plane only: friction in space is '// &
             'no linear complementarity problem')
-         return
-      end if
-      most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
-      if (problem%n_points > most) then
+      else if (problem%n_points > most) then
          call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &
             ' contact points'//trim(merge(' where a slip bound is given', repeat(' ', 28), most < most_points))// &
             ', this problem has '//to_text(problem%n_points))
-         return
       end if
-      call new_contact_relation(search%relation, problem, error)
+      if (.not. allocated(error)) call new_contact_relation(search%relation, problem, error)
       if (allocated(error)) return
       if (present(skew_part)) then
          associate (relation => search%relation)
