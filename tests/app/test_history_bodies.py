@@ -211,7 +211,8 @@ class Bodies(HistoryTest):
     def test_unloaded_body_has_no_forces_and_no_strain(self):
         # Nothing is left of the solution with loads but where it has moved the bodies to.
         self.walk(UNLOADED[0])
-        self.assertEqual({row["normal_force"] for row in self.table("body.contact.csv")}, {"0.0"})
+        # Rounding may leave some 1e-16 of the forces before, 1134 in all.
+        self.assertLess(max(abs(float(row["normal_force"])) for row in self.table("body.contact.csv")), 1e-15*1134.0)
         self.assertLess(abs(self.summary("body")["load_history"]["strain_energy"]), 1e-20)
 
 
