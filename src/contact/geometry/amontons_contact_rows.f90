@@ -114,7 +114,7 @@ contains
    !> Shares the parts of nodes with other nodes at the same place that move like them, by their areas.
    pure subroutine share_parts(rows, partner, area)
       type(contact_rows_t), intent(inout) :: rows !! the rows
-      integer, intent(in) :: partner(:) !! the node that each node moves like: itrows but for those others (n_nodes)
+      integer, intent(in) :: partner(:) !! the node that each node moves like: itself but for those others (n_nodes)
       real(dp), intent(in) :: area(:) !! the areas of the nodes (n_nodes) [L^2]
       integer, allocatable :: others(:), own(:), node(:), place(:)
       real(dp), allocatable :: share(:)
