@@ -325,9 +325,11 @@ contains
    !=   revolution
    !=key_results `contact_torque` | F L | of a [twisted](theory.md#twist) body: their moment about the axis
    !=key_results `rigid_NAME_ux`, `rigid_NAME_uy`, `rigid_NAME_turn` | L, L, none | motion of the [rigid
-   !=   set](decks.md#rigid-may-be-repeated-may-be-absent) NAME; of bodies of revolution `rigid_NAME_uy` only
+   !=   set](decks.md#rigid-may-be-repeated-may-be-absent) NAME; of bodies of revolution `rigid_NAME_uy` only, if
+   !=   they twist `rigid_NAME_turn` as well
    !=key_results `rigid_NAME_force_x`, `rigid_NAME_force_y`, `rigid_NAME_moment` | F, F, F L | what drives it: given
-   !=   force and moment, or what it takes to prescribe the motion; the moment about its point
+   !=   force and moment, or what it takes to prescribe the motion; the moment about its point, of a
+   !=   twisted body about the axis
    !=key_results `preload_NAME_shortening`, `preload_NAME_force` | L, F | shortening and force of the
    !=   [preload](decks.md#preload-may-be-repeated-may-be-absent) NAME, of bodies of revolution all around the axis
    !=key_results `max_wear_depth` | L | of a history with `wear`: the largest depth worn
