@@ -151,8 +151,8 @@ contains
       integer :: n
 
       if (.not. (solution%is_converged .and. problem%matrix%has_stiffness())) return
-      is_none = hypot(solution%force(:problem%n_points), tangential_norm(solution%force(problem%n_points + 1:), &
-         problem%n_points)) <= tolerance*problem%force_scale(solution%force, solution%displacement)
+      is_none = max(abs(solution%force(:problem%n_points)), tangential_norm(solution%force(problem%n_points + 1:), &
+         problem%n_points)) <= tolerance*solution%force_scale
       if (.not. any(is_none .and. solution%status /= open_point)) return
       without = solution
       without%force = merge(0.0_dp, solution%force, [(is_none, n=0, problem%matrix%n_tangents)])

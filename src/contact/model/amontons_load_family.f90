@@ -53,6 +53,8 @@ module amontons_load_family
       type(parting_t) :: parting !! the part to which each load, support and contact set belongs
       type(load_case_t), allocatable :: parts(:)
          !! nodal forces, prescribed displacements and thermal strains of each part at the factor 1 (parts)
+      real(dp), allocatable, private :: nodal_force(:, :)
+         !! components of its nodal forces at the nodes that any part loads (components, parts) [F]
       logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
       logical, allocatable, private :: has_displacement(:) !! whether it prescribes displacements (parts)
       real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
@@ -105,6 +107,7 @@ contains
       type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
       real(dp) :: prescribed(body%zone%n_rows)
+      logical, allocatable :: is_loaded(:, :)
       integer :: k, p
 
       family%parting = parting
@@ -116,13 +119,20 @@ contains
       allocate (family%load(body%zone%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
          family%has_displacement(parting%n_parts))
+      allocate (is_loaded, mold=body%constraints%is_free)
+      is_loaded = .false.
       do k = 1, parting%n_parts
          call fill_part(family%parts(k), k, body, load_case, parting, error)
          if (allocated(error)) return
+         is_loaded = is_loaded .or. abs(family%parts(k)%force) > 0.0_dp
          family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
          family%has_displacement(k) = any(abs(family%parts(k)%prescribed) > 0.0_dp)
          prescribed = body%zone%rows%displacement(family%parts(k)%prescribed)
          family%prescribed(:, k) = prescribed(:body%zone%n_points)
+      end do
+      allocate (family%nodal_force(count(is_loaded), parting%n_parts))
+      do k = 1, parting%n_parts
+         family%nodal_force(:, k) = pack(family%parts(k)%force, is_loaded)
       end do
       allocate (family%friction(body%zone%n_points, parting%n_parts), source=0.0_dp)
       do p = 1, body%zone%n_points
@@ -342,30 +352,12 @@ contains
       load_case%obstacle_motion = acting%motion
    end subroutine load_family_load_case
 
-   !> The largest component of the nodal forces of a member; computed for blocks of nodes that fit in the cache [F].
+   !> The largest component of the nodal forces of a member [F].
    pure real(dp) function load_family_largest_force(self, factor) result(largest)
       class(load_family_t), intent(in) :: self !! the family
       real(dp), intent(in) :: factor(:) !! factor of each part (parts) [-]
-      integer, parameter :: n_together = 512
-      real(dp) :: forces(2, n_together), around(n_together)
-      logical :: is_twisted
-      integer :: first, last, n, k
 
-      largest = 0.0_dp
-      is_twisted = size(self%parts(1)%force, 1) > 2
-      do first = 1, size(self%parts(1)%force, 2), n_together
-         last = min(first + n_together - 1, size(self%parts(1)%force, 2))
-         n = last - first + 1
-         forces(:, :n) = 0.0_dp
-         around(:n) = 0.0_dp
-         do k = 1, size(factor)
-            if (.not. self%has_force(k)) cycle
-            forces(:, :n) = forces(:, :n) + factor(k)*self%parts(k)%force(:2, first:last)
-            if (is_twisted) around(:n) = around(:n) + factor(k)*self%parts(k)%force(3, first:last)
-         end do
-         largest = max(largest, maxval(abs(forces(:, :n))))
-         if (is_twisted) largest = max(largest, maxval(abs(around(:n))))
-      end do
+      largest = max(0.0_dp, maxval(abs(matmul(self%nodal_force, factor))))
    end function load_family_largest_force
 
    !> A text that is equal for two families of the same body only if they agree to the last bit: files that a deck names

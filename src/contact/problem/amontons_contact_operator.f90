@@ -342,6 +342,7 @@ contains
          do while (n_followed < n_reached .and. n_reached < m)
             n_followed = n_followed + 1
             do column = reached(n_followed), matrix%n, m
+               if (n_reached == m) exit
                if (matrix%is_sparse()) then
                   begin = matrix%first(column)
                   last = matrix%first(column + 1) - 1

@@ -51,6 +51,7 @@ module amontons_contact_problem
       procedure :: is_unloaded => contact_problem_is_unloaded
       procedure :: largest => contact_problem_largest
       procedure :: reference => contact_problem_reference
+      procedure :: measure => contact_problem_measure
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
@@ -267,7 +268,7 @@ contains
             self%largest(contact_force))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*uncanceled))
       end if
-      if (present(contact_force) .and. present(displacement) .and. &
+      if (present(contact_force) .and. present(displacement) .and. self%prescribed > 0.0_dp .and. &
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%matrix%augmentation)*self%prescribed
          if (self%largest(displacement) <= far*self%prescribed .and. self%largest(contact_force) <= &
@@ -294,13 +295,25 @@ contains
       end associate
    end function contact_problem_weight
 
-   !> The residual of a pair (v, lambda): the largest violation of `S v = q - lambda`, or of `v = v_free - A lambda`
-   !> turned into forces, and of the contact law, weighted and divided by the force scale. It depends on no method and
-   !> no unit, and is zero at a solution only; it is huge if numbers are not finite [-].
+   !> The residual of a pair (v, lambda) [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), contiguous, intent(in) :: displacement(:) !! v (n) [L]
       real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      real(dp) :: scale
+
+      call self%measure(displacement, force, residual, scale)
+   end function contact_problem_residual
+
+   !> The residual of a pair (v, lambda): the largest violation of `S v = q - lambda`, or of `v = v_free - A lambda`
+   !> turned into forces, and of the contact law, weighted and divided by the force scale. It depends on no method and
+   !> no unit, and is zero at a solution only; it is huge if numbers are not finite.
+   pure subroutine contact_problem_measure(self, displacement, force, residual, scale)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), contiguous, intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      real(dp), intent(out) :: residual !! the residual [-]
+      real(dp), intent(out) :: scale !! the force scale of the pair [F]
       real(dp) :: imbalance(self%matrix%n)
       integer :: i
 
@@ -312,12 +325,12 @@ contains
          call self%matrix%multiply_stiffness(displacement, imbalance)
          imbalance = imbalance - self%load + force
       end if
+      scale = self%force_scale(force, displacement)
       ! maxval ignores NaN.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
-      residual = max(self%largest(imbalance), self%violation(displacement, force))/ &
-         self%force_scale(force, displacement)
-   end function contact_problem_residual
+      residual = max(self%largest(imbalance), self%violation(displacement, force))/scale
+   end subroutine contact_problem_measure
 
    !> The largest weighted violation of the contact law by a pair (v, lambda) [F].
    pure real(dp) function contact_problem_violation(self, displacement, force) result(violation)
@@ -358,7 +371,7 @@ contains
          status = contact_status(augmented(:m), tangential_norm(augmented(m + 1:), m), self%friction, self%slip_bound)
          where (status == slip_plus) status = slip_point
       end if
-      where (hypot(force(:m), tangential_norm(force(m + 1:), m)) <= 0.0_dp) status = open_point
+      where (max(abs(force(:m)), tangential_norm(force(m + 1:), m)) <= 0.0_dp) status = open_point
    end function contact_problem_status
 
    !> Assumes that every point is closed and sticks, except for points so far from the obstacle that pulling them to the

@@ -32,6 +32,7 @@ module amontons_contact_solution
       integer :: n_iterations = 0 !! number of iterations done
       type(effort_t) :: effort !! work of the iterations
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
+      real(dp) :: force_scale = 0.0_dp !! the force that it is a share of, where it was measured [F]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
       procedure :: prepend => contact_solution_prepend
@@ -132,7 +133,7 @@ contains
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      self%residual = problem%residual(self%displacement, self%force)
+      call problem%measure(self%displacement, self%force, self%residual, self%force_scale)
       call self%effort%multiply(1.0_dp)
       self%status = problem%status(self%displacement, self%force)
    end subroutine contact_solution_measure

@@ -616,7 +616,7 @@ contains
       real(dp), parameter :: rounding = 1.0e-13_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing, way
       real(dp) :: slip(size(after%slip))
-      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, whole_change, stiffness
+      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, whole_change, moved, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
       integer :: m
@@ -624,6 +624,7 @@ contains
       m = problem%n_points
       change = after%instant%factor - before%instant%factor
       v_change = after%solution%displacement - before%solution%displacement
+      moved = matmul(model%energies%prescribed, change)
       mean_force = 0.5_dp*(after%solution%force + before%solution%force)
       load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
       support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
@@ -632,7 +633,7 @@ contains
          after%instant%is_in_reach .and. before%instant%is_in_reach)
       obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
       taken = 0.5_dp*(after%bound + before%bound)*tangential_norm(after%slip, m)
-      approach = approach - matmul(model%energies%prescribed(:m, :), change) - v_change(:m)
+      approach = approach - moved(:m) - v_change(:m)
       ! The remainder of the contact work: the points' shares of the energy error.
       missing = mean_force(m + 1:2*m)*after%slip(:m) - taken - mean_force(:m)*approach
       if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
@@ -640,8 +641,7 @@ contains
       after%dissipation = before%dissipation + taken
       ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
       slip = after%slip
-      where (model%is_slip_fixed) slip = matmul(model%energies%prescribed(m + 1:, :), change) &
-         - (after%instant%motion - before%instant%motion)
+      where (model%is_slip_fixed) slip = moved(m + 1:) - (after%instant%motion - before%instant%motion)
       way = tangential_norm(slip, m)
       after%worn = before%worn + mean_force(:m)*way
       after%wear_depth = before%wear_depth + model%wear*mean_force(:m)*way
@@ -663,9 +663,7 @@ contains
       ! Checks the two identities that hold exactly for a step in equilibrium at both ends. The normal displacements of
       ! the contact problem exclude prescribed parts; the tangential ones include them.
       whole_change = v_change
-      associate (m => problem%n_points)
-         whole_change(:m) = whole_change(:m) + matmul(model%energies%prescribed(:m, :), change)
-      end associate
+      whole_change(:m) = v_change(:m) + moved(:m)
       energy_change = after%strain_energy - before%strain_energy
       own_energy = model%energies%strain_energy(problem, change, v_change)
       end_work = model%energies%load_work(after%instant%factor, change, v_change) &

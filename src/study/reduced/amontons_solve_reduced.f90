@@ -202,8 +202,7 @@ contains
          ! Judges forces by the problem as it was read: displacements, residual and statuses that belong to them.
          call system%set_free_displacement(problem, solution%force)
          solution%displacement = problem%displacement(problem%dual_load(solution%displacement), solution%force)
-         solution%residual = problem%residual(solution%displacement, solution%force)
-         solution%status = problem%status(solution%displacement, solution%force)
+         call solution%measure(problem)
          solution%is_converged = solution%residual <= tolerance
          if (solution%is_converged .or. .not. is_symmetric_solved .or. n_left < 1) exit
          if (.not. solution%residual < 0.5_dp*residual) exit
