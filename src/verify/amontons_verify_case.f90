@@ -28,8 +28,8 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, restore_displacement, &
-      state_of, verify_answer, verify_case, verify_reduced, verify_result
+   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, state_of, verify_answer, &
+      verify_case, verify_reduced, verify_result
 
    !> Gaps, slips, forces and statuses of the contact points.
    type :: contact_state_t

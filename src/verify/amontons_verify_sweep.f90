@@ -1,31 +1,33 @@
-!> Verification of the files of a sweep against each other: rows, summary and listing are made again from the values of
-!> the deck and the numbers in the rows. A row has no displacements: if the fields of its case are not kept, its forces
-!> and its residual cannot be computed without solving the case, and are protected by checksums only. Grids are verified
-!> like those of a single case: the result is restored from the displacements of one and the stresses of the other, and
-!> everything that they show, and the row of the case, is computed again.
+!> Verification of the files of a sweep with its deck and with each other: every case is solved again, from the neighbor
+!> that the run had it start from. Rows and grids are compared with these solutions, and the worst case is certified
+!> again; summary and listing are made from the numbers in the rows.
+!>
+!> A point on a bound of the contact law may have either status, and rounding decides which one is found: there the row
+!> is followed. The numbers of a case that did not converge are those of some iteration: only its lengths are verified.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_contact_solution, only: new_contact_solution
+   use amontons_config, only: config_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t, read_status_runs, status_runs
    use amontons_error, only: error_t
-   use amontons_file_check, only: compare_collection, compare_line, read_array, verified_case_t
-   use amontons_key_results, only: body_peaks, lengths_t, new_lengths
+   use amontons_file_check, only: compare_collection, compare_line, verified_case_t
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
-   use amontons_quantity, only: expanded, quantity_t, scales
-   use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, &
-      outcome_solved, result_t
+   use amontons_quantity, only: quantity_t
+   use amontons_result, only: outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
-   use amontons_solve_case, only: cache_t, evaluate
-   use amontons_sweep_chunk, only: append_row, case_keys, case_quantities, case_result_t, new_case, prepare_sweep, &
-      read_warnings, sweep_header, sweep_task_t
+   use amontons_rigid_fit, only: recover_with_travel
+   use amontons_solve_case, only: cache_t, condense_case, evaluate
+   use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
+      find_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
    use amontons_sweep_study, only: n_documents, new_sweep_summary, sweep_documents, sweep_result_t
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_verify_case, only: check_grids, check_law, restore_displacement
-   use amontons_vtu, only: n_line_points
+   use amontons_verify_case, only: check_grids, check_law
    implicit none (type, external)
    private
 
@@ -36,9 +38,16 @@ module amontons_verify_sweep
       integer :: number = 0 !! its number
       integer, allocatable :: status(:) !! statuses of the contact points (m)
       type(case_result_t) :: result !! numbers that are kept, and residual
-      character(:), allocatable :: text !! the row
-      character(:), allocatable :: header !! the header of the table, without its line end
    end type row_t
+
+   !> A sweep whose cases are solved again, with its table.
+   type :: retrace_t
+      type(sweep_task_t) :: task !! the cases
+      type(sweep_result_t) :: result !! what listing and summary show, from the rows
+      type(csv_table_t) :: table !! the rows
+      character(:), allocatable :: entries !! entries of the collection of grids so far
+      logical :: has_worst = .false. !! whether the case that was certified is among those solved
+   end type retrace_t
 
 contains
 
@@ -46,267 +55,269 @@ contains
    subroutine verify_sweep(case, cache)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the sweep needs another
-      type(sweep_task_t) :: task
-      type(sweep_result_t) :: result
+      type(retrace_t) :: again
       type(document_t) :: documents(n_documents), summary
-      type(row_t), allocatable :: rows(:)
+      type(config_t) :: solved
       type(error_t), allocatable :: error
-      logical, allocatable :: has_converged(:)
       character(:), allocatable :: fault
       logical :: ok
 
-      call prepare_sweep(task, cache, case%config, result%certified, error)
-      if (allocated(error)) then
-         call case%fault('.deck.nml', error%message)
-         return
-      end if
-      result%certified%condition = case%number('', 'condition')
-      call add_conditioning(result%certified, cache%body)
-      call restore_rows(case, result, rows, has_converged, cache%body, fault)
-      call result%statistics%add_warnings(cache%body%zone, result%certified%warnings)
-      call case%fault('.sweep.csv', fault)
-      if (len(fault) > 0) return
-      result%n_resumed = nint(case%number('sweep', 'done_earlier'))
-      result%certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
-      ! No file has the error estimates by which the certified case was chosen.
-      result%statistics%worst_case = 0
-      if (any(has_converged)) then
-         call read_integer(case%value('certificate', 'case'), result%statistics%worst_case, ok)
-         if (ok) ok = result%statistics%worst_case >= 1 .and. result%statistics%worst_case <= size(has_converged)
-         if (ok) ok = has_converged(result%statistics%worst_case)
-         if (.not. ok) call case%fault('.summary.json', "certificate.case is '"//case%value('certificate', 'case')// &
-            "', which is not a converged case")
-      end if
-      ! As the certificate, it takes the whole model and is only recorded.
-      if (case%config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
-         allocate (result%certified%error_estimate)
-      end if
-      call verify_fields(case, task, result, cache%body, rows)
-      call sweep_documents(documents, case%config, cache%body, result)
-      call new_sweep_summary(summary, case%config, cache%body, result)
-      call case%compare(documents, summary)
-      ! Every case has its answer: a solution, or that there is no equilibrium.
-      case%is_certified = sum(result%statistics%n_outcomes([outcome_not_converged, outcome_numbers])) == 0 .and. &
-         (result%statistics%residual_case == 0 .or. case%value('certificate', 'passed') == 'true')
+      ! A body that was spread over ranks is checked on any number of them.
+      solved = case%config
+      if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
+      associate (result => again%result, certified => again%result%certified, statistics => again%result%statistics)
+         call prepare_sweep(again%task, cache, solved, certified, error)
+         if (.not. allocated(error)) call condense_case(cache, solved, certified, error)
+         if (.not. allocated(error)) then
+            call condense_task(again%task, cache%body, cache%problem)
+            call again%task%solver%method%prepare(cache%problem, error)
+         end if
+         if (allocated(error)) then
+            call case%fault('.deck.nml', error%message)
+            return
+         end if
+         certified%condition = case%number('', 'condition')
+         call add_conditioning(certified, cache%body)
+         call read_rows(case, again, cache%body, fault)
+         call case%fault('.sweep.csv', fault)
+         if (len(fault) > 0) return
+         call statistics%add_warnings(cache%body%zone, certified%warnings)
+         result%n_resumed = nint(case%number('sweep', 'done_earlier'))
+         certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
+         ! The error estimates by which the certified case was chosen are rounding errors, others on another machine.
+         statistics%worst_case = 0
+         if (statistics%residual_case > 0) call read_integer(case%value('certificate', 'case'), statistics%worst_case, &
+            ok)
+         call solve_rows(case, again, cache)
+         if (statistics%residual_case > 0 .and. .not. again%has_worst) call case%fault('.summary.json', &
+            "certificate.case is '"//case%value('certificate', 'case')//"', which is not a converged case")
+         call check_surplus(case, again%entries)
+         if (len(again%entries) > 0) call compare_collection(case%faults, case%stem//'.sweep.pvd', again%entries)
+         call sweep_documents(documents, case%config, cache%body, result)
+         call new_sweep_summary(summary, case%config, cache%body, result)
+         call case%compare(documents, summary)
+         ! Every case has its answer: a solution, or that there is no equilibrium.
+         case%is_certified = sum(statistics%n_outcomes([outcome_not_converged, outcome_numbers])) == 0 .and. &
+            (statistics%residual_case == 0 .or. case%value('certificate', 'passed') == 'true')
+      end associate
    end subroutine verify_sweep
 
-   !> Reads the rows, makes each again and compares them.
-   subroutine restore_rows(case, result, rows, has_converged, body, fault)
+   !> Reads all rows, and collects their statistics.
+   subroutine read_rows(case, again, body, fault)
       type(verified_case_t), intent(in) :: case !! the sweep
-      type(sweep_result_t), intent(inout) :: result !! gains the statistics
-      type(row_t), allocatable, intent(out) :: rows(:) !! the rows of cases that converged and whose fields are kept
-      logical, allocatable, intent(out) :: has_converged(:) !! whether each case has converged
+      type(retrace_t), intent(inout) :: again !! gains the table and the statistics
       type(body_t), intent(in) :: body !! the body
       character(:), allocatable, intent(out) :: fault !! the fault, as a sentence; empty if there is none
-      type(csv_table_t) :: table
+      type(row_t) :: row
       character(:), allocatable :: header
-      integer :: i, n, n_quantities
-      type(case_result_t) :: computed
-      type(lengths_t) :: lengths
-      type(quantity_t) :: parts(3)
+      integer :: number
 
-      associate (sweep => case%config%sweep)
-         n_quantities = size(case_keys(body, sweep))
+      associate (sweep => case%config%sweep, table => again%table)
          header = sweep_header(sweep, case_keys(body, sweep))
-         header = header(:len(header) - 1)
-         call read_csv_table(table, case%stem//'.sweep.csv', header, 6 + size(sweep%axes) + n_quantities, fault)
+         call read_csv_table(table, case%stem//'.sweep.csv', header(:len(header) - 1), 6 + size(sweep%axes) + &
+            again%task%n_quantities, fault)
          if (len(fault) == 0 .and. table%n_rows /= sweep%n_cases()) fault = to_text(table%n_rows)// &
             ' rows, but the deck has '//to_text(sweep%n_cases())//' cases'
-         if (len(fault) > 0) return
-         allocate (rows(sweep%n_fields() + 1), has_converged(table%n_rows))
-         n = 0
-         do i = 1, table%n_rows
-            associate (row => rows(n + 1))
-               row%number = i
-               row%text = table%row(i)
-               row%header = header
-               if (.not. allocated(row%status)) allocate (row%status(body%zone%n_points))
-               call read_row(row, table, size(sweep%axes) + 2, n_quantities, fault)
-               if (len(fault) == 0) then
-                  ! A row must state the values of its case, and the lengths that follow from its statuses.
-                  computed = row%result
-                  if (computed%has_solution) then
-                     call new_lengths(lengths, body%zone, row%status)
-                     parts = lengths%quantities()
-                     computed%quantity(:size(parts)) = parts%value
-                  end if
-                  call compare_row(case, row, body, computed, [0.0_dp], fault)
-                  if (row%result%outcome == outcome_solved) then
-                     if (len(fault) == 0 .and. .not. row%result%residual <= case%config%method%tolerance) fault = &
-                        'the residual of a converged case is above the tolerance'
-                     if (len(fault) == 0 .and. any(row%result%is_warned(2:3) .neqv. lacks_points(row%status))) fault = &
-                        'its warnings do not follow from its statuses'
-                  end if
-                  if (len(fault) > 0) fault = 'line '//to_text(row%number + 1)//': '//fault
-               end if
-               if (len(fault) > 0) return
-               call result%statistics%add(row%result)
-               has_converged(i) = row%result%outcome == outcome_solved
-               if (sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
-            end associate
+         do number = 1, table%n_rows
+            if (len(fault) > 0) return
+            call read_row(row, again, number, body%zone%n_points, fault)
+            if (len(fault) > 0) return
+            if (row%result%outcome == outcome_solved .and. row%result%residual > case%config%method%tolerance) then
+               fault = 'line '//to_text(number + 1)//': the residual of a converged case is above the tolerance'
+            end if
+            call again%result%statistics%add(row%result)
          end do
-         rows = rows(:n)
       end associate
-   end subroutine restore_rows
+   end subroutine read_rows
 
    !> Reads the numbers of a case from its row.
-   subroutine read_row(row, table, first, n_quantities, fault)
-      type(row_t), intent(inout) :: row !! the row, its number known; gains what it states
-      type(csv_table_t), intent(in) :: table !! the table
-      integer, intent(in) :: first !! column of the first quantity
-      integer, intent(in) :: n_quantities !! number of quantities
+   subroutine read_row(row, again, number, n_points, fault)
+      type(row_t), intent(out) :: row !! the row
+      type(retrace_t), intent(in) :: again !! the sweep with its table
+      integer, intent(in) :: number !! number of the case
+      integer, intent(in) :: n_points !! number of contact points
       character(:), allocatable, intent(inout) :: fault !! the fault, as a sentence; empty if there is none
       character(:), allocatable :: runs
-      integer :: i
+      integer :: first, i
       logical :: ok
 
-      row%result = case_result_t()
-      row%result%quantity = spread(0.0_dp, 1, n_quantities)
-      runs = table%field(row%number, first + n_quantities + 4)
-      call read_warnings(row%result%is_warned, table%field(row%number, first + n_quantities + 3))
-      associate (at_iterations => first + n_quantities + 1, result => row%result)
+      first = size(again%task%sweep%axes) + 2
+      row%number = number
+      allocate (row%status(n_points))
+      associate (table => again%table, result => row%result, n_quantities => again%task%n_quantities)
+         result%quantity = spread(0.0_dp, 1, n_quantities)
+         runs = table%field(number, first + n_quantities + 4)
+         call read_warnings(result%is_warned, table%field(number, first + n_quantities + 3))
          ! A body without contact points has no statuses.
-         result%has_solution = len(table%field(row%number, first)) > 0
-         result%outcome = findloc(outcome_names == table%field(row%number, at_iterations + 1), .true., dim=1)
-         call read_integer(table%field(row%number, at_iterations), result%n_iterations, ok)
-         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row%number + 1)// &
-            ': no iterations or no outcome'
+         result%has_solution = len(table%field(number, first)) > 0
+         result%outcome = findloc(outcome_names == table%field(number, first + n_quantities + 2), .true., dim=1)
+         call read_integer(table%field(number, first + n_quantities + 1), result%n_iterations, ok)
+         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(number + 1)//': no iterations or no outcome'
          if (len(fault) > 0 .or. .not. result%has_solution) return
          do i = 1, n_quantities
-            call table%get_number(row%number, first + i - 1, result%quantity(i), fault)
+            call table%get_number(number, first + i - 1, result%quantity(i), fault)
          end do
-         call table%get_number(row%number, first + n_quantities, result%residual, fault)
+         call table%get_number(number, first + n_quantities, result%residual, fault)
          call read_status_runs(row%status, runs, ok)
-         if (.not. ok) fault = 'line '//to_text(row%number + 1)//": '"//runs//"' are not the statuses of "// &
-            to_text(size(row%status))//' contact points'
+         if (.not. ok) fault = 'line '//to_text(number + 1)//": '"//runs//"' are not the statuses of "// &
+            to_text(n_points)//' contact points'
       end associate
    end subroutine read_row
 
-   !> Compares a row with that of a result.
-   subroutine compare_row(case, row, body, computed, row_scales, fault)
-      type(verified_case_t), intent(in) :: case !! the sweep
-      type(row_t), intent(in) :: row !! the row
+   !> Solves all cases again, on all threads, and compares rows and grids.
+   subroutine solve_rows(case, again, cache)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(retrace_t), intent(inout) :: again !! the sweep with its table; gains the certificate of the worst case
+      type(cache_t), intent(in) :: cache !! the body
+      ! Number of chunks that are solved side by side: all their solutions are in memory.
+      integer, parameter :: n_together = 8
+      type(contact_problem_t) :: own
+      type(contact_solution_t), allocatable :: solutions(:, :)
+      type(chunk_t), allocatable :: chunks(:)
+      integer :: k, n_before
+
+      again%entries = ''
+      n_before = 0
+      do while (n_before < again%table%n_rows)
+         allocate (chunks(min(n_together, (again%table%n_rows - n_before - 1)/chunk_length + 1)))
+         allocate (solutions(chunk_length, size(chunks)))
+         do k = 1, size(chunks)
+            call new_chunk(chunks(k), n_before + (k - 1)*chunk_length, again%table%n_rows)
+         end do
+         !$omp parallel default(none) if (size(chunks) > 1) shared(again, cache, chunks, solutions) private(own)
+         own = cache%problem
+         !$omp do schedule(dynamic, 1)
+         do k = 1, size(chunks)
+            call solve_chunk(again%task, cache%body, own, chunks(k), solutions(:, k))
+         end do
+         !$omp end do
+         !$omp end parallel
+         do k = 1, size(chunks)
+            if (chunks(k)%is_broken()) then
+               call case%fault('.sweep.csv', chunks(k)%fault)
+               return
+            end if
+            call compare_chunk(case, again, cache%body, chunks(k), solutions(:, k))
+         end do
+         n_before = chunks(size(chunks))%last
+         deallocate (chunks, solutions)
+      end do
+   end subroutine solve_rows
+
+   !> Compares the rows of a chunk, and the grids of its cases.
+   subroutine compare_chunk(case, again, body, chunk, solutions)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(retrace_t), intent(inout) :: again !! the sweep with its table; gains the certificate of the worst case
       type(body_t), intent(in) :: body !! the body
-      type(case_result_t), intent(in) :: computed !! the expected text
-      real(dp), intent(in) :: row_scales(:) !! scale of the first, second ... number, if larger than the number itself
-      character(:), allocatable, intent(out) :: fault !! the fault, as a sentence; empty if there is none
-      character(:), allocatable :: text, runs
+      type(chunk_t), intent(inout) :: chunk !! the chunk, solved
+      type(contact_solution_t), intent(inout) :: solutions(:) !! the solutions of its cases; gain the rows' statuses
+      type(row_t) :: rows(chunk%last - chunk%first + 1)
+      character(:), allocatable :: fault
+      integer :: i
+      logical :: differs, follows
+
+      follows = .false.
+      fault = ''
+      do i = 1, size(rows)
+         associate (row => rows(i), solved => chunk%results(i))
+            call read_row(row, again, chunk%first + i - 1, body%zone%n_points, fault)
+            if (solved%outcome /= outcome_solved .or. row%result%outcome /= outcome_solved) cycle
+            differs = any(solutions(i)%status /= row%status)
+            solutions(i)%status = row%status
+            if (differs) solved%is_warned(2:3) = lacks_points(row%status)
+            if (differs .or. row%number == again%result%statistics%worst_case .or. &
+               case%config%sweep%has_fields(row%number, row%number)) call check_case(case, again, body, row%number, &
+               solutions(i))
+            follows = follows .or. differs
+         end associate
+      end do
+      if (follows) call find_numbers(again%task, body, chunk, solutions)
+      do i = 1, size(rows)
+         call compare_row(case, again, body, rows(i), chunk%results(i))
+      end do
+   end subroutine compare_chunk
+
+   !> Compares a row with the solution of its case.
+   subroutine compare_row(case, again, body, row, solved)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(retrace_t), intent(in) :: again !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(row_t), intent(in) :: row !! the row
+      type(case_result_t), intent(in) :: solved !! the result of its case, solved again
+      type(case_result_t) :: computed
+      type(lengths_t) :: lengths
+      type(quantity_t) :: parts(3)
+      character(:), allocatable :: fault, text, runs
+      real(dp), allocatable :: scales(:)
       logical :: is_lost
 
+      computed = solved
+      allocate (scales(0))
+      if (allocated(again%result%statistics%least)) scales = max(abs(again%result%statistics%least), &
+         abs(again%result%statistics%greatest))
+      if (solved%outcome == outcome_not_converged .and. row%result%outcome == outcome_not_converged .and. &
+         row%result%has_solution) then
+         computed = row%result
+         call new_lengths(lengths, body%zone, row%status)
+         parts = lengths%quantities()
+         computed%quantity(:size(parts)) = parts%value
+      end if
+      computed%residual = row%result%residual
+      computed%n_iterations = row%result%n_iterations
       runs = ''
       if (computed%has_solution) call status_runs(runs, row%status, body%zone%set)
       text = ''
       call append_row(text, case%config%sweep, row%number, computed, runs)
-      call compare_line(fault, row%text, text(:len(text) - 1), row%header, row_scales, 0.0_dp, is_lost)
+      call compare_line(fault, again%table%row(row%number), text(:len(text) - 1), again%table%header, &
+         [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales, 0.0_dp], 0.0_dp, is_lost)
+      call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
    end subroutine compare_row
 
-   !> Verifies the fields of a sweep: every grid, the collection, and that there are no other grids.
-   subroutine verify_fields(case, task, sweep, body, rows)
+   !> Evaluates the solution of a case on the full model: checks the statuses of its row, compares its grids, and takes
+   !> the certificate of the worst case.
+   subroutine check_case(case, again, body, number, solution)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
-      type(sweep_task_t), intent(in) :: task !! its cases
-      type(sweep_result_t), intent(inout) :: sweep !! its result; gains the certificate, if its case has fields
+      type(retrace_t), intent(inout) :: again !! the sweep; gains the entry of the grids, and the worst case
       type(body_t), intent(in) :: body !! the body
-      type(row_t), intent(in) :: rows(:) !! the rows of the cases that converged and whose fields are kept
+      integer, intent(in) :: number !! number of the case
+      type(contact_solution_t), intent(in) :: solution !! its solution, with the statuses of its row
       type(result_t) :: result
-      character(:), allocatable :: entries, number
-      integer :: i
 
-      sweep%has_certificate = .false.
-      call check_surplus(case, rows%number)
-      if (size(rows) == 0) return
-      entries = ''
-      do i = 1, size(rows)
-         result%method = case%config%method
-         result%wants_error_estimate = case%config%accuracy%wants_estimate()
-         call new_case(result%load_case, task, body, rows(i)%number)
-         call check_fields(case, result, body, rows(i))
-         number = to_text(rows(i)%number)
-         entries = entries//case_entries(number, case%config%name//'.sweep/'//number)
-         if (rows(i)%number /= sweep%statistics%worst_case .or. .not. allocated(result%displacement)) cycle
-         sweep%certified%certificate = result%certificate
-         if (allocated(result%error_estimate)) sweep%certified%error_estimate = result%error_estimate
-         sweep%has_certificate = .true.
-      end do
-      call compare_collection(case%faults, case%stem//'.sweep.pvd', entries)
-   end subroutine verify_fields
+      result%method = case%config%method
+      result%wants_error_estimate = again%task%wants_error_estimate
+      result%solution = solution
+      call new_case(result%load_case, again%task, body, number)
+      call recover_with_travel(result%displacement, body, result%load_case, solution%displacement)
+      call evaluate(result, body)
+      call check_law(case%faults, body, result, case%stem//'.sweep.csv:'//to_text(number + 1), .false.)
+      if (case%config%sweep%has_fields(number, number)) then
+         call check_grids(case, body, result, case%stem//'.sweep/'//to_text(number))
+         again%entries = again%entries//case_entries(to_text(number), case%config%name//'.sweep/'//to_text(number))
+      end if
+      if (number /= again%result%statistics%worst_case) return
+      again%has_worst = .true.
+      again%result%certified%certificate = result%certificate
+      if (allocated(result%error_estimate)) again%result%certified%error_estimate = result%error_estimate
+   end subroutine check_case
 
    !> Reports grids that do not belong to this sweep, for example from an interrupted one of the same name.
-   subroutine check_surplus(case, numbers)
+   subroutine check_surplus(case, entries)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
-      integer, intent(in) :: numbers(:) !! numbers of the cases whose grids should be there
+      character(*), intent(in) :: entries !! entries of the collection of its grids
       type(file_name_t), allocatable :: files(:)
       type(error_t), allocatable :: error
-      logical, allocatable :: has_grids(:)
-      integer :: i, number
-      logical :: ok
+      integer :: i
 
       ! A missing grid is reported where it is read.
       call list_directory(files, case%stem//'.sweep', error)
       if (allocated(error)) return
-      allocate (has_grids(0:maxval([0, numbers])), source=.false.)
-      has_grids(numbers) = .true.
       do i = 1, size(files)
          associate (name => files(i)%text)
-            if (index(name//'/', '.vtu/') == 0) cycle
-            call read_integer(name(:index(name, '.') - 1), number, ok)
-            if (ok) ok = number >= 0 .and. number < size(has_grids)
-            if (ok) ok = has_grids(number) .and. (name == to_text(number)//'.vtu' .or. &
-               name == to_text(number)//'.contact.vtu')
-            if (.not. ok) call case%fault('.sweep/'//name, 'not a grid of this sweep')
+            if (index(name//'/', '.vtu/') > 0 .and. index(entries, '.sweep/'//name//'"') == 0) then
+               call case%fault('.sweep/'//name, 'not a grid of this sweep')
+            end if
          end associate
       end do
    end subroutine check_surplus
-
-   !> Verifies the two grids of a case, and its row with them.
-   subroutine check_fields(case, result, body, row)
-      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
-      type(result_t), intent(inout) :: result !! the load case; gains what the grids state
-      type(body_t), intent(in) :: body !! the body
-      type(row_t), intent(in) :: row !! the row
-      character(:), allocatable :: fault, grid
-      character(*), parameter :: stress_names(0:2) = [character(19) :: 'contact_pressure', 'contact_shear', &
-         'contact_shear_theta']
-      real(dp), allocatable :: stress(:)
-      real(dp) :: limit
-      integer :: k
-      type(case_result_t) :: computed
-      type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
-
-      grid = '.sweep/'//to_text(row%number)
-      limit = certificate_limit(case%config%method%tolerance)
-      call new_contact_solution(result%solution, body%zone%n_points, body%zone%n_tangents)
-      call restore_displacement(result, body, case%stem//grid//'.vtu', fault)
-      call case%fault(grid//'.vtu', fault)
-      if (len(fault) > 0) return
-      ! Restores the contact forces from the stresses on the contact line.
-      allocate (stress(n_line_points(body%zone)))
-      do k = 0, body%zone%n_tangents
-         call read_array(case%stem//grid//'.contact.vtu', trim(stress_names(k)), 1, stress, fault)
-         call case%fault(grid//'.contact.vtu', fault)
-         if (len(fault) > 0) return
-         associate (m => body%zone%n_points)
-            result%solution%force(k*m + 1:(k + 1)*m) = stress(:m)*body%zone%area
-         end associate
-      end do
-      result%solution%status = row%status
-      call evaluate(result, body)
-      call check_grids(case, body, result, case%stem//grid)
-      if (.not. result%certificate%largest() <= limit) call case%fault(grid//'.vtu', &
-         'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
-         ', more than the limit of '//to_text(limit))
-      call check_law(case%faults, body, result, case%stem//grid//'.contact.vtu', .false.)
-      ! The row must state the numbers that follow from the grids.
-      computed = row%result
-      allocate (peaks(0))
-      if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
-      if (case%config%sweep%has_forces) peaks = [peaks, result%certificate%named]
-      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
-         result%load_case%free_gap, peaks)
-      numbers = expanded(list)
-      computed%quantity = numbers%value
-      call compare_row(case, row, body, computed, [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales(list), &
-         0.0_dp], fault)
-      call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
-   end subroutine check_fields
 
 end module amontons_verify_sweep

@@ -69,7 +69,7 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
       type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
-      type(parents_t) :: parents
+      type(parents_t) :: first, parents
       integer, allocatable :: tags(:)
       integer :: i, last_tag
 
@@ -88,11 +88,12 @@ contains
          call move_alloc(tags, mesh%node_tag)
       end if
       if (allocated(mesh%parents) .or. allocated(other%parents)) then
+         first = parents_of(mesh)
          parents = parents_of(other)
-         mesh%parents = parents_of(mesh)
-         mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + parents%start(2:)]
-         mesh%parents%node = [mesh%parents%node, mesh%n_nodes + parents%node]
-         mesh%parents%weight = [mesh%parents%weight, parents%weight]
+         parents%start = [first%start, size(first%node) + parents%start(2:)]
+         parents%node = [first%node, mesh%n_nodes + parents%node]
+         parents%weight = [first%weight, parents%weight]
+         mesh%parents = parents
       end if
       mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
       mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]

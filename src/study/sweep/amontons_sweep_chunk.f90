@@ -38,10 +38,9 @@ module amontons_sweep_chunk
    implicit none (type, external)
    private
 
-   public :: append_row, case_keys, case_quantities, case_result_t, chunk_length, chunk_t, condense_task, &
-      new_case, new_chunk, &
-      outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, solve_chunks, &
-      sweep_header, sweep_statistics_t, sweep_task_t
+   public :: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
+      find_numbers, new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, &
+      solve_chunk, solve_chunks, sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes in listings.
    character(14), parameter :: outcome_labels(size(outcome_names)) = [character(14) :: 'Converged', 'NOT CONVERGED', &

@@ -62,7 +62,6 @@ module amontons_sweep_study
       integer :: n_sharing = 1 !! number of ranks that share the others
       character(:), allocatable :: fault !! the message of the first case with a numerical failure; empty without any
       logical :: is_interrupted = .false. !! whether cases are left to do
-      logical :: has_certificate = .true. !! whether the certificate is known, not only recorded in files
    contains
       procedure :: cases_per_second => sweep_result_cases_per_second
    end type sweep_result_t
@@ -385,7 +384,7 @@ contains
                labeled('Worst case', to_text(statistics%worst_case)//', by the estimated error of its forces')
             if (allocated(certified%error_estimate)) text = text//heading('Accuracy of the worst case '// &
                '(energy norm of the stress error)')//quantities_text(certified%error_estimate%quantities(), units)
-            call listing%add(text, [1.0_dp], .not. result%has_certificate)
+            call listing%add(text, [1.0_dp])
          end if
          call listing%record(times_text(certified%timings, listed_phases))
       end associate
@@ -466,9 +465,9 @@ contains
             ! The certificate of the case with the largest error estimate, and how accurate its stresses are.
             call summary%add(certificate_member(certificate%violations(), limit, certificate%energies(), '"case": '// &
                to_text(statistics%worst_case)//', '), [1.0_dp, 1.0_dp, scales([certificate%violations(), &
-               certificate%energies()])], .not. result%has_certificate)
+               certificate%energies()])])
             if (allocated(certified%error_estimate)) call summary%add(quantities_member('accuracy', &
-               certified%error_estimate%quantities()), is_recorded=.not. result%has_certificate)
+               certified%error_estimate%quantities()))
          end if
          if (certified%condition > 0.0_dp) call summary%record(member('condition', json_number(certified%condition)))
          call summary%add(member('counts', '{'//size_counts(body)//'}'))
