@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Checks every rule of the code that a machine can check: one line per check, findings where there are any.
+# Usage: check.sh [PRESET]    the preset that must compile without warnings, release unless given
 # shellcheck disable=SC2317 # the functions are called through check
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -47,7 +48,11 @@ check() {
    fi
 }
 
-check 'release build without warnings' scripts/build.sh release amontons_app amontons_c amontons_rates
+if (($# == 0)); then
+   check 'release build without warnings' scripts/build.sh release amontons_app amontons_c amontons_rates
+else
+   check "$1 build without warnings" scripts/build.sh "$1"
+fi
 check rooms scripts/dev/check_layers.py
 check 'lengths, comments, no stop, no print' scripts/dev/check_sources.py
 check 'every test is run and asks something' scripts/dev/check_tests.py

@@ -95,30 +95,42 @@ def initial_gaps(case: Case) -> Array:
     return np.where(np.abs(gaps) > 2 * size, np.nan, gaps)
 
 
+def joints(case: Case) -> Array:
+    """Which contact points are closed, between two bodies."""
+    data = case.line.point_data
+    found: Array = np.isin(data["set"], case.master.point_data["set"]) & (data["status"] > 1)
+    return found
+
+
 def magnification(case: Case) -> float:
     """A round number that makes displacements visible: the largest then measures about a twelfth of the body.
     Displacements that are visible by themselves are drawn as they are, unless they are larger than the body; so are
-    those beside an obstacle whose shape would be stretched with its gaps."""
+    those beside an obstacle whose shape would be stretched with its gaps. Those that close a gap between two bodies, or
+    an overlap, are magnified as far as is not seen there: the bodies would be drawn into each other, or apart."""
+    gaps = np.abs(initial_gaps(case))
     size = np.ptp(case.mesh.points[:, :2], axis=0).max()
     largest = np.abs(case.mesh.point_data["displacement"]).max()
-    if largest == 0.0 or np.nanmax(np.abs(initial_gaps(case)), initial=0.0) > VISIBLE * size:
+    if largest == 0.0 or np.nanmax(gaps, initial=0.0) > VISIBLE * size:
         return 1.0
     wanted = size / 12.0 / largest
-    return 1.0 if wanted < 1.0 and largest <= size else round_factor(wanted)
+    most = max(1.0, VISIBLE * size / max(np.nanmax(gaps[joints(case)], initial=0.0), 1e-300))
+    return 1.0 if wanted < 1.0 and largest <= size else round_factor(min(wanted, most))
 
 
 def magnification_at(case: Case, points: Array) -> float:
-    """The same for the part of the body at some contact points. If they are on a straight line their gaps may be
+    """The same for the part of the body at some contact points. If they are on a straight line the gaps may be
     stretched up to an eighth of it: the obstacle is then seen as it is, but higher."""
     at = case.line.points[points, :2]
     size = np.ptp(at, axis=0).max()
     largest = np.abs(case.line.point_data["displacement"][points]).max()
-    gap = np.nanmax(np.abs(initial_gaps(case)[points]), initial=0.0)
+    gaps = np.abs(initial_gaps(case)[points])
+    gap = np.nanmax(gaps, initial=0.0)
+    closed = np.nanmax(gaps[joints(case)[points]], initial=0.0)
     chord = at[-1] - at[0]
     bow = np.abs((at - at[0]) @ [chord[1], -chord[0]]).max() / max(np.hypot(*chord), 1e-300)
     if min(bow, gap) > VISIBLE * size:
         return 1.0
-    wanted = size / max(12.0 * largest, 8.0 * gap, 1e-300)
+    wanted = size / max(12.0 * largest, 8.0 * gap, closed / VISIBLE, 1e-300)
     return round_factor(wanted) if 1.0 < wanted < 1e12 else 1.0
 
 

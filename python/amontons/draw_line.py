@@ -172,11 +172,21 @@ def draw_gap(axes: Canvas, case: Case, sets: list[Stretch]) -> None:
 LINE_PANELS = {"stress": draw_stress, "slip": draw_slip, "gap": draw_gap}
 
 
+def names_of(case: Case, sets: list[Stretch]) -> str:
+    """The names of several contact sets that follow each other, for the end of a label; of one set there is none."""
+    numbers = list(dict.fromkeys(int(case.line.point_data["set"][one.points[0]]) for one in sets))
+    try:
+        names = [str(contact.get("name") or contact["set"]) for contact in (case.contacts[n - 1] for n in numbers)]
+    except (OSError, LookupError):
+        return ""
+    return f": {', '.join(names)}" if len(names) > 1 else ""
+
+
 def abscissa_label(case: Case, abscissa: str, sets: list[Stretch], whole: list[Stretch]) -> str:
     """The label of the abscissa of the contact line."""
     if abscissa != "s":
         return case.label(abscissa, "L")
-    text = case.label("length along the contact line", "L")
+    text = case.label("length along the contact line", "L") + names_of(case, sets)
     if sets is whole or not sets:
         return text
     return text + f", {sets[0].length[0]:.4g} to {sets[-1].length[-1]:.4g} of {whole[-1].length[-1]:.4g}"

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from amontons.cases import Case, CaseFault, dimension_of
-from amontons.draw_line import Canvas, Stretch, closed_part, points_of, stretches
+from amontons.draw_line import Canvas, Stretch, closed_part, names_of, points_of, stretches
 from amontons.draw_sweep import quantity
 from amontons.grid import Array
 
@@ -72,19 +72,22 @@ def shown_part(case: Case, rows: list[dict[str, str]]) -> list[Stretch]:
 
 
 def draw_zones(axes: Canvas, case: Case) -> None:
-    """The zones along the contact line over the pseudo-time; contact sets follow each other."""
+    """The zones along the contact line over the pseudo-time; contact sets, or their pieces, follow each other, with
+    nothing between."""
     rows = case.table("history")
     sets = shown_part(case, rows)
-    place = np.concatenate([one.length for one in sets])
     time = column(case, rows, list(rows[0])[1])
     states = statuses_of(rows)[points_of(sets)]
-    axes.pcolormesh(edges(time, at_end=True), edges(place), states, cmap=ListedColormap(list(ZONES.values())),
-                    vmin=-0.5, vmax=len(ZONES) - 0.5, rasterized=True)
+    starts = np.cumsum([len(one.points) for one in sets])[:-1]
+    # A piece of one point is drawn about it, as far as there is room.
+    places = np.maximum.accumulate(np.concatenate([edges(one.length) for one in sets]))
+    axes.pcolormesh(edges(time, at_end=True), places, np.insert(states.astype(float), starts, np.nan, axis=0),
+                    cmap=ListedColormap(list(ZONES.values())), vmin=-0.5, vmax=len(ZONES) - 0.5, rasterized=True)
     shown = [(name, color) for i, (name, color) in enumerate(ZONES.items()) if (states == i).any()]
     for name, color in shown:
         axes.plot([], [], linestyle="none", marker="s", markersize=6, color=color, label=name)
     axes.legend(frameon=False, ncols=len(shown), loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L"))
+    axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L") + names_of(case, sets))
 
 
 def edges(places: Array, at_end: bool = False) -> Array:
@@ -100,10 +103,11 @@ def edges(places: Array, at_end: bool = False) -> Array:
 def draw_dissipation(axes: Canvas, case: Case) -> None:
     """What friction took at each point of the contact line, over its length."""
     table, largest = case.table("contact"), 0.0
-    for one in shown_part(case, case.table("history")):
+    sets = shown_part(case, case.table("history"))
+    for one in sets:
         taken = [float(table[point]["dissipation"])/float(table[point]["weight"]) for point in one.points]
         axes.plot(one.length, taken, color="black")
         largest = max(largest, *taken)
     total = f"total {float(case.table('history')[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
-    axes.set(xlabel=case.label("s", "L"), ylabel=case.label("dissipation / length", "F"), title=total,
-             ylim=(0.0, 1.05*largest or 1.0))
+    axes.set(xlabel=case.label("s", "L") + names_of(case, sets), ylabel=case.label("dissipation / length", "F"),
+             title=total, ylim=(0.0, 1.05*largest or 1.0))

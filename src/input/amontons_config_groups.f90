@@ -725,7 +725,7 @@ contains
       has_gap = is_pair
       call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
          ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
-         also='master target'), contact%pairing%against, is_pair)
+         also='to master target'), contact%pairing%against, is_pair)
       call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
          ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), &
          contact%pairing%search, has_search)

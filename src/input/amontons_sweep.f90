@@ -292,8 +292,8 @@ contains
                      allocated(contacts(i)%friction%table)), 'friction', "the friction of contact set '"// &
                      contacts(i)%set//"' comes from a table; use friction_factor, which multiplies it")
                end do
-               call visitor%require(is_found, 'contact', "no &contact has the set '"//axis%name//"'"//list('sets', &
-                  names))
+               call visitor%require(is_found, 'contact', trim(quantity_names(axis%target))//' needs a &contact'// &
+                  repeat(" with the set '"//axis%name//"'", min(1, len(axis%name)))//list('sets', names))
             end if
          else if (all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
                visitor%deck%knows('preload', 'name')])) then

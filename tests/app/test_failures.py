@@ -208,7 +208,7 @@ class SystemFailure(ProgramTest):
                                    stderr=subprocess.PIPE, encoding="utf-8")
             self.addCleanup(run.kill)
             while i % 4 and run.poll() is None and not os.listdir(results):
-                pass
+                time.sleep(0.0002)
             time.sleep(duration*10.0**choice.uniform(-3.0, 0.3))
             results.rename(self.directory / f"gone {i}")
             _, message = run.communicate(timeout=self.timeout)

@@ -21,7 +21,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 # pylint: disable=wrong-import-position
 from amontons.cases import Case  # noqa: E402
-from amontons.draw_body import initial_gaps, magnification, surfaces  # noqa: E402
+from amontons.draw_body import initial_gaps, magnification, magnification_at, surfaces  # noqa: E402
+from amontons.draw_steps import draw_zones  # noqa: E402
 from amontons.numerals import scientific  # noqa: E402
 from amontons.obstacles import hatching, surface  # noqa: E402
 from amontons.raster import cell_image, color_numbers  # noqa: E402
@@ -216,6 +217,33 @@ class Figures(ProgramTest):
         found, = surfaces(case, 1.0, WINDOW)
         np.testing.assert_allclose(found[:, 1], -2.01)
         self.plot("pair", "--format", "svg")
+
+    def test_bodies_that_close_an_overlap_are_not_drawn_apart(self):
+        # A hub whose hole is smaller than the shaft by 0.002 [L] in radius: it moves outwards by about as much.
+        fit = "contact set = 'hub.left'  against = 'shaft.right'  gap = 'touching'  extra_gap = {}"
+        groups = ("mesh name = 'hub'  size = 1.0, 2.0  cells = 4, 8  origin = 1.0, 0.0",
+                  *(f"support set = '{name}.bottom'  uy = 0.0" for name in ("shaft", "hub")))
+        parts = {"mesh": "name = 'shaft'  size = 1.0, 2.0  cells = 4, 8",
+                 "material": "young = 100.0  poisson = 0.25  hypothesis = 'axisymmetric'"}
+        case = self.solve(*groups, fit.format(-0.001), **parts)
+        self.assertGreater(np.abs(case.mesh.point_data["displacement"]).max(), 5e-4)
+        for factor in (magnification(case), magnification_at(case, np.arange(5))):
+            self.assertLessEqual(factor*0.001, 1e-3*2.0)
+        # Without an overlap, pressed together.
+        case = self.solve(*groups, fit.format(0.0), "load set = 'hub.right'  pressure = 0.1", **parts)
+        self.assertGreater(magnification(case), 10.0)
+
+    def test_zones_of_contact_sets_have_a_gap_between_them(self):
+        case = self.solve(SUPPORT, "load name = 'p'  set = 'top'  pressure = 1.0",
+                          "contact name = 'floor'  set = 'bottom'",
+                          "contact set = 'right'  point = 4.1, 0.0  normal = -1.0, 0.0", "history times = 0.0, 1.0",
+                          "steps load = 'p'  factor = 1.0, 2.0")
+        axes = SvgAxes(0.0, 0.0, 100.0, 100.0)
+        draw_zones(axes, case)
+        # 9 points, then 5 along another side.
+        self.assertEqual(len(axes.cells.y), len(axes.cells.values) + 1)
+        self.assertEqual(np.isnan(axes.cells.values).all(axis=1).nonzero()[0].tolist(), [9])
+        self.assertEqual(axes.words["ylabel"], "s: floor, right")
 
     def test_an_obstacle_that_has_moved_is_drawn_where_it_is(self):
         case = self.solve(SUPPORT, PRESSURE, CONTACT)

@@ -74,6 +74,7 @@ class Signals(ProgramTest):
                 while run.poll() is None and time.monotonic() < deadline:
                     if len(os.listdir(self.directory / "results")) > len(old):
                         break
+                    time.sleep(0.0002)
                 time.sleep(0.1*duration*10.0**choice.uniform(-2.0, 0.0))
             else:
                 # Before the program has begun it cannot be asked: there a signal is not yet as arranged.
@@ -93,7 +94,7 @@ class Signals(ProgramTest):
                    signal.SIGCONT)
         # Before the program has begun a closed pipe is still the end of it.
         while run.poll() is None and not self.ignores(run, signal.SIGPIPE):
-            pass
+            time.sleep(0.0002)
         while run.poll() is None:
             for number in numbers:
                 run.send_signal(number)
@@ -121,7 +122,7 @@ class Signals(ProgramTest):
             run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
             self.addCleanup(run.kill)
             while run.poll() is None and set(os.listdir(self.directory / "results")) <= set(old) | left:
-                pass
+                time.sleep(0.0002)
             time.sleep(10.0**choice.uniform(-5.0, -2.3))
             run.kill()
             run.wait()
