@@ -248,13 +248,13 @@ contains
       character(len(kind_names)) :: kind
       logical :: has_kind, has_file
 
-      kind = kind_names(merge(2, 1, reduced%is_given))
       has_kind = reduced%is_given
       has_file = is_filled(reduced%path)
       call visitor%open_group(problem_group)
+      kind = kind_names(merge(2, 1, reduced%is_given .or. visitor%has('file')))
       call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file', &
-         default="`'body'`"), kind, kind_names, has_kind)
-      call visitor%text(key_t('file', "with `kind = 'reduced'`: name of its file, seen from the deck's folder", &
+         default="`'reduced'` with a `file`, else `'body'`"), kind, kind_names, has_kind)
+      call visitor%text(key_t('file', "of a reduced problem: name of its file, seen from the deck's folder", &
          is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
       call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts, in the"// &
          " place of the file's", default="the file's", at_least=0.0_dp, also='mu'), reduced%friction, &
@@ -282,14 +282,15 @@ contains
 
       has_file = is_filled(part%file)
       has_name = is_filled(part%name)
-      kind = kind_names(merge(2, 1, has_file))
       call visitor%open_group(mesh_group)
+      kind = kind_names(merge(2, 1, has_file .or. visitor%has('file')))
       call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
          ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
-      call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, kind_names)
+      call visitor%word(key_t('kind', 'where the mesh comes from', also='type', &
+         default="`'file'` with a `file`, else `'rectangle'`"), kind, kind_names)
       is_rectangle = kind == kind_names(1)
-      call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
-         " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), part%file, has_file)
+      call visitor%text(key_t('file', "name of the mesh file, seen from the deck's folder", is_file=.true., &
+         is_filled=.true., also='filename path'), part%file, has_file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
          default='none', also='read import'), use_names, part%is_used)
       ! Describes the keys of a rectangle.

@@ -21,7 +21,7 @@ def ring(wave, radii=(1.0, 1.5, 2.0)):
 def hung_ring(wave, angle, friction, force, clearance=0.001):
     """A deck of the ring on a round pin, with a point load on its rim where the mesh has a node."""
     turned = 2*math.pi*angle/48 + wave*math.sin(5*angle)
-    return (f"&mesh kind = 'file'  file = 'ring.msh' /\n&material young = 1e3  poisson = 0.3 /\n"
+    return (f"&mesh file = 'ring.msh' /\n&material young = 1e3  poisson = 0.3 /\n"
             f"&load name = 'weight'  point = {2*math.cos(turned)!r}, {2*math.sin(turned)!r}"
             f"  force = {force[0]!r}, {force[1]!r} /\n"
             f"&contact set = 'hole'  friction = {friction}  obstacle = 'circle'  point = 0.0, {1.0 - clearance!r}"
@@ -33,8 +33,8 @@ def ring_on_elastic_pin(slave, angle, friction, clearance=0.001):
     surface with the multipliers, that of the 'ring' or that of the 'pin'."""
     sets = ("ring.hole", "pin.rim") if slave == "ring" else ("pin.rim", "ring.hole")
     turned = 2*math.pi*angle/48
-    return (f"&mesh name = 'ring'  kind = 'file'  file = 'ring.msh' /\n"
-            f"&mesh name = 'pin'  kind = 'file'  file = 'pin.msh'  origin = 0.0, {-clearance!r} /\n"
+    return (f"&mesh name = 'ring'  file = 'ring.msh' /\n"
+            f"&mesh name = 'pin'  file = 'pin.msh'  origin = 0.0, {-clearance!r} /\n"
             f"&material young = 1e3  poisson = 0.3 /\n&support set = 'pin.hole'  ux = 0.0  uy = 0.0 /\n"
             f"&load name = 'weight'  point = {2*math.cos(turned)!r}, {2*math.sin(turned)!r}  force = 0.0, -1e-2 /\n"
             f"&contact set = '{sets[0]}'  against = '{sets[1]}'  friction = {friction} /\n")

@@ -131,7 +131,7 @@ class MeshFormats(ProgramTest):
 
     def block(self, name, dx=0.0, dy=0.0):
         """What a block on the floor says whose file has been moved."""
-        return self.solve(f"&mesh kind = 'file'  file = '{name}'  origin = {-dx!r}, {-dy!r} /\n{BODY}",
+        return self.solve(f"&mesh file = '{name}'  origin = {-dx!r}, {-dy!r} /\n{BODY}",
                           name.replace(".", "_").replace("/", "_"))
 
     def test_every_format_gives_the_same_solution(self):
@@ -181,7 +181,7 @@ class MeshFormats(ProgramTest):
                 ("*NODE\n1, 0., 0.\n*INCLUDE, INPUT=parts/body.inc\n*NSET, NSET=n\n1, up\n",
                  "whole.inp:5: there is no set 'up' above")):
             self.file("whole.inp", text.encode())
-            deck = self.write("deck.nml", "&mesh kind = 'file'  file = 'whole.inp' /\n" + BODY)
+            deck = self.write("deck.nml", "&mesh file = 'whole.inp' /\n" + BODY)
             run = self.run_program("--check", deck, status=1)
             self.assertIn(message, run.stderr)
 
@@ -191,8 +191,8 @@ class MeshFormats(ProgramTest):
         self.file("one.inc", b"*CLOAD\n22, 2, -1.\n")
         self.file("two.inc", b"*CLOAD\n28, 2, -2.\n")
         body = BODY.replace("&load set = 'top'  pressure = 1.0 /\n", "")
-        used = self.solve("&mesh kind = 'file'  file = 'flat.inp'  use = 'loads' /\n" + body, "used")
-        plain = self.solve("&mesh kind = 'file'  file = 'flat.inp' /\n" + body
+        used = self.solve("&mesh file = 'flat.inp'  use = 'loads' /\n" + body, "used")
+        plain = self.solve("&mesh file = 'flat.inp' /\n" + body
                            + f"&load point = 0.0, {HEIGHT}  force = 0.0, -1.0 /\n"
                            f"&load point = {WIDTH}, {HEIGHT}  force = 0.0, -2.0 /\n", "plain")
         self.assert_close(used.forces, plain.forces, 1e-13)
@@ -207,17 +207,17 @@ class MeshFormats(ProgramTest):
         self.file("one.inp", abaqus(places(0.0, 0.0)))
         contact = "&contact set = '{}.bottom'  against = '{}.top'  friction = 0.2 /\n&material young = 100.0  " \
             "poisson = 0.25 /\n&load set = '{}.top'  pressure = 1.0 /\n"
-        pair = self.solve("&mesh kind = 'file'  file = 'pair.inp'  use = 'supports', 'loads' /\n"
+        pair = self.solve("&mesh file = 'pair.inp'  use = 'supports', 'loads' /\n"
                           + contact.format("Upper", "block-1", "Upper"), "pair")
         joined_parts = self.solve(
-            "&mesh name = 'lower'  kind = 'file'  file = 'one.inp' /\n"
-            f"&mesh name = 'upper'  kind = 'file'  file = 'one.inp'  origin = 0.25, {HEIGHT} /\n"
+            "&mesh name = 'lower'  file = 'one.inp' /\n"
+            f"&mesh name = 'upper'  file = 'one.inp'  origin = 0.25, {HEIGHT} /\n"
             "&support set = 'lower.bottom'  ux = 0.0  uy = 0.0 /\n&support set = 'upper.left'  ux = 0.0 /\n"
             f"&load point = {0.25 + WIDTH}, {2*HEIGHT}  force = 0.0, -0.5 /\n"
             + contact.format("upper", "lower", "upper"), "parts")
         self.assert_close(pair.forces, joined_parts.forces, 1e-12)
         self.assertEqual(pair["status"], joined_parts["status"])
-        deck = "&mesh kind = 'file'  file = 'pair.inp' /\n&material young = 1.0  poisson = 0.0 /\n" \
+        deck = "&mesh file = 'pair.inp' /\n&material young = 1.0  poisson = 0.0 /\n" \
             "&support set = 'none'  ux = 0.0 /\n"
         self.assertRegex(self.run_program("--check", self.write("deck.nml", deck), status=1).stderr,
                          r"the mesh has no set 'none'; its sets are: .*block-1\.left.*Upper\.top.* floor\n")
@@ -230,9 +230,9 @@ class MeshFormats(ProgramTest):
         constants = ("*Material, name=wood\n*Elastic, type=ENGINEERING CONSTANTS\n140e3, 10e3, 8e3, 0.3, 0.25, 0.45, "
                      "5e3, 4e3\n3e3,\n")
         self.file("wood.inp", (part.replace("*End Part\n", section) + constants).encode())
-        used = self.solve("&mesh kind = 'file'  file = 'wood.inp'  use = 'materials' /\n" + "".join(
+        used = self.solve("&mesh file = 'wood.inp'  use = 'materials' /\n" + "".join(
             line for line in BODY.splitlines(True) if "material" not in line), "used")
-        plain = self.solve("&mesh kind = 'file'  file = 'wood.inp' /\n" + BODY.replace(
+        plain = self.solve("&mesh file = 'wood.inp' /\n" + BODY.replace(
             "young = 100.0  poisson = 0.25", "young = 140e3, 10e3, 8e3  poisson = 0.3, 0.25, 0.45  shear = 5e3  "
             "angle = 20.0"), "plain")
         self.assert_close(used.forces, plain.forces, 1e-12)
@@ -240,7 +240,7 @@ class MeshFormats(ProgramTest):
 
     def test_axes_of_materials_that_cannot_be_used(self):
         flat = abaqus(places(0.0, 0.0)).decode()
-        deck = self.write("deck.nml", "&mesh kind = 'file'  file = 'bad.inp'  use = 'materials' /\n")
+        deck = self.write("deck.nml", "&mesh file = 'bad.inp'  use = 'materials' /\n")
         for lines, message in (
                 ("*ORIENTATION, NAME=o, SYSTEM=CYLINDRICAL\n", "*ORIENTATION with SYSTEM=CYLINDRICAL cannot be used"),
                 ("*ORIENTATION, NAME=o, DEFINITION=NODES\n", "*ORIENTATION with DEFINITION=NODES cannot be used"),

@@ -51,7 +51,7 @@ class SetEnds(Verification, ProgramTest):
     def on_obstacle(self, end, obstacle, pressure=5.0, **mesh):
         """A block on an obstacle, its contact set from 0 to an end."""
         self.write("body.msh", block_mesh({**UPPER, "bottom": ("bottom", 0.0, end)}, **mesh))
-        return f"&mesh kind = 'file'  file = 'body.msh' /\n{HELD.format('')}" \
+        return f"&mesh file = 'body.msh' /\n{HELD.format('')}" \
             f"&load set = 'top'  pressure = {pressure} /\n&contact set = 'bottom'  {obstacle} /\n"
 
     def on_body(self, upper_end, lower_end, contact, bottom=lambda x: x*x/100, is_quadratic=False):
@@ -60,8 +60,8 @@ class SetEnds(Verification, ProgramTest):
                                            is_quadratic=is_quadratic))
         self.write("lower.msh", block_mesh({**LOWER, "top": ("top", 0.0, lower_end)}, size=(6.0, 3.0), cells=(48, 8),
                                            corner=(0.0, -3.0), is_quadratic=is_quadratic))
-        return "&mesh name = 'upper'  kind = 'file'  file = 'upper.msh' /\n" \
-            "&mesh name = 'lower'  kind = 'file'  file = 'lower.msh' /\n" + HELD.format("upper.") + \
+        return "&mesh name = 'upper'  file = 'upper.msh' /\n" \
+            "&mesh name = 'lower'  file = 'lower.msh' /\n" + HELD.format("upper.") + \
             "&support set = 'lower.base'  ux = 0.0  uy = 0.0 /\n&load set = 'upper.top'  pressure = 5.0 /\n" \
             f"&contact {contact}  search = 3.0 /\n"
 
@@ -162,7 +162,7 @@ class MeetingSets(Verification, ProgramTest):
             found = []
             for name, sets in (("whole", whole), ("parts", parts)):
                 self.write(f"{name}.msh", block_mesh({**UPPER, **sets}, cells=(8, 4), is_quadratic=is_quadratic))
-                deck = f"&mesh kind = 'file'  file = '{name}.msh' /\n{HELD.format('')}" \
+                deck = f"&mesh file = '{name}.msh' /\n{HELD.format('')}" \
                     "&load set = 'top'  pressure = 5.0  pressure_slope = -0.5, 0.0 /\n"
                 deck += "".join(f"&contact set = '{key}'  slip_bound = 0.02 /\n" for key in sets)
                 results = self.key_results(name, deck)

@@ -19,7 +19,7 @@ HERTZ = f"""\
 
 # A ball of radius 1 under its weight 1 per volume, on the apex of a rigid anvil.
 BALL = """\
-&mesh kind = 'file'  file = 'ball.msh' /
+&mesh file = 'ball.msh' /
 &material young = 1000.0  poisson = 0.3 /
 &support point = 0.0, 0.0  ux = 0.0 /
 &support point = 0.0, 1.0  ux = 0.0 /
@@ -152,7 +152,7 @@ class Obstacles(ProgramTest):
         nodes = (turn(i % 3, i//3) for i in range(9))
         self.write("square.msh", SQUARE % "\n".join(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, start=1)))
         return self.solve(f"""\
-&mesh kind = 'file'  file = 'square.msh' /
+&mesh file = 'square.msh' /
 &material young = 100.0  poisson = 0.2  region = 'body' /
 &support set = 'side'  un = 0.0 /
 &load set = 'roof'  traction = {vector(4.0, -10.0)} /
