@@ -243,14 +243,13 @@ contains
       logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
       character(:), allocatable :: place, wrong
-      real(dp) :: bound, direction, slip
+      real(dp) :: bound, direction
       integer :: p
 
       do p = 1, size(points%status)
-         associate (status => points%status(p), gap => points%gap(p), normal => points%force(p), &
-            tangential => points%force(size(points%status) + p))
+         associate (status => points%status(p), gap => points%gap(p), slip => points%slip(p), &
+            normal => points%force(p), tangential => points%force(size(points%status) + p))
             bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
-            slip = merge(0.0_dp, points%slip(p), is_tangent_fixed(p))
             direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus .or. &
                status == slip_point)
             ! Conditions on the gap and the normal force come before those on the slip.
@@ -308,9 +307,9 @@ contains
       limit = certificate_limit(result%method%tolerance)
       associate (load_case => result%load_case, solution => result%solution)
          call check_statuses(faults, path, has_rows, state_of(load_case%free_gap - solution%displacement(:m), &
-            solution%displacement(m + 1:) - load_case%anchor, solution%force, solution%status), load_case%friction, &
-            load_case%slip_bound, body%zone%is_shear_fixed, law_scales_t(limit*maxval(abs(result%displacement)), &
-            limit*result%certificate%force_scale))
+            merge(0.0_dp, solution%displacement(m + 1:) - load_case%anchor, body%zone%is_slip_fixed), solution%force, &
+            solution%status), load_case%friction, load_case%slip_bound, body%zone%is_shear_fixed, &
+            law_scales_t(limit*maxval(abs(result%displacement)), limit*result%certificate%force_scale))
       end associate
    end subroutine check_law
 

@@ -262,9 +262,9 @@ contains
          call read_status_runs(status, csv%field(row, csv%column('statuses')), is_read)
          if (is_read) then
             associate (solution => next%solution, problem => cache%problem)
-               call check_statuses(faults, '', .false., state_of(problem%gap - &
-                  solution%displacement(:problem%n_points), next%slip, solution%force, status), problem%friction, &
-                  problem%slip_bound, cache%body%zone%is_shear_fixed, scales)
+               call check_statuses(faults, '', .false., state_of(problem%gap - solution%displacement(:size(status)), &
+                  merge(0.0_dp, next%slip, cache%body%zone%is_slip_fixed), solution%force, status), &
+                  problem%friction, problem%slip_bound, cache%body%zone%is_shear_fixed, scales)
                if (faults%n == 0) solution%status = status
             end associate
          end if

@@ -44,6 +44,36 @@ class Twist(ProgramTest):
             if torque < 8.79:
                 self.assertAlmostEqual(float(row["contact_torque"]), -torque, delta=1e-8)
 
+    def test_no_shear_acts_on_the_axis(self):
+        # Both bodies end on the axis, where u_theta and the shear are 0, whatever a quadratic master does beside it.
+        self.solve_and_verify(
+            "&mesh name = 'lower'  size = 1.0, 0.5  cells = 4, 3  element = 'quad8' /\n"
+            "&mesh name = 'upper'  size = 1.0, 0.5  cells = 5, 3  element = 'quad8'  origin = 0.0, 0.5 /\n"
+            "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /\n"
+            "&support set = 'lower.left'  ux = 0.0 /\n&support set = 'upper.left'  ux = 0.0 /\n"
+            "&support set = 'lower.bottom'  uy = 0.0  turn = 0.0 /\n&support set = 'upper.top'  turn = 2.0e-4 /\n"
+            "&load set = 'upper.top'  pressure = 1.0 /\n"
+            "&contact set = 'lower.top'  against = 'upper.bottom'  friction = 0.1 /\n")
+        with open(self.directory/"case.contact.csv", newline="", encoding="utf-8") as file:
+            last = list(csv.DictReader(file))[-1]
+        self.assertEqual((last["x"], last["tangential_force_theta"]), ("0.0", "0.0"))
+
+    def test_corner_on_a_plane_of_symmetry_twists_with_friction(self):
+        # Along the axis the corner follows the plane without friction; around it friction holds it.
+        self.solve_and_verify(
+            "&mesh name = 'shaft'  size = 1.0, 2.0  cells = 3, 6 /\n"
+            "&mesh name = 'hub'  size = 1.0, 1.5  cells = 3, 7  origin = 1.0, 0.0 /\n"
+            "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /\n"
+            "&support set = 'shaft.left'  ux = 0.0 /\n&support set = 'shaft.bottom'  uy = 0.0 /\n"
+            "&support set = 'hub.bottom'  uy = 0.0 /\n&support set = 'shaft.top'  turn = 0.0 /\n"
+            "&load set = 'hub.right'  torque = 10.0 /\n&contact set = 'shaft.right'  against = 'hub.left'  "
+            "friction = 0.3  gap = 'touching'  extra_gap = -0.01 /\n")
+        with open(self.directory/"case.contact.csv", newline="", encoding="utf-8") as file:
+            corner = next(csv.DictReader(file))
+        self.assertEqual((corner["tangential_force"], corner["status"]), ("0.0", "stick"))
+        self.assertGreater(abs(float(corner["slip"])), 1e-5)
+        self.assertLess(float(corner["tangential_force_theta"]), -0.5)
+
     def test_history_reverses(self):
         extremes = self.solve_and_verify(CLUTCH + DISC + TO_AND_FRO).summary["load_history"]
         with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:

@@ -209,7 +209,7 @@ contains
    end subroutine let_guided_slaves_slip
 
    !> Whether each point is a corner of a slave that supports guide, except where its master ends on the same plane of
-   !> symmetry; or one that they hold around the axis.
+   !> symmetry; or one that they hold around the axis, unless it is on the axis: both bodies end there, too.
    pure function is_guided_alone(zone, constraints, tangent) result(is_alone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -224,6 +224,7 @@ contains
          associate (pair => zone%pairs(zone%set(p)))
             is_alone(p) = zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) .and. &
                .not. zone%is_cell(p) .and. pair%is_set() .and. .not. allocated(pair%shear_fault)
+            if (tangent == 2) is_alone(p) = is_alone(p) .and. zone%position(1, p) > rounding*pair%master%longest
             if (.not. is_alone(p) .or. tangent == 2) cycle
             associate (node => pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1))
                if (all(pair%slave%mirrored_node /= node)) cycle
