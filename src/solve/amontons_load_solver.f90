@@ -5,7 +5,8 @@
 !> from the body's position on its obstacles. At last motions that friction cannot hold are looked for. Components of
 !> the contact problem are solved each by itself.
 !>
-!> Such motions are a body that turns without end on a round contact line, or slides along a flat one, against friction.
+!> Such motions are a body that turns without end on a round contact line, slides along a flat one, or along walls off its
+!> floor, against friction.
 !> `check_balance` assumes unlimited normal forces, and friction with them: friction on opposite sides of a hole bears
 !> any moment. Only the solution gives the normal forces. A free rigid motion on which the normals of the round line do
 !> no work is opposed by friction alone. If the work of the loads on it is more than friction can take at the normal
@@ -18,11 +19,9 @@ module amontons_load_solver
    use amontons_body, only: body_t, find_rigid_modes, largest_motion
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_rows, only: turned
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: check_balance, round_normals
+   use amontons_equilibrium, only: check_balance, on_round_line, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
@@ -33,7 +32,6 @@ module amontons_load_solver
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_rigid_fit, only: find_resting_motion, fit_rigid_motion, fit_travel, least_squares_amounts
-   use amontons_rigid_motion, only: rigid_motions_t
    use amontons_text, only: short_text
    implicit none (type, external)
    private
@@ -82,12 +80,12 @@ contains
    subroutine load_solver_find_free_motions(self, body)
       class(load_solver_t), intent(inout) :: self !! the solver
       type(body_t), intent(in) :: body !! the body
-      real(dp), allocatable :: spins(:, :)
+      real(dp), allocatable :: on_round(:, :), spins(:, :)
 
       ! Whether points are in reach of a moving obstacle depends on the member.
       self%may_spin = size(body%rigid_modes, 2) > 0
       if (self%may_spin) then
-         call new_spins(spins, on_round_line(body%zone, body%motions), body, self%loads%base%is_in_reach .and. &
+         call new_spins(spins, on_round, body, self%loads%base%is_in_reach .and. &
             .not. self%loads%parting%moves_obstacles)
          self%may_spin = size(spins, 2) > 0
       end if
@@ -109,7 +107,7 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
-      logical :: is_loose
+      logical :: is_loose, is_near
       real(dp), allocatable :: motion(:)
       type(newton_t) :: quick
 
@@ -172,18 +170,21 @@ contains
          reason = error%message
          ! Memory ran out, or the method accepts fewer points.
          error_kind = error%kind
-      else
-         call check_numbers(self, problem, solution, reason)
-      end if
-      outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
-      if (len(reason) > 0) then
          outcome = outcome_numbers
-      else if (self%may_spin) then
-         !$omp critical (texts_of_solver)
-         call check_spin(body, acting%is_in_reach, problem, solution, self%size_of_body, error)
-         if (allocated(error)) reason = error%message
-         !$omp end critical (texts_of_solver)
-         if (allocated(error)) outcome = outcome_no_equilibrium
+      else
+         is_near = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
+         if (self%may_spin .or. .not. is_near) then
+            !$omp critical (texts_of_solver)
+            call check_spin(body, acting%is_in_reach, problem, solution, is_near, self%size_of_body, error)
+            if (allocated(error)) reason = error%message
+            !$omp end critical (texts_of_solver)
+         end if
+         outcome = outcome_no_equilibrium
+         if (.not. allocated(error)) then
+            call check_numbers(self, problem, solution, reason)
+            outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
+            if (len(reason) > 0) outcome = outcome_numbers
+         end if
       end if
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
@@ -322,18 +323,19 @@ contains
    end subroutine check_numbers
 
    !> Refuses the solution of a contact problem if friction cannot hold the body.
-   subroutine check_spin(body, is_in_reach, problem, solution, size_of_body, error)
+   subroutine check_spin(body, is_in_reach, problem, solution, is_near, size_of_body, error)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! the solution, converged or not
+      logical, intent(in) :: is_near !! whether it is converged and moves the body by less than its size
       real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), allocatable :: amounts(:)
       character(:), allocatable :: motion
       logical :: is_round_line
 
-      call find_spin(amounts, body, is_in_reach, problem, solution, size_of_body)
+      call find_spin(amounts, body, is_in_reach, problem, solution, is_near, size_of_body)
       if (.not. allocated(amounts)) return
       motion = largest_motion(body%motions, amounts)
       is_round_line = any(abs(round_normals(body%zone) - body%zone%normal) > same)
@@ -342,46 +344,53 @@ contains
             'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
             '; add a support or friction')
       else
-         call new_error(error, numerical_failure, 'no equilibrium: all contact points slip, and friction cannot '// &
-            'balance the loads; '//motion//'; add a support or friction')
+         call new_error(error, numerical_failure, 'no equilibrium: all contact points slip or open, and friction '// &
+            'cannot balance the loads; '//motion//'; add a support or friction')
       end if
    end subroutine check_spin
 
    !> Finds a motion that friction cannot hold.
-   subroutine find_spin(amounts, body, is_in_reach, problem, solution, size_of_body)
+   subroutine find_spin(amounts, body, is_in_reach, problem, solution, is_near, size_of_body)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! the solution, converged or not
+      logical, intent(in) :: is_near !! whether it is converged and moves the body by less than its size
       real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       real(dp), allocatable :: on_round(:, :), spins(:, :)
       real(dp) :: rounding
+      logical :: is_driven
       integer :: trial
 
-      if (size(body%rigid_modes, 2) == 0) return
+      if (size(body%rigid_modes, 2) == 0 .or. .not. all(ieee_is_finite(solution%displacement))) return
       ! Only loads drive a spin: without loads the remainder of the forces is rounding.
       if (.not. any(abs(problem%load) > 0.0_dp)) return
-      on_round = on_round_line(body%zone, body%motions)
-      call new_spins(spins, on_round, body, is_in_reach)
-      if (size(spins, 2) == 0) return
       ! A body that spins without end moves by more than its size; for smaller motions the product of S with the motion
       ! is no load.
       rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body))
+      call new_spins(spins, on_round, body, is_in_reach)
       associate (modes => body%rigid_modes)
-         if (solution%is_converged) then
-            ! Along what the forces leave of the loads; in space, where they are not all along that, along these, too.
-            do trial = 1, problem%matrix%n_tangents
-               amounts = matmul(problem%load, modes)
-               if (trial == 1) amounts = amounts - matmul(solution%force, on_round)
-               amounts = matmul(matmul(amounts, spins), transpose(spins))
-               if (is_unbalanced(problem, solution%force, rounding, amounts, on_round, modes)) return
-            end do
-            deallocate (amounts)
-            if (.not. is_exhausted(problem, solution%force, spins, on_round, modes)) return
+         if (size(spins, 2) > 0) then
+            is_driven = .not. solution%is_converged
+            if (solution%is_converged) then
+               ! Along what the forces leave of the loads; in space, where they are not all along that, along these, too.
+               do trial = 1, problem%matrix%n_tangents
+                  amounts = matmul(problem%load, modes)
+                  if (trial == 1) amounts = amounts - matmul(solution%force, on_round)
+                  amounts = matmul(matmul(amounts, spins), transpose(spins))
+                  if (is_unbalanced(problem, solution%force, rounding, amounts, on_round, modes)) return
+               end do
+               deallocate (amounts)
+               is_driven = is_exhausted(problem, solution%force, spins, on_round, modes)
+            end if
+            if (is_driven) call find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
          end if
-         call find_driven_spin(amounts, problem, rounding, spins, on_round, modes)
+         if (allocated(amounts) .or. is_near) return
+         ! Without a solution, or far away, motions that open contacts count, too.
+         call new_spins(spins, on_round, body, spread(.false., 1, size(is_in_reach)))
+         call find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
       end associate
    end subroutine find_spin
 
@@ -429,34 +438,11 @@ contains
       end associate
    end function is_exhausted
 
-   !> Displacements of the contact points under the free motions, along the normals and tangents of the round line on
-   !> which the points lie (n_rows, motions) [-].
-   pure function on_round_line(zone, motions) result(on_round)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), allocatable :: on_round(:, :)
-      real(dp), allocatable :: modes(:, :)
-      real(dp) :: normals(2, zone%n_points), along, across
-      integer :: p, m
-
-      m = zone%n_points
-      normals = round_normals(zone)
-      call find_rigid_modes(modes, zone, motions)
-      allocate (on_round, mold=modes)
-      do p = 1, m
-         along = dot_product(normals(:, p), zone%normal(:, p))
-         across = dot_product(normals(:, p), turned(zone%normal(:, p)))
-         on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
-         on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
-         if (zone%n_tangents == 2) on_round(2*m + p, :) = modes(2*m + p, :)
-      end do
-   end function on_round_line
-
    !> Finds the free motions that all points in reach follow along the tangents of the round line.
    subroutine new_spins(spins, on_round, body, is_in_reach)
       real(dp), allocatable, intent(out) :: spins(:, :)
          !! amounts of the free motions, the displacements of the points orthonormal (motions, spins)
-      real(dp), intent(in) :: on_round(:, :)
+      real(dp), allocatable, intent(out) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
@@ -468,6 +454,8 @@ contains
       integer :: i, info, m
 
       m = size(is_in_reach)
+      call find_rigid_modes(on_round, body%zone, body%motions, body%mesh%coordinates, is_mated=.true.)
+      on_round = on_round_line(body%zone, on_round)
       associate (modes => body%rigid_modes)
          allocate (along_normals, source=merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2))))
          allocate (gram, source=matmul(transpose(along_normals), along_normals))
@@ -487,27 +475,30 @@ contains
       end associate
    end subroutine new_spins
 
-   !> Finds a spin that friction cannot hold: the way that a body goes which weak springs hold. They bear what friction
-   !> does not. The weaker they are the farther it goes, until all points slip that slip while it moves on.
-   subroutine find_driven_spin(amounts, problem, rounding, spins, on_round, modes)
+   !> Finds a motion that friction cannot hold: the way that a body goes which weak springs hold. They bear what friction
+   !> does not. The weaker they are the farther it goes, until all points slip or open that do so while it moves on.
+   subroutine find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if none is found (motions)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       real(dp), intent(in) :: rounding !! rounding errors of load and force of a point, from those of S [F]
-      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
+      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions that springs oppose (motions, spins)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
       ! Stiffness over the largest of the points; the last springs bear what is left of a load 1e-8 above its limit.
       ! Matrices of more points are left alone: they take minutes.
-      real(dp), parameter :: weak(3) = [1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
+      real(dp), parameter :: weak(4) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp]
       integer, parameter :: most_points = 2000
+      ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
+      real(dp), parameter :: negligible = 1.0e-3_dp
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: held
       type(contact_solution_t) :: found
       type(auto_t) :: method
       type(error_t), allocatable :: error
-      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n)
+      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), way(problem%matrix%n)
       integer :: i, trial
 
       if (problem%n_points > most_points) return
@@ -526,7 +517,11 @@ contains
          if (allocated(error) .or. .not. found%is_converged) return
          ! Once all slips that does, bodies move on without further strain.
          amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
-         if (is_unbalanced(problem, found%force, rounding, amounts, on_round, modes)) return
+         way = matmul(on_round, amounts)
+         associate (along => way(:problem%n_points), closes => found%force(:problem%n_points) > 0.0_dp)
+            if (all(merge(abs(along), along, closes) <= negligible*maxval(abs(way)) .or. .not. is_in_reach) .and. &
+               is_unbalanced(problem, found%force, rounding, amounts, on_round, modes)) return
+         end associate
          deallocate (amounts)
          before = found%displacement
       end do

@@ -14,8 +14,8 @@ BUT_FOR_THE_MESH = ("no equilibrium but for the irregularities of the mesh: cont
                     "friction\n")
 EXHAUSTED = ("no equilibrium but for the irregularities of the mesh: on the round line that its nodes lie on "
              "friction is exhausted and cannot balance the loads; the body is free to {}; add a support or friction\n")
-SPINNING = ("no equilibrium: all contact points slip, and friction cannot balance the loads; the body is free to {}; "
-            "add a support or friction\n")
+SPINNING = ("no equilibrium: all contact points slip or open, and friction cannot balance the loads; the body is free "
+            "to {}; add a support or friction\n")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
 
 
@@ -158,6 +158,45 @@ class NoEquilibrium(ProgramTest):
                    "&steps load = 'push'  factor = 0.0, 0.99, 1.1 /\n")
         run = self.run_program("--output", "results", "steps.nml", status=2)
         self.assertIn("no equilibrium: all contact points slip", run.stderr)
+
+    def test_body_is_lifted_off_its_floor_between_two_walls(self):
+        # A body force of 1 presses the block against the right wall, another one lifts it along both. If the walls were
+        # wedged apart far enough, friction would bear any load; that of the right wall bears 0.3, and more only where
+        # the body tilts against the left one.
+        for cells, excess, status in (("4, 4", -1e-9, 0), ("4, 4", 1e-6, 2), ("4, 4", 1e-3, 2), ("4, 4", 0.1, 2),
+                                      ("4, 4", 10.0, 2), ("4, 4", 100.0, 2), ("7, 5", 0.01, 0), ("7, 5", 0.05, 2)):
+            text = block(f"load name = 'lift'  body_force = 1.0, {0.3*(1.0 + excess)!r}", CONTACT,
+                         "contact set = 'right'  friction = 0.3  normal = -1.0, 0.0  point = 4.0, 0.0",
+                         "contact set = 'left'  friction = 0.3  normal = 1.0, 0.0  point = 0.0, 0.0",
+                         mesh=f"size = 4.0, 2.0  cells = {cells}", material="young = 1000.0  poisson = 0.25")
+            self.write("lift.nml", text)
+            run = self.run_program("--quiet", "--output", "results", "lift.nml", status=status)
+            if status:
+                self.assertIn(SPINNING.split(" {}")[0], run.stderr)
+        self.write("sweep.nml", text + "&sweep load = 'lift'  factor = 0.0, 1.0 /\n")
+        self.assertIn("2 cases, 1 solved, 1 without equilibrium", self.run_program("sweep.nml").stdout)
+
+    def test_wall_bears_no_load_along_it_by_what_rounding_leaves_of_its_work(self):
+        # A bolt lifts the middle one of three blocks, which nothing holds, beside a smooth wall of the upper one.
+        self.write("bolt.nml", "".join(
+            f"&mesh name = '{name}'  size = 8.0, 4.0  cells = {cells}  origin = 0.0, {bottom} /\n"
+            for name, cells, bottom in (("a", "5, 3", 0.0), ("b", "8, 4", 4.0), ("d", "6, 3", 8.0)))
+            + "&material young = 3000.0  poisson = 0.3 /\n&support set = 'd.top'  ux = 0.0  uy = 0.0 /\n"
+            "&preload name = 'bolt'  set = 'd.bottom'  to = 'b.top'  force = 2.9 /\n"
+            "&contact set = 'b.bottom'  against = 'a.top'  friction = 0.3 /\n"
+            "&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
+            "&contact set = 'd.left'  normal = 1.0, 0.0  point = 0.0, 0.0 /\n")
+        self.assertIn(NO_EQUILIBRIUM.split("the body")[0], self.run_program("--check", "bolt.nml", status=2).stderr)
+
+    def test_loose_body_on_two_points_whose_stiffness_is_rounding(self):
+        # Forces on the two points of the slave that face the master follow from the loads; the second one would enter
+        # the master if the residual took its displacement times the stiffness of 1e-16 for the force that is missing.
+        self.write("tip.nml", "&mesh name = 'b'  size = 1.8, 1.4  cells = 7, 2  element = 'quad4' /\n"
+                   "&mesh name = 'd'  size = 1.2, 1.0  cells = 2, 1  element = 'quad8'  origin = -0.9, 1.4 /\n"
+                   "&material young = 1e5  poisson = 0.2  hypothesis = 'plane strain' /\n"
+                   "&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /\n&load name = 'p'  set = 'd.top'  pressure = 10.0 /\n"
+                   "&contact set = 'd.bottom'  against = 'b.top'  friction = 0.3  slip_bound = 3.0 /\n")
+        self.run_program("--quiet", "--output", "results", "tip.nml")
 
     def test_body_without_loads_does_not_spin(self):
         # On a round obstacle without friction; forces of 1e-15 would turn it.

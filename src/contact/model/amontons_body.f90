@@ -524,7 +524,7 @@ contains
       type(body_t), intent(inout) :: body !! the body, its contact points found
 
       call find_motions(body%motions, body, body%constraints, body%springs)
-      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates)
+      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
       call find_travel(body%travel, body%common_motions, body%rigid_modes)
    end subroutine set_motions
 
@@ -782,16 +782,16 @@ contains
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
 
-   !> Computes the displacements of the points under each free rigid motion of each piece. Without coordinates all nodes
-   !> that contribute to a point are taken to lie at the point: the two sides of a pair as if they were in contact. The
-   !> normal displacements under rotations then depend neither on the facets of the master nor on the gap, which is
-   !> along the normal.
-   pure subroutine find_rigid_modes(modes, zone, motions, coordinates)
+   !> Computes the displacements of the points under each free rigid motion of each piece. All nodes that contribute to a
+   !> point of a pair may be taken to lie at the point: the two sides as if they were in contact. The normal displacements
+   !> under rotations then depend neither on the facets of the master nor on the gap, which is along the normal.
+   pure subroutine find_rigid_modes(modes, zone, motions, coordinates, is_mated)
       real(dp), allocatable, intent(out) :: modes(:, :)
          !! (u_N; u_T) of the points under each motion (n_rows, motions) [-]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in), optional :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      logical, intent(in) :: is_mated !! whether the nodes of pairs are taken to lie at the points
       logical, allocatable :: is_inside(:)
       real(dp), allocatable :: motion(:, :)
       real(dp) :: position(2)
@@ -809,8 +809,8 @@ contains
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
-               position = zone%position(:, p)
-               if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
+               position = coordinates(:, zone%rows%node(i))
+               if (is_mated .and. zone%pairs(zone%set(p))%is_set()) position = zone%position(:, p)
                motion = motions(j)%displacement(position, zone%rows%node(i))
                associate (axes => zone%rows%axes(i, 1 + zone%n_tangents))
                   do axis = 1, size(axes, 2)

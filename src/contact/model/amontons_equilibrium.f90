@@ -18,11 +18,10 @@ module amontons_equilibrium
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
-   public :: check_balance, round_normals
+   public :: check_balance, on_round_line, round_normals
 
    !> Number of directions of the extreme forces of a disc.
    integer, parameter :: n_directions = 16
@@ -80,12 +79,12 @@ contains
       real(dp), parameter :: unbalanced = 1.0e-11_dp, unbalanced_when_round = 1.0e-2_dp
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
-      real(dp) :: scale, of_places
+      real(dp) :: scale, rounding
 
-      call balance(pieces, body, load_case, body%zone%rows%part, remainder, scale)
       ! Levers have the rounding errors of coordinates.
-      of_places = epsilon(scale)*maxval(abs(body%mesh%coordinates))/minval(body%motions(pieces)%radius)
-      if (norm2(remainder) > (unbalanced + of_places)*scale) then
+      rounding = unbalanced + epsilon(scale)*maxval(abs(body%mesh%coordinates))/minval(body%motions(pieces)%radius)
+      call balance(pieces, body, load_case, body%rigid_modes, rounding, remainder, scale)
+      if (norm2(remainder) > rounding*scale) then
          motion = largest_motion(body%motions(pieces), remainder)
          if (body%zone%n_points == 0) then
             call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
@@ -96,7 +95,7 @@ contains
                '; add a support, or a load that presses the body on its obstacle')
          end if
       else if (.not. any(body%zone%is_cell)) then
-         call balance(pieces, body, load_case, round_parts(body%zone), remainder, scale)
+         call balance(pieces, body, load_case, on_round_line(body%zone, body%rigid_modes), rounding, remainder, scale)
          if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
             'its nodes lie on cannot balance the loads; '//largest_motion(body%motions(pieces), remainder)// &
@@ -105,51 +104,82 @@ contains
    end subroutine check_pieces
 
    !> The remainder of the works of the loads on the free motions of some pieces after the best combination of the works
-   !> of contact forces, by least squares.
-   pure subroutine balance(pieces, body, load_case, part, remainder, scale)
+   !> of contact forces, by least squares. Contact forces are of unit normal force, or of unit given slip bound.
+   pure subroutine balance(pieces, body, load_case, modes, rounding, remainder, scale)
       integer, intent(in) :: pieces(:) !! the pieces
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points under all free motions (n_rows, motions) [-]
+      real(dp), intent(in) :: rounding !! rounding errors of the work of a unit force on a motion [-]
       real(dp), allocatable, intent(out) :: remainder(:) !! the remainder, piece after piece (n_free of all)
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works
-      real(dp), allocatable :: cone(:, :), most(:), work(:)
-      integer :: first, last, k, n_edges, n_given
+      real(dp), allocatable :: cone(:, :), edge(:, :), most(:), own(:)
+      integer, allocatable :: mine(:)
+      real(dp) :: work(size(modes, 2)), friction(body%zone%n_points), angle
+      logical :: is_mine(size(modes, 2))
+      integer :: first, last, i, k, m, n_edges, n_given
 
-      last = sum([(body%motions(pieces(k))%n_free, k=1, size(pieces))])
-      n_edges = merge(3, 1 + n_directions, body%zone%n_tangents == 1)
-      n_given = body%zone%n_rows - body%zone%n_points
-      allocate (cone(last, n_edges*body%zone%n_points + 2*n_given), work(last), source=0.0_dp)
       scale = 0.0_dp
-      last = 0
+      work = 0.0_dp
+      is_mine = .false.
       do k = 1, size(pieces)
-         first = last + 1
-         last = last + body%motions(pieces(k))%n_free
-         call add_piece_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, &
-            part, n_edges)
+         associate (motions => body%motions(pieces(k)))
+            last = sum(body%motions(:pieces(k))%n_free)
+            first = last + 1 - motions%n_free
+            is_mine(first:last) = .true.
+            do i = 1, size(motions%node)
+               associate (force => load_case%force(:, motions%node(i)))
+                  if (.not. any(abs(force) > 0.0_dp)) cycle
+                  own = matmul(force, motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i)))
+                  work(first:last) = work(first:last) + own
+                  scale = scale + maxval(abs(own))
+               end associate
+            end do
+         end associate
       end do
-      most = [spread(huge(1.0_dp), 1, n_edges*body%zone%n_points), (load_case%slip_bound, k=1, &
-         2*body%zone%n_tangents)]
-      allocate (remainder, source=bounded_remainder(cone, most, work))
+      m = body%zone%n_points
+      n_given = body%zone%n_rows - m
+      n_edges = merge(2, n_directions, body%zone%n_tangents == 1)
+      allocate (cone(size(work), (n_edges + 1)*m + 2*n_given))
+      friction = load_case%friction
+      ! Edges of a polygonal cone around the round one: loads that they cannot balance have no equilibrium.
+      if (n_edges > 2) friction = friction/cos(pi/n_directions)
+      do k = 1, n_edges + 1
+         if (k > n_edges) friction = 0.0_dp
+         angle = 2.0_dp*pi*k/n_edges
+         edge = modes(:m, :) + spread(friction, 2, size(work))*(cos(angle)*modes(m + 1:2*m, :) &
+            + sin(angle)*modes(n_given + 1:, :))
+         cone(:, (k - 1)*m + 1:k*m) = transpose(merge(edge, 0.0_dp, spread(load_case%is_in_reach, 2, size(work))))
+      end do
+      ! A given slip bound holds open points, too.
+      cone(:, k*m - m + 1:k*m - m + n_given) = transpose(modes(m + 1:, :))
+      cone(:, k*m - m + n_given + 1:) = -transpose(modes(m + 1:, :))
+      ! Without this the unlimited force of a wall, times what rounding leaves of its work, would bear a load along it.
+      where (spread(norm2(cone, 1) <= rounding, 1, size(work))) cone = 0.0_dp
+      most = [spread(huge(1.0_dp), 1, (n_edges + 1)*m), (load_case%slip_bound, k=1, 2*body%zone%n_tangents)]
+      mine = pack([(i, i=1, size(work))], is_mine)
+      allocate (remainder, source=bounded_remainder(cone(mine, :), most, work(mine)))
    end subroutine balance
 
-   !> The parts of the points, turned from their normals to those of the round line (2, parts) [-].
-   pure function round_parts(zone) result(part)
-      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
-      real(dp), allocatable :: part(:, :)
+   !> Turns the displacements of points to the normals and tangents of the round line on which the points lie
+   !> (n_rows, motions) [-].
+   pure function on_round_line(zone, modes) result(on_round)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: modes(:, :) !! the displacements, in their own frames (n_rows, motions) [-]
+      real(dp), allocatable :: on_round(:, :)
       real(dp) :: normals(2, zone%n_points), along, across
-      integer :: i, p
+      integer :: p, m
 
-      part = zone%rows%part
+      m = zone%n_points
       normals = round_normals(zone)
-      do p = 1, zone%n_points
+      on_round = modes
+      do p = 1, m
          along = dot_product(normals(:, p), zone%normal(:, p))
          across = dot_product(normals(:, p), turned(zone%normal(:, p)))
-         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            part(:, i) = along*part(:, i) + across*turned(part(:, i))
-         end do
+         on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
+         on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
       end do
-   end function round_parts
+   end function on_round_line
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
    !> turns by more than 30 degrees, those of the facets (2, m) [-].
@@ -177,72 +207,5 @@ contains
          normals(:, p) = sign(1.0_dp, dot_product(turned(tangent), zone%normal(:, p)))*turned(tangent)/norm2(tangent)
       end do
    end function round_normals
-
-   !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme contact forces of the
-   !> points, one column for each. Forces are of unit normal force, or of unit given slip bound.
-   pure subroutine add_piece_works(cone, work, scale, motions, body, load_case, part, n_edges)
-      real(dp), intent(inout) :: cone(:, :)
-         !! works of the extreme forces: some for each point, then t of each, then -t (n_free, any)
-      real(dp), intent(inout) :: work(:) !! works of the loads (n_free)
-      real(dp), intent(inout) :: scale !! sum of the magnitudes of what makes up these works
-      type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
-      integer, intent(in) :: n_edges !! number of extreme forces of a point: 3, of discs as many directions and n
-      real(dp) :: motion(motions%n_components, motions%n_free), shear(2), angle
-      real(dp), dimension(motions%n_free) :: pressed, sheared, twisted
-      logical :: is_inside(body%mesh%n_nodes)
-      integer :: i, k, p
-
-      do i = 1, size(motions%node)
-         associate (force => load_case%force(:, motions%node(i)))
-            if (.not. any(abs(force) > 0.0_dp)) cycle
-            motion = motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i))
-            work = work + matmul(force, motion)
-            scale = scale + maxval(abs(matmul(force, motion)))
-         end associate
-      end do
-      is_inside = .false.
-      is_inside(motions%node) = .true.
-      associate (zone => body%zone)
-         do p = 1, zone%n_points
-            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-               if (.not. is_inside(zone%rows%node(i))) cycle
-               motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)), zone%rows%node(i))
-               associate (normal => part(:, i), given => n_edges*zone%n_points + p, last => n_edges*p)
-                  shear = turned(normal)
-                  if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%tangent(:, i)
-                  if (zone%is_tangent_fixed(p)) shear = 0.0_dp
-                  pressed = matmul(normal, motion(:2, :))
-                  sheared = matmul(shear, motion(:2, :))
-                  ! A given slip bound holds open points, too.
-                  cone(:, given) = cone(:, given) + sheared
-                  twisted = 0.0_dp
-                  if (n_edges > 3) then
-                     if (.not. zone%is_slip_fixed(zone%n_points + p)) twisted = zone%rows%around(i)*motion(3, :)
-                     cone(:, given + zone%n_points) = cone(:, given + zone%n_points) + twisted
-                  end if
-                  if (.not. load_case%is_in_reach(p)) cycle
-                  cone(:, last) = cone(:, last) + pressed
-                  if (n_edges == 3) then
-                     cone(:, last - 2) = cone(:, last - 2) + (pressed + load_case%friction(p)*sheared)
-                     cone(:, last - 1) = cone(:, last - 1) + (pressed - load_case%friction(p)*sheared)
-                     cycle
-                  end if
-                  ! Edges of a polygonal cone around the round one: loads that they cannot balance have no equilibrium.
-                  do k = 1, n_directions
-                     angle = 2.0_dp*pi*k/n_directions
-                     cone(:, last - k) = cone(:, last - k) + (pressed + load_case%friction(p)/cos(pi/n_directions) &
-                        *(cos(angle)*sheared + sin(angle)*twisted))
-                  end do
-               end associate
-            end do
-         end do
-         associate (edges => n_edges*zone%n_points, given => zone%n_rows - zone%n_points)
-            cone(:, edges + given + 1:) = -cone(:, edges + 1:edges + given)
-         end associate
-      end associate
-   end subroutine add_piece_works
 
 end module amontons_equilibrium

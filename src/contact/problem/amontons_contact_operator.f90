@@ -114,6 +114,9 @@ contains
    !> reciprocal diagonal of A.
    pure subroutine contact_operator_find_augmentation(self)
       class(contact_operator_t), intent(inout) :: self !! the operator, with a new matrix
+      ! Of the largest of a point.
+      real(dp), parameter :: least_share = 1.0e-6_dp
+      integer :: i
 
       if (allocated(self%band)) then
          self%augmentation = self%band%diagonal
@@ -122,7 +125,10 @@ contains
       else
          self%augmentation = self%compliance%reciprocal_diagonal()
       end if
-      self%augmentation = max(self%augmentation, self%least_augmentation)
+      ! Forces of a loose body on two points are known without S, which has rounding there.
+      associate (rho => self%augmentation, m => max(1, self%n/(1 + self%n_tangents)))
+         rho = max(rho, self%least_augmentation, least_share*[(maxval(rho(1 + mod(i - 1, m)::m)), i=1, size(rho))])
+      end associate
    end subroutine contact_operator_find_augmentation
 
    !> The product S v.
