@@ -335,8 +335,9 @@ class Unsolved(SweepTest):
 
     def test_no_case_at_all_is_solved(self):
         self.write("sweep.nml", block(SUPPORT, CONTACT, PRESSED, "sweep load = 'press'  factor = -1.0, -2.0"))
-        run = self.run_program("sweep.nml")
+        run = self.run_program("sweep.nml", status=2)
         self.assertEqual(run.stdout, "sweep: 2 cases, 0 solved, 2 without equilibrium\n")
+        self.assertIn("no case has an equilibrium", run.stderr)
         self.assertNotIn("residual", self.summary())
         self.assertEqual((self.summary()["outcome"], self.summary()["converged"]), ("no_equilibrium", False))
         self.assertIn("no case has an equilibrium", self.summary()["message"])
