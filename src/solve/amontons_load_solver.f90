@@ -107,7 +107,7 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
-      logical :: is_loose, is_near
+      logical :: is_loose
       real(dp), allocatable :: motion(:)
       type(newton_t) :: quick
 
@@ -172,22 +172,37 @@ contains
          error_kind = error%kind
          outcome = outcome_numbers
       else
-         is_near = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
-         if (self%may_spin .or. .not. is_near) then
-            !$omp critical (texts_of_solver)
-            call check_spin(body, acting%is_in_reach, problem, solution, is_near, self%size_of_body, error)
-            if (allocated(error)) reason = error%message
-            !$omp end critical (texts_of_solver)
-         end if
-         outcome = outcome_no_equilibrium
-         if (.not. allocated(error)) then
-            call check_numbers(self, problem, solution, reason)
-            outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
-            if (len(reason) > 0) outcome = outcome_numbers
-         end if
+         call judge_solution(self, body, acting, problem, solution, outcome, reason)
       end if
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
+
+   !> Finds what a solution is: one, no equilibrium, numbers out of range, or not converged.
+   subroutine judge_solution(self, body, acting, problem, solution, outcome, reason)
+      class(load_solver_t), intent(in) :: self !! the solver
+      type(body_t), intent(in) :: body !! the body
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(in) :: solution !! the solution, converged or not
+      integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
+      character(:), allocatable, intent(inout) :: reason !! empty; gains why there is no solution
+      type(error_t), allocatable :: error
+      logical :: is_near
+
+      is_near = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
+      if (self%may_spin .or. .not. is_near) then
+         ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
+         !$omp critical (texts_of_solver)
+         call check_spin(body, acting%is_in_reach, problem, solution, is_near, self%size_of_body, error)
+         if (allocated(error)) reason = error%message
+         !$omp end critical (texts_of_solver)
+      end if
+      outcome = outcome_no_equilibrium
+      if (allocated(error)) return
+      call check_numbers(self, problem, solution, reason)
+      outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
+      if (len(reason) > 0) outcome = outcome_numbers
+   end subroutine judge_solution
 
    !> Whether a solution has a position of the body to start from: there is none before it meets its obstacles.
    pure logical function has_start_position(solution)
@@ -375,7 +390,8 @@ contains
          if (size(spins, 2) > 0) then
             is_driven = .not. solution%is_converged
             if (solution%is_converged) then
-               ! Along what the forces leave of the loads; in space, where they are not all along that, along these, too.
+               ! Along what the forces leave of the loads; in space, where friction is not all along that, along the
+               ! loads, too.
                do trial = 1, problem%matrix%n_tangents
                   amounts = matmul(problem%load, modes)
                   if (trial == 1) amounts = amounts - matmul(solution%force, on_round)
@@ -475,8 +491,9 @@ contains
       end associate
    end subroutine new_spins
 
-   !> Finds a motion that friction cannot hold: the way that a body goes which weak springs hold. They bear what friction
-   !> does not. The weaker they are the farther it goes, until all points slip or open that do so while it moves on.
+   !> Finds a motion that friction cannot hold: the way that a body goes which weak springs hold. They bear what
+   !> friction does not. The weaker they are the farther it goes, until all points slip or open that do so while it
+   !> moves on.
    subroutine find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if none is found (motions)

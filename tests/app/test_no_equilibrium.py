@@ -194,7 +194,8 @@ class NoEquilibrium(ProgramTest):
         self.write("tip.nml", "&mesh name = 'b'  size = 1.8, 1.4  cells = 7, 2  element = 'quad4' /\n"
                    "&mesh name = 'd'  size = 1.2, 1.0  cells = 2, 1  element = 'quad8'  origin = -0.9, 1.4 /\n"
                    "&material young = 1e5  poisson = 0.2  hypothesis = 'plane strain' /\n"
-                   "&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /\n&load name = 'p'  set = 'd.top'  pressure = 10.0 /\n"
+                   "&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /\n"
+                   "&load name = 'p'  set = 'd.top'  pressure = 10.0 /\n"
                    "&contact set = 'd.bottom'  against = 'b.top'  friction = 0.3  slip_bound = 3.0 /\n")
         self.run_program("--quiet", "--output", "results", "tip.nml")
 
