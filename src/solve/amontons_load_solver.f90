@@ -5,8 +5,8 @@
 !> from the body's position on its obstacles. At last motions that friction cannot hold are looked for. Components of
 !> the contact problem are solved each by itself.
 !>
-!> Such motions are a body that turns without end on a round contact line, slides along a flat one, or along walls off its
-!> floor, against friction.
+!> Such motions are a body that turns without end on a round contact line, slides along a flat one, or along walls off
+!> its floor, against friction.
 !> `check_balance` assumes unlimited normal forces, and friction with them: friction on opposite sides of a hole bears
 !> any moment. Only the solution gives the normal forces. A free rigid motion on which the normals of the round line do
 !> no work is opposed by friction alone. If the work of the loads on it is more than friction can take at the normal

@@ -30,6 +30,7 @@ class NumericalFailure(ProgramTest):
         # The deck is at fault, not the numbers.
         self.assert_failure(block(SUPPORT), "the body is free to translate along (0.0, -1.0): nothing holds it; add a "
                             "support or a contact set\n", status=1)
+        self.run_program("--check", "failed.nml", status=1)
 
     def test_stiffness_out_of_range(self):
         # Areas of 1e400 are infinite.

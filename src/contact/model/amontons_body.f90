@@ -16,7 +16,7 @@ module amontons_body
       recompute_pairs, segments_again
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
@@ -737,7 +737,7 @@ contains
          !! number of dense matrices of the contact points that the method holds; 0 if it needs none
       type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
-      type(error_t), allocatable, intent(out) :: error !! too large for the memory
+      type(error_t), allocatable, intent(out) :: error !! the body is not held, or too large for the memory
       type(sparse_matrix_t) :: stiffness
       class(cholesky_t), allocatable :: cholesky
       class(condenser_t), allocatable :: condenser
@@ -746,6 +746,8 @@ contains
       real(dp), parameter :: of_point = 1.1e-3_dp
       real(dp) :: n_entries
 
+      call check_held(body, error)
+      if (allocated(error)) return
       call timings%begin(phase_assemble)
       estimate%n_rows = body%zone%n_rows
       if (is_distributed(body, options)) then
@@ -782,9 +784,10 @@ contains
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
 
-   !> Computes the displacements of the points under each free rigid motion of each piece. All nodes that contribute to a
-   !> point of a pair may be taken to lie at the point: the two sides as if they were in contact. The normal displacements
-   !> under rotations then depend neither on the facets of the master nor on the gap, which is along the normal.
+   !> Computes the displacements of the points under each free rigid motion of each piece. All nodes that contribute to
+   !> a point of a pair may be taken to lie at the point: the two sides as if they were in contact. The normal
+   !> displacements under rotations then depend neither on the facets of the master nor on the gap, which is along the
+   !> normal.
    pure subroutine find_rigid_modes(modes, zone, motions, coordinates, is_mated)
       real(dp), allocatable, intent(out) :: modes(:, :)
          !! (u_N; u_T) of the points under each motion (n_rows, motions) [-]
