@@ -558,12 +558,12 @@ contains
       text = newline//title//newline//repeat('-', n_characters(title))//newline
    end function heading
 
-   !> A line of the listing: a label and its value.
+   !> A line of the listing: a label and its value, in the column of all or behind the label with its blanks.
    pure function labeled(label, value) result(text)
       character(*), intent(in) :: label !! the label
       character(*), intent(in) :: value !! its value
       character(:), allocatable :: text
-      character(max(20, len_trim(label) + 1)) :: column
+      character(max(20, len(label) + 1)) :: column
 
       column = label
       text = '  '//trim(column//value)//newline

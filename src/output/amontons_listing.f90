@@ -674,8 +674,8 @@ contains
 
       text = ''
       do i = 1, size(violations)
-         text = text//labeled(violations(i)%label, scientific(violations(i)%value)//trim(merge('        ', '  FAILED', &
-            violations(i)%value <= limit)))
+         text = text//labeled(violations(i)%label(:maxval(len_trim(violations%label))), &
+            scientific(violations(i)%value)//trim(merge('        ', '  FAILED', violations(i)%value <= limit)))
       end do
       text = text//labeled('Verdict', trim(merge('passed', 'FAILED', all(violations%value <= limit)))// &
          ': every violation must be at most '//scientific(limit))
@@ -706,7 +706,7 @@ contains
          associate (quantity => quantities(i))
             number = with_unit(short_text(quantity%value), units, trim(quantity%dimension))
             if (quantity%has_place) number = number//' at '//pair_text(quantity%place)
-            text = text//labeled(quantity%label, number)
+            text = text//labeled(quantity%label(:maxval(len_trim(quantities%label))), number)
          end associate
       end do
    end function quantities_text
