@@ -45,23 +45,22 @@ contains
       type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
       ! As many as a generated mesh may have.
       real(dp), parameter :: most_nodes = 2.0_dp**27
-      ! Mesh and assembled stiffness alone.
-      real(dp), parameter :: node_bytes = 500.0_dp
+      ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
+      real(dp), parameter :: node_bytes = 1000.0_dp
       type(mesh_t) :: parent, quadratic
       integer, allocatable :: kinds(:)
-      real(dp) :: n_nodes, megabytes, available
+      real(dp) :: n_nodes, megabytes
       integer :: i
 
       n_nodes = mesh%n_nodes*real(n_parts, dp)**n_times
       megabytes = 1.0e-6_dp*node_bytes*n_nodes
-      available = available_memory_mb()
       if (n_nodes > most_nodes) then
          call new_error(error, input_refused, 'refined '//to_text(n_times)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
-      else if (n_times > 0 .and. megabytes > available) then
+      else if (megabytes > available_memory_mb() .and. n_times > 0) then
          call new_error(error, system_failure, 'not enough memory: '//to_text(nint(n_nodes, int64))// &
             ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-            to_text(nint(available, int64))//' MB are available')
+            to_text(nint(available_memory_mb(), int64))//' MB are available')
       end if
       if (allocated(error)) return
       do i = 1, n_times
@@ -290,11 +289,12 @@ contains
       ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default
       ! integers reach 2^31.
       integer(int64), parameter :: most_nodes = 2_int64**27
-      ! The least memory, which is refused before a mesh is made: mesh and assembled stiffness; and the factor of nested
-      ! dissection, which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more
-      ! cells the shorter side has. Half of that leaves room for doubt.
-      real(dp), parameter :: node_bytes = 500.0_dp, factor_bytes = 96.0_dp
-      real(dp) :: n_nodes, megabytes, available
+      ! The least memory, which is refused before a mesh is made: mesh, stiffness as it is assembled and in the order of
+      ! elimination, and what is computed from its solution (1200 bytes and more); and the factor of nested dissection,
+      ! which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more cells the
+      ! shorter side has. Half of that leaves room for doubt.
+      real(dp), parameter :: node_bytes = 1000.0_dp, factor_bytes = 96.0_dp
+      real(dp) :: n_nodes, megabytes
       integer :: kind, shape
 
       kind = findloc(element_names == rectangle%element, .true., dim=1)
@@ -312,11 +312,10 @@ contains
       end if
       n_nodes = product(rectangle%cells + 1.0_dp)*merge(1.0_dp, 3.0_dp, kind == shape)
       megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells))/log(2.0_dp))
-      available = available_memory_mb()
-      if (megabytes > available) then
+      if (megabytes > available_memory_mb()) then
          call new_error(error, system_failure, 'rectangle: not enough memory: '//to_text(nint(n_nodes, int64))// &
             ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-            to_text(nint(available, int64))//' MB are available')
+            to_text(nint(available_memory_mb(), int64))//' MB are available')
          return
       end if
       mesh%source = 'rectangle '//short_text(rectangle%size(1))//' x '//short_text(rectangle%size(2))//', '// &

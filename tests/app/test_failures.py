@@ -85,6 +85,20 @@ class LittleMemory(ProgramTest):
                 self.assertRegex(run.stderr, rf"^strip\.nml: {before}{told}{behind}\n$")
                 self.assertEqual(list(self.directory.glob("out/*")), [])
 
+    def test_every_limit_is_too_little_in_a_sentence_or_enough(self):
+        # A strip on the band matrix of its contact points: its own arrays are as large as its factor.
+        self.write("strip.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 300.0, 1.0  cells = 3000, 2"))
+        ended = []
+        for limit in range(150000, 350000, 1000):
+            run = self.run_command(["bash", "-c", f'ulimit -v {limit}; OMP_NUM_THREADS=1 exec "$@"', "bash", PROGRAM,
+                                    "--quiet", "--output", "out", "strip.nml"], None)
+            ended.append(run.returncode)
+            if run.returncode == 0:
+                break
+            self.assertRegex(run.stderr, r"\A[^\n]*not enough memory: [^\n]*\n\Z", limit)
+            self.assertEqual((run.returncode, list(self.directory.glob("out/*"))), (3, []), limit)
+        self.assertEqual({*ended}, {0, 3})
+
     @unittest.skipUnless(HAS_OPENBLAS, "another BLAS takes no such memory")
     def test_threads_of_the_blas(self):
         for n_threads in (1, 2, 8):

@@ -5,6 +5,7 @@
 !> tangential direction. Time and memory are proportional to the length of the body.
 module amontons_band_stiffness
    use amontons_band_matrix, only: new_symmetric_band, symmetric_band_t
+   use amontons_dense, only: allocate_matrix
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int64
    use amontons_sparse_matrix, only: positions, sparse_matrix_t
@@ -40,10 +41,12 @@ contains
       integer, intent(in) :: unknown(:, :)
          !! places of each point's displacements among the contact unknowns; 0 for a slip that a support prevents (2, m)
       real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
-      type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
+      type(error_t), allocatable, intent(out) :: error
+         !! the body is not held even if all contact points are, or memory ran out
+      real(dp), allocatable :: room(:, :)
       integer :: at(2, matrix%n), position(matrix%n)
       real(dp) :: weight(2, matrix%n)
-      integer :: p, m, k, n_interior, n_constrained, i, info
+      integer :: p, m, k, n_interior, n_constrained, i, info, width
 
       m = size(unknown, 2)
       position = positions(order)
@@ -71,7 +74,12 @@ contains
             end do
          end associate
       end do
-      call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), largest_distance(matrix, at))
+      ! Room for the matrix and its factor, and for the factors of the body and of a method, which are made later.
+      width = largest_distance(matrix, at)
+      call allocate_matrix(room, 11*(width + 1), matrix%n + count(unknown == 0), 'the band stiffness', error)
+      if (allocated(error)) return
+      deallocate (room)
+      call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), width)
       call add_matrix(stiffness%whole, matrix, at, weight)
       do p = 1, m
          if (unknown(2, p) == 0) call stiffness%whole%decouple(stiffness%place(p + m))
