@@ -40,7 +40,7 @@ _amontons() {
    fi
    if [[ $kinds == groups ]]; then
       # The program knows them: ### `&mesh`
-      groups=$("$1" --reference 2>/dev/null | sed -n 's/^### .&\([a-z]*\).*/\1/p')
+      groups=$("$1" --reference 2>/dev/null | sed -n 's/^### .&\([[:alpha:]]*\).*/\1/p')
       mapfile -t COMPREPLY < <(compgen -W "$groups" -- "$word")
       return
    fi

@@ -31,7 +31,7 @@ ford_has_no_warnings() {
 # A linter is silenced only in place and for a reason: `! allow(RULE): REASON`, `# shellcheck disable=RULE # REASON`;
 # a message that no test raises likewise.
 waivers_have_reasons() {
-   ! grep -rnE '! *allow\([^)]*\) *:? *$|! not raised:? *$|shellcheck disable=[A-Z0-9,]+ *$' .ci scripts src tests
+   ! grep -rnE '! *allow\([^)]*\) *:? *$|! not raised:? *$|shellcheck disable=[[:upper:]0-9,]+ *$' .ci scripts src tests
 }
 
 status=0

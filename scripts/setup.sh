@@ -23,7 +23,7 @@ become_root() {
 missing=()
 for section in "$@"; do
    packages=''
-   [[ ! $section =~ ^[a-z]+$ ]] || packages=$(packages_of "$section")
+   [[ ! $section =~ ^[[:lower:]]+$ ]] || packages=$(packages_of "$section")
    if [[ -z $packages ]]; then
       echo "setup.sh: packages.txt has no section [$section]." >&2
       exit 2

@@ -16,7 +16,7 @@ while (($# > 0)); do
       --method | --variant | --element)
          (($# > 1)) || { echo "table1.sh: $1 expects a name" >&2; exit 1; }
          # The names become part of a program for sed.
-         [[ $2 =~ ^[a-z0-9_]+$ ]] || { echo "table1.sh: '$2' is not a ${1#--}" >&2; exit 1; }
+         [[ $2 =~ ^[[:alnum:]_]+$ ]] || { echo "table1.sh: '$2' is not a ${1#--}" >&2; exit 1; }
          declare "${1#--}=$2"
          shift 2
          ;;
@@ -45,8 +45,9 @@ run_rows() { # mesh name, cells, options
    shift 2
    mkdir -p "$output/$name"
    for row in 1 2 3 4 5; do
-      sed -E -e "s/cells *= *[0-9]+ *, *[0-9]+/cells = $cells/" -e "s/element *= *'[a-z0-9]+'/element = '$element'/" \
-         -e "s/method *= *'[a-z_]+'/method = '$method'  variant = '$variant'/" \
+      sed -E -e "s/cells *= *[0-9]+ *, *[0-9]+/cells = $cells/" \
+         -e "s/element *= *'[[:alnum:]]+'/element = '$element'/" \
+         -e "s/method *= *'[[:alpha:]_]+'/method = '$method'  variant = '$variant'/" \
          "input/long_bar_$row.nml" >"$output/$name/row_$row.nml"
    done
    build/release/bin/amontons --quiet "$@" --output "$output/$name" "$output/$name"/row_?.nml |

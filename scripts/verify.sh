@@ -18,7 +18,7 @@ if (($# > 0)); then
    benchmarks=("$@")
 fi
 for benchmark in "${benchmarks[@]}"; do
-   [[ $benchmark =~ ^[a-z0-9_]+$ && -e tests/verification/test_$benchmark.py ]] ||
+   [[ $benchmark =~ ^[[:alnum:]_]+$ && -e tests/verification/test_$benchmark.py ]] ||
       { echo "verify.sh: unknown benchmark '$benchmark'" >&2; exit 1; }
 done
 

@@ -47,6 +47,14 @@ class Packaging(ProgramTest):
         for _, module, procedure in commands:
             self.assertTrue(callable(getattr(importlib.import_module(module), procedure)))
 
+    def test_scripts_name_letters_by_their_class(self):
+        # In a Turkish locale i is not between a and z: sections, methods and groups with an i would not be found.
+        scripts = [ROOT/".ci/run", *(ROOT/"scripts").rglob("*.sh"), ROOT/"doc/amontons.bash"]
+        self.assertGreater(len(scripts), 20)
+        for script in scripts:
+            self.assertEqual(re.findall(r"\[[^]\n]*(?:a-z|A-Z)[^]\n]*\]", script.read_text(encoding="utf-8")), [],
+                             script)
+
     def test_recipes_are_python_and_name_options_that_exist(self):
         ast.parse(text("packaging/spack/package.py"))
         known = set(re.findall(r"(?:option|set)\((AMONTONS_[A-Z0-9_]+)", text("CMakeLists.txt")
