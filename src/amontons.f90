@@ -21,10 +21,10 @@ module amontons
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_reduced_study, only: reduced_result_t, solve_reduced_system
    use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_result, only: result_t
    use amontons_solve_case, only: solve_body
-   use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_symmetric_matrix, only: new_dense_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
    use amontons_version, only: version

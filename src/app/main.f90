@@ -5,10 +5,8 @@ program main
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank
    use amontons_error, only: error_t, system_failure
-   use amontons_help, only: help_text, print_reference, version_text
-   use amontons_messages, only: print_error
-   use amontons_run_decks, only: run_decks
-   use amontons_run_verify, only: verify_directories
+   use amontons_messages, only: help_text, print_error, print_reference, version_text
+   use amontons_run_decks, only: run_decks, verify_directories
    use amontons_sweep_ranks, only: serve
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output

@@ -11,10 +11,10 @@ module amontons_c_interface
    use amontons_load_stepper, only: load_stepper_t, new_load_stepper
    use amontons_methods, only: method_options_t
    use amontons_new_study, only: new_study
+   use amontons_reduced_study, only: reduced_result_t, solve_reduced_system
    use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
-   use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_study, only: find_exit_status, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
    use amontons_text, only: to_text
    use amontons_threads, only: set_threads

@@ -2,7 +2,7 @@
 !> sets, ties and their obstacles.
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
-   use amontons_constraints, only: longest_name, support_t, supported_components
+   use amontons_constraints, only: longest_name, rigid_components, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
@@ -16,7 +16,6 @@ module amontons_config_groups
    use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_names
-   use amontons_rigid_set, only: rigid_components
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -2,7 +2,6 @@
 !> and reduced problems share: head, model, method and outcome, uniqueness and all solutions (with NAME.solutions.csv),
 !> verdict, times.
 module amontons_listing
-   use amontons_all_solutions, only: all_solutions_t
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
@@ -17,7 +16,7 @@ module amontons_listing
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_family, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
@@ -30,7 +29,7 @@ module amontons_listing
       phase_recover, phase_solve, timings_t
    use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
       pair_text, scientific, short_text, to_text, unit_of, with_unit
-   use amontons_uniqueness, only: uniqueness_t
+   use amontons_uniqueness, only: all_solutions_t, uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
    private

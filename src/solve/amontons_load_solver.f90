@@ -21,17 +21,16 @@ module amontons_load_solver
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: check_balance, on_round_line, round_normals
+   use amontons_equilibrium, only: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, &
+      least_squares_amounts, on_round_line, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
-   use amontons_load_family, only: acting_t, load_family_t, new_load_family, parting_t
+   use amontons_load_family, only: acting_t, load_case_t, load_family_t, new_load_family, parting_t
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
-   use amontons_rigid_fit, only: find_resting_motion, fit_rigid_motion, fit_travel, least_squares_amounts
    use amontons_text, only: short_text
    implicit none (type, external)
    private

@@ -7,7 +7,7 @@ module amontons_model_warnings
    use amontons_error, only: error_t, warning_list_t
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_family, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_material, only: on_axis
    use amontons_mesh, only: find_set, number_pieces

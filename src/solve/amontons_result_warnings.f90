@@ -12,7 +12,7 @@ module amontons_result_warnings
    use amontons_free_boundary, only: find_corner_penetration
    use amontons_friction_law, only: open_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_family, only: load_case_t
    use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t

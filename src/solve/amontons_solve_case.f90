@@ -18,12 +18,11 @@ module amontons_solve_case
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_equilibrium, only: check_balance
+   use amontons_equilibrium, only: check_balance, recover_with_travel
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results, wear_results
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t, new_load_case
-   use amontons_load_family, only: acting_t, one_part
+   use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_t
    use amontons_material, only: materials_t
@@ -34,7 +33,6 @@ module amontons_solve_case
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
    use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_rigid_fit, only: recover_with_travel
    use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, new_stress_field, &
       recovered_stress_t
    use amontons_surface, only: surface_t

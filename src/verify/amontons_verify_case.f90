@@ -8,21 +8,21 @@
 module amontons_verify_case
    use amontons_body, only: body_t
    use amontons_contact_solution, only: new_contact_solution
-   use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
-   use amontons_file_check, only: agree, new_vtk_check, read_array, verified_case_t, vtk_check_t
+   use amontons_file_check, only: agree, csv_table_t, new_vtk_check, read_array, read_csv_table, verified_case_t, &
+      vtk_check_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point, &
       tangential_norm
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
-   use amontons_reduced_study, only: new_reduced_summary, reduced_documents
-   use amontons_refined_meshes, only: judge_meshes, refined_quantities
+   use amontons_reduced_study, only: new_reduced_check, new_reduced_summary, prepare_reduced, reduced_documents, &
+      reduced_result_t
    use amontons_report, only: case_documents, new_summary
-   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t, word_no_equilibrium
+   use amontons_result, only: certificate_limit, judge_meshes, outcome_no_equilibrium, refined_quantities, result_t, &
+      word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
-   use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_text, only: to_text
    use amontons_vtu, only: show_body, show_contact_line
    implicit none (type, external)

@@ -9,10 +9,10 @@
 module amontons_verify_history
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: read_status_runs
    use amontons_error, only: error_t, fault_list_t
-   use amontons_file_check, only: agree, compare_collection, compare_line, first_disagreement, verified_case_t
+   use amontons_file_check, only: agree, compare_collection, compare_line, csv_table_t, first_disagreement, &
+      read_csv_table, verified_case_t
    use amontons_history, only: is_shown
    use amontons_history_files, only: a_force, a_length, an_energy, history_table_t, history_tables, &
       n_kinds, number_alone, of_grids, of_states, table_rows

@@ -9,17 +9,16 @@ module amontons_verify_sweep
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t, read_status_runs, status_runs
+   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t
-   use amontons_file_check, only: compare_collection, compare_line, verified_case_t
+   use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_csv_table, verified_case_t
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_quantity, only: quantity_t
    use amontons_result, only: outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
-   use amontons_rigid_fit, only: recover_with_travel
    use amontons_solve_case, only: cache_t, condense_case, evaluate
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
       find_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t

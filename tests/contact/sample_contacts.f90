@@ -9,8 +9,8 @@ module sample_contacts
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t, new_load_case, recover_displacement
-   use amontons_load_family, only: acting_t, load_family_t, new_load_family, one_part
+   use amontons_load_family, only: acting_t, load_case_t, load_family_t, new_load_case, new_load_family, one_part, &
+      recover_displacement
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_terminal, only: new_timings, timings_t

@@ -8,17 +8,16 @@ module amontons_body
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
-      new_foundation, spring_side_t, substitution_t, support_t
+      new_foundation, rigid_components, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts, turned
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, &
-      recompute_pairs, segments_again
+   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, n_quadrature_again, &
+      new_contact_zone, recompute_pairs, segments_again
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
-   use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
    use amontons_material, only: material_t, new_materials
@@ -28,7 +27,6 @@ module amontons_body
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
-   use amontons_rigid_set, only: rigid_components
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t

@@ -6,13 +6,13 @@ module amontons_certificate
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_equilibrium, only: travel_of_nodes
    use amontons_free_boundary, only: find_corner_penetration
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm, wrong_slip
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_family, only: load_case_t
    use amontons_named_forces, only: force_values, named_quantities
    use amontons_quantity, only: quantity_t
-   use amontons_rigid_fit, only: travel_of_nodes
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private

@@ -21,10 +21,10 @@
 !> nor p, and leaves out their displacements.
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_constraints, only: constraints_t, dof_map_t
-   use amontons_contact_operator, only: contact_operator_t, new_band_operator, new_stiffness_operator
+   use amontons_contact_operator, only: band_stiffness_t, contact_operator_t, new_band_operator, new_band_stiffness, &
+      new_stiffness_operator
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve

@@ -10,7 +10,7 @@ module amontons_named_forces
    use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
    use amontons_contact_rows, only: turned
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
+   use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
    use amontons_quantity, only: quantity_t
    implicit none (type, external)

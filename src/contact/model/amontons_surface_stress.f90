@@ -10,7 +10,7 @@ module amontons_surface_stress
    use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condensed_force, load_case_t
+   use amontons_load_family, only: condensed_force, load_case_t
    use amontons_material, only: material_t, turned_compliance
    implicit none (type, external)
    private

@@ -19,8 +19,7 @@ module amontons_history_model
    use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condensed_force, load_case_t
-   use amontons_load_family, only: acting_t, obstacle_motion_t, one_part, parting_t
+   use amontons_load_family, only: acting_t, condensed_force, load_case_t, obstacle_motion_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
    use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
       new_force_form

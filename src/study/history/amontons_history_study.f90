@@ -14,10 +14,9 @@ module amontons_history_study
    use amontons_listing, only: quantities_text
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: quantity_t
-   use amontons_refined_meshes, only: judge_meshes, refined_quantities
    use amontons_report, only: member, study_files_t, write_report
-   use amontons_result, only: outcome_numbers, word_numerical_failure, certificate_limit, outcome_no_equilibrium, &
-      result_t, word_no_equilibrium, word_not_converged
+   use amontons_result, only: certificate_limit, judge_meshes, outcome_no_equilibrium, outcome_numbers, &
+      refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
    use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor

@@ -1,32 +1,63 @@
-!> The study of a reduced problem that another program, or an earlier run, has written, and its files, in the form of
-!> those of a deck with a body; they are written as a whole or not at all.
+!> The study of a reduced problem that another program, or an earlier run, has written, from its file to its result and
+!> the files of that, in the form of those of a deck with a body, written as a whole or not at all. The result is
+!> checked: every condition of the contact law, contact by contact, with W as it was read.
 module amontons_reduced_study
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_config, only: config_t
+   use amontons_contact_operator, only: contact_operator_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_contact_table, only: add_point_table, column_t, points_text
+   use amontons_dense, only: bounded_remainder
    use amontons_document, only: document_t, json_number, json_string
-   use amontons_error, only: error_t
-   use amontons_friction_law, only: slip_point
+   use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
+   use amontons_friction_law, only: point_violations, point_violations_t, slip_point, tangential_norm
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
       solutions_text, status_counts, times_text, uniqueness_text, violations_text, warnings_text
    use amontons_manifest, only: manifest_t
+   use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_output_file, only: output_file_t
    use amontons_quantity, only: quantity_t, scales
+   use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, member, &
       quantities_member, status_members, uniqueness_member, write_documents
    use amontons_result, only: certificate_limit, solution_word
-   use amontons_siconos_text, only: write_reduced_file
+   use amontons_siconos_text, only: read_reduced_file, write_reduced_file
    use amontons_solve_case, only: cache_t
-   use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: method_numbers, outcome_t, solution_line, study_monitor_t, study_options_t, study_t
    use amontons_system, only: make_directory
-   use amontons_terminal, only: phase_read, phase_recover, phase_solve, phase_write
+   use amontons_terminal, only: new_timings, phase_read, phase_recover, phase_solve, phase_write, timings_t
    use amontons_text, only: heading, labeled, scientific, short_text, to_text
+   use amontons_uniqueness, only: all_solutions_t, find_all_solutions, most_points, new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
 
-   public :: new_reduced_summary, reduced_documents, reduced_study_t
+   public :: find_reduced_solutions, new_reduced_check, new_reduced_summary, prepare_reduced, reduced_check_t, &
+      reduced_documents, reduced_result_t, reduced_study_t, solve_reduced, solve_reduced_system
+
+   !> The largest violations, each over its natural scale: displacements over the largest of u and q, forces over the
+   !> largest r. The wrong dissipation is the smaller one of u_T and r_T times the sine of its angle to the opposite of
+   !> the other, at most; in the plane its magnitude if they do not oppose each other.
+   type, extends(point_violations_t) :: reduced_check_t
+   contains
+      procedure :: largest => reduced_check_largest
+      procedure :: violations => reduced_check_violations
+   end type reduced_check_t
+
+   !> The result of a reduced problem, with everything that the reports contain.
+   type :: reduced_result_t
+      type(reduced_system_t) :: system !! the reduced problem, and its solution
+      type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
+      type(reduced_check_t) :: check !! violations of the contact law
+      type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
+      type(all_solutions_t), allocatable :: all_solutions
+         !! all solutions, where they were asked for; their forces are r, all normal ones first
+      type(warning_list_t) :: warnings !! warnings on the problem
+      logical :: has_reduced_files = .false. !! whether the problem was written again
+      type(timings_t) :: timings !! times of the phases
+   end type reduced_result_t
 
    !> The study of a reduced problem.
    type, extends(study_t) :: reduced_study_t
@@ -36,6 +67,268 @@ module amontons_reduced_study
    end type reduced_study_t
 
 contains
+
+   !> Reads the problem of a case.
+   subroutine prepare_reduced(config, result, error)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(out) :: result !! gains the problem
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid
+      ! Largest rounding error between an entry and its mirror image, relative to the diagonal.
+      real(dp), parameter :: rounding = 1.0e-8_dp
+
+      call new_timings(result%timings)
+      call read_reduced_file(result%system, config%reduced%file, error)
+      if (allocated(error)) then
+         error%message = config%reduced%origin//error%message
+         return
+      end if
+      if (config%reduced%has_friction) result%system%friction = config%reduced%friction
+      associate (system => result%system)
+         if (system%asymmetry > rounding*system%largest) call result%warnings%add( &
+            'W is not symmetric: it differs from its transpose by up to '//short_text(system%asymmetry)// &
+            ', beside a diagonal of up to '//short_text(system%largest))
+      end associate
+   end subroutine prepare_reduced
+
+   !> Reads and solves the problem of a case.
+   subroutine solve_reduced(config, result, error)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the file is invalid, or the computation failed numerically
+
+      call prepare_reduced(config, result, error)
+      if (allocated(error)) return
+      call solve_prepared(config%method, result, error)
+   end subroutine solve_reduced
+
+   !> Solves a reduced problem in memory.
+   subroutine solve_reduced_system(system, options, result, error)
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(method_options_t), intent(in) :: options !! the contact method
+      type(reduced_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
+
+      call new_timings(result%timings)
+      result%system = system
+      call solve_prepared(options, result, error)
+   end subroutine solve_reduced_system
+
+   !> Solves the problem that a result holds.
+   subroutine solve_prepared(options, result, error)
+      type(method_options_t), intent(in) :: options !! the contact method
+      type(reduced_result_t), intent(inout) :: result !! the problem; gains its solution
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
+      class(contact_method_t), allocatable :: method
+      type(contact_operator_t), target :: matrix
+      type(contact_problem_t) :: problem
+
+      call result%timings%begin(phase_solve)
+      call new_contact_method(method, options, error)
+      if (allocated(error)) return
+      call new_contact_solution(result%solution, result%system%n_contacts, result%system%dimension - 1)
+      if (result%system%n_contacts == 0) then
+         result%solution%residual = 0.0_dp
+         result%solution%is_converged = .true.
+         result%uniqueness%is_unique = .true.
+      else
+         call result%system%contact_problem(matrix, problem, error)
+         if (allocated(error)) return
+         call iterate(method, result%system, problem, result%solution, error)
+         if (.not. (allocated(error) .or. result%solution%is_converged)) call check_motions(result%system, error)
+         if (allocated(error)) return
+         call new_uniqueness(result%uniqueness, problem)
+      end if
+      call result%timings%begin(phase_recover)
+      associate (system => result%system)
+         call system%set_solution(result%solution%force, system%length_unit()/system%compliance_unit())
+         if (.not. all(ieee_is_finite([system%r, system%u]))) then
+            call new_error(error, numerical_failure, 'the forces that solve it are too large for numbers of double '// &
+               'precision: count forces or lengths in another unit')
+         else if (any(abs(result%solution%force) > 0.0_dp) .and. .not. any(abs(system%r) >= tiny(1.0_dp))) then
+            call new_error(error, numerical_failure, 'the forces that solve it are too small for numbers of double '// &
+               'precision: count forces or lengths in another unit')
+         end if
+         if (allocated(error)) return
+         call new_reduced_check(result%check, system)
+      end associate
+      ! The caller writes the result next.
+      call result%timings%begin(phase_write)
+   end subroutine solve_prepared
+
+   !> Finds all solutions of a problem with few contacts.
+   subroutine find_reduced_solutions(solutions, system, error)
+      type(all_solutions_t), intent(out) :: solutions !! the solutions; their forces are r, all normal ones first
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! it has too many contacts
+      type(contact_operator_t), target :: matrix
+      type(contact_problem_t) :: problem
+      real(dp), allocatable :: skew_part(:, :)
+      real(dp) :: force(size(system%q))
+      integer :: j, m
+
+      m = system%n_contacts
+      call system%contact_problem(matrix, problem, error)
+      if (allocated(error)) return
+      ! A problem of many contacts is refused before anything asks for its skew part.
+      allocate (skew_part(2*m, merge(2*m, 0, system%asymmetry > 0.0_dp .and. m <= most_points)))
+      do j = 1, size(skew_part, 2)
+         force = 0.0_dp
+         force(j) = 1.0_dp
+         skew_part(:, j) = -system%skew_displacement(force)
+      end do
+      call find_all_solutions(solutions, problem, error, skew_part)
+      if (allocated(error)) return
+      associate (length => system%length_unit(), force_unit => system%length_unit()/system%compliance_unit())
+         solutions%displacement = length*solutions%displacement
+         solutions%force(:m, :) = force_unit*solutions%force(:m, :)
+         solutions%force(m + 1:, :) = 0.0_dp - force_unit*solutions%force(m + 1:, :)
+      end associate
+   end subroutine find_reduced_solutions
+
+   !> Solves the symmetric problem repeatedly until its forces solve the problem as it was read: the displacements by
+   !> the skew part of W at the forces found are added to the free displacements. If W is symmetric, one solution
+   !> suffices.
+   subroutine iterate(method, system, problem, solution, error)
+      class(contact_method_t), intent(inout) :: method !! the method
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(contact_solution_t), intent(inout) :: solution !! the solution
+      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
+      type(effort_t) :: effort
+      real(dp), allocatable :: history(:)
+      real(dp) :: residual, tolerance
+      integer :: n_left
+      logical :: is_symmetric_solved
+
+      tolerance = method%tolerance
+      ! The last change of the right-hand side must not spoil the solution.
+      if (system%asymmetry > 0.0_dp) method%tolerance = 0.5_dp*tolerance
+      n_left = method%max_iterations
+      allocate (history(0))
+      do
+         method%max_iterations = n_left
+         residual = solution%residual
+         call solve_components(method, problem, solution, error)
+         if (allocated(error)) return
+         if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)))) then
+            call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
+               'check the units of W, q and mu')
+            return
+         end if
+         n_left = n_left - solution%n_iterations
+         history = [history, solution%history(:solution%n_iterations)]
+         call effort%add(solution%effort)
+         is_symmetric_solved = solution%is_converged
+         ! Judges forces by the problem as it was read: displacements, residual and statuses that belong to them.
+         call system%set_free_displacement(problem, solution%force)
+         solution%displacement = problem%displacement(problem%dual_load(solution%displacement), solution%force)
+         call solution%measure(problem)
+         solution%is_converged = solution%residual <= tolerance
+         if (solution%is_converged .or. .not. is_symmetric_solved .or. n_left < 1) exit
+         if (.not. solution%residual < 0.5_dp*residual) exit
+      end do
+      solution%history = history
+      solution%effort = effort
+      solution%n_iterations = size(history)
+   end subroutine iterate
+
+   !> Refuses a problem in which no motion keeps the contacts apart: forces that W does not feel, y >= 0 with y W = 0,
+   !> ask of q that y q >= 0 (Farkas' lemma). Where y q = -1, forces that solve the problem are at least 1/|y W|.
+   pure subroutine check_motions(system, error)
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! there is no solution
+      ! Forces would be longer than 1e10, in units that make the diagonal of W and the largest q 1. More contacts take
+      ! minutes.
+      real(dp), parameter :: impossible = 1.0e-10_dp
+      integer, parameter :: most_contacts = 200
+      real(dp), allocatable :: columns(:, :), root(:)
+      integer :: j, k
+
+      if (system%n_contacts > most_contacts) return
+      allocate (columns(size(system%q) + 1, system%n_contacts), source=0.0_dp)
+      root = sqrt(max(system%diagonal(), 0.0_dp))
+      where (.not. root > 0.0_dp) root = 1.0_dp
+      associate (n => size(system%q), dimension => system%dimension, row => system%row)
+         do j = 1, n
+            do k = system%first(j), system%first(j + 1) - 1
+               if (modulo(row(k), dimension) == 1) columns(j, 1 + row(k)/dimension) = &
+                  system%entry(k)/(root(row(k))*root(j))
+            end do
+         end do
+         columns(n + 1, :) = system%q(1::dimension)/root(1::dimension)
+         columns(n + 1, :) = columns(n + 1, :)/max(maxval(abs(columns(n + 1, :))), tiny(1.0_dp))
+         if (norm2(bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), &
+            [spread(0.0_dp, 1, n), -1.0_dp])) <= impossible) call new_error(error, numerical_failure, &
+            'no solution: no motion keeps the contacts apart that q moves together, whatever the forces')
+      end associate
+   end subroutine check_motions
+
+   !> Checks the solution of a reduced problem.
+   pure subroutine new_reduced_check(check, system)
+      type(reduced_check_t), intent(out) :: check !! the violations
+      type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
+      type(point_violations_t) :: points(system%n_contacts)
+      real(dp), dimension(size(system%q)) :: motion, force
+      real(dp), dimension(system%n_contacts) :: slip, tangential
+
+      if (system%n_contacts == 0) return
+      motion = relative(system%by_component(system%u), max(system%largest_part(system%u), &
+         system%largest_part(system%q)))
+      ! r_T opposes the slip.
+      force = relative(-system%by_component(system%r), system%largest_part(system%r))
+      associate (m => system%n_contacts)
+         if (system%dimension == 2) then
+            points = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
+               system%friction*max(0.0_dp, force(:m)))
+         else
+            slip = tangential_norm(motion(m + 1:), m)
+            tangential = tangential_norm(force(m + 1:), m)
+            points = point_violations(-motion(:m), slip, force(:m), tangential, system%friction*max(0.0_dp, force(:m)))
+            ! How far the shorter one of slip and force is from the direction of the other.
+            associate (u => reshape(motion(m + 1:), [m, 2]), r => reshape(force(m + 1:), [m, 2]))
+               points%wrong_dissipation = merge(abs(u(:, 1)*r(:, 2) - u(:, 2)*r(:, 1)) &
+                  /max(slip, tangential, tiny(slip)), min(slip, tangential), sum(u*r, 2) > 0.0_dp)
+            end associate
+         end if
+         check%penetration = maxval(points%penetration)
+         check%tension = maxval(points%tension)
+         check%friction_excess = maxval(points%friction_excess)
+         check%complementarity = maxval(points%complementarity)
+         check%slip_below_bound = maxval(points%slip_below_bound)
+         check%wrong_dissipation = maxval(points%wrong_dissipation)
+      end associate
+   end subroutine new_reduced_check
+
+   !> The ratio of two numbers; 0 if the first is 0.
+   elemental real(dp) function relative(value, scale)
+      real(dp), intent(in) :: value !! the value
+      real(dp), intent(in) :: scale !! the divisor, at least 0
+
+      relative = 0.0_dp
+      if (scale > 0.0_dp) relative = value/scale
+   end function relative
+
+   !> The violations, each over its natural scale; all must be below the limit [-].
+   pure function reduced_check_violations(self) result(list)
+      class(reduced_check_t), intent(in) :: self !! the check
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
+         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
+         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
+         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
+         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp)]
+   end function reduced_check_violations
+
+   !> The largest of the violations [-].
+   pure real(dp) function reduced_check_largest(self) result(largest)
+      class(reduced_check_t), intent(in) :: self !! the check
+      type(quantity_t), allocatable :: list(:)
+
+      list = self%violations()
+      largest = maxval(list%value)
+   end function reduced_check_largest
 
    !> Reads the problem and reports its size.
    subroutine reduced_study_check(self, cache, outcome, error)

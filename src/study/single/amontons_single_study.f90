@@ -1,7 +1,6 @@
 !> The study of a single case, on its mesh and, if the deck asks for it, on uniformly refined ones: the files are those
 !> of the finest mesh, its key results with observed order, extrapolated value and error bar.
 module amontons_single_study
-   use amontons_all_solutions, only: find_all_solutions
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -10,15 +9,15 @@ module amontons_single_study
    use amontons_listing, only: closed_text
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
-   use amontons_refined_meshes, only: judge_meshes, refined_quantities
    use amontons_report, only: write_report
-   use amontons_result, only: outcome_no_equilibrium, result_t, word_no_equilibrium
+   use amontons_result, only: judge_meshes, outcome_no_equilibrium, refined_quantities, result_t, word_no_equilibrium
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
    use amontons_study, only: method_numbers, outcome_t, report_size, solution_line, study_monitor_t, study_options_t, &
       study_t
    use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: short_text, with_unit
+   use amontons_uniqueness, only: find_all_solutions
    implicit none (type, external)
    private
 

@@ -20,8 +20,7 @@ module amontons_sweep_chunk
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
       new_lengths, resultants, set_results
    use amontons_kinds, only: dp, int64
-   use amontons_load_case, only: check_shear, load_case_t, recover_displacements
-   use amontons_load_family, only: acting_t, one_part, parting_t
+   use amontons_load_family, only: acting_t, check_shear, load_case_t, one_part, parting_t, recover_displacements
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_material, only: materials_t
    use amontons_model_warnings, only: add_sweep_warnings

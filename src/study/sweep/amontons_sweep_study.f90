@@ -14,6 +14,7 @@ module amontons_sweep_study
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_document, only: document_t, json_logical, json_number, json_string
+   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: new_error, error_t
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
@@ -27,7 +28,6 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
-   use amontons_rigid_fit, only: recover_with_travel
    use amontons_solve_case, only: cache_t, certify, condense_case, estimate_error, set_factor
    use amontons_stress_field, only: new_stress_field
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
