@@ -126,7 +126,7 @@ contains
       integer, intent(inout) :: domain(:) !! the supervariables of the domain, in their order on return
       integer, intent(out) :: n_before !! number before the cut; 0 if all have the same position
       integer, intent(out) :: n_beyond !! number beyond the cut, without the separator
-      integer :: old(size(domain)), next(3), i, k
+      integer :: old(size(domain)), next(3), i, k, last
       logical, allocatable :: is_before(:)
 
       n_before = 0
@@ -135,7 +135,23 @@ contains
       if (.not. any(is_before)) return
       old = domain
       side(old) = merge(before, beyond, is_before)
-      call mark_separator(graph, old, side)
+      ! Mark the separator, which is never empty: two sides that do not couple still get one, so that no domain is cut
+      ! in more than two.
+      last = 0
+      do i = 1, size(old)
+         if (side(old(i)) /= beyond) cycle
+         last = old(i)
+         if (couples(graph, side, old(i), before)) side(old(i)) = separator
+      end do
+      if (any(side(old) == beyond)) then
+         ! Supervariables not coupled to any beyond the separator are removed from it: middle nodes of edges that cross
+         ! it.
+         do i = 1, size(old)
+            if (side(old(i)) /= separator) cycle
+            if (.not. couples(graph, side, old(i), beyond)) side(old(i)) = before
+         end do
+      end if
+      if (all(side(old) /= separator)) side(last) = separator
       n_before = count(side(old) == before)
       n_beyond = count(side(old) == beyond)
       next = [1, n_before + 1, n_before + n_beyond + 1]
@@ -146,31 +162,6 @@ contains
       end do
       side(old) = 0
    end subroutine split
-
-   !> Marks the separator of a domain that lies before a cut and beyond it. It is never empty: two sides that do not
-   !> couple still get one, so that no domain is cut in more than two.
-   pure subroutine mark_separator(graph, domain, side)
-      type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: domain(:) !! the supervariables of the domain
-      integer, intent(inout) :: side(:) !! the side of each supervariable
-      integer :: last, i
-
-      last = 0
-      do i = 1, size(domain)
-         if (side(domain(i)) /= beyond) cycle
-         last = domain(i)
-         if (couples(graph, side, domain(i), before)) side(domain(i)) = separator
-      end do
-      if (any(side(domain) == beyond)) then
-         ! Supervariables not coupled to any beyond the separator are removed from it: middle nodes of edges that cross
-         ! it.
-         do i = 1, size(domain)
-            if (side(domain(i)) /= separator) cycle
-            if (.not. couples(graph, side, domain(i), beyond)) side(domain(i)) = before
-         end do
-      end if
-      if (all(side(domain) /= separator)) side(last) = separator
-   end subroutine mark_separator
 
    !> Whether a supervariable is coupled to one on a given side.
    pure logical function couples(graph, side, item, with)

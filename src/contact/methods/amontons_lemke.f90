@@ -46,10 +46,12 @@ contains
       type(effort_t) :: effort
       type(active_set_t) :: states
       real(dp), dimension(2*problem%n_points) :: force, distance, displacement
-      integer :: trial, outcome, info, m
+      integer :: trial, outcome, info, m, i
       logical :: is_singular, may_continue, is_z_basic(3*problem%n_points)
-      real(dp) :: right(3*problem%n_points), z(3*problem%n_points)
+      real(dp) :: right(3*problem%n_points), z(3*problem%n_points), cover(3*problem%n_points)
       real(dp), allocatable :: matrix(:, :)
+      ! Steps by the golden section fill an interval evenly.
+      real(dp), parameter :: golden = 0.61803398874989485_dp
 
       if (problem%matrix%n_tangents == 2) then
          call new_error(error, input_refused, 'the method lemke is for the plane: friction in space is no linear '// &
@@ -82,7 +84,18 @@ contains
       end if
       do trial = 1, min(n_covers, self%max_iterations)
          effort = effort_t()
-         call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, error, effort)
+         ! A covering vector: it pulls the points off and along +t (dual), or presses them on and raises the slip bound
+         ! (primal). Its numbers are irregular, so that the path does not pass through degenerate vertices of symmetric
+         ! problems.
+         m = relation%n_points
+         cover = 1.0_dp + modulo([(golden*i*trial, i=1, 3*m)], 1.0_dp)
+         if (relation%is_dual) then
+            ! Forces in their cones must not work on it: phi c_T < c_N.
+            cover(m + 1:2*m) = 0.25_dp*cover(m + 1:2*m)/(1.0_dp + relation%friction)
+         else
+            cover(m + 1:) = cover(m + 1:) + [relation%friction*cover(:m), relation%friction*cover(:m)]
+         end if
+         call lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome, error, effort)
          if (allocated(error)) return
          states%is_closed = is_z_basic(:m) .eqv. relation%is_dual
          ! Without any bound both may be zero; either direction is then equivalent.
@@ -178,26 +191,5 @@ contains
          right(2*m + 1:) = relation%slip_bound + friction*r(:m) + r(m + 1:)
       end associate
    end subroutine primal_pairs
-
-   !> A covering vector: it pulls the points off and along +t (dual), or presses them on and raises the slip bound
-   !> (primal). Its numbers are irregular, so that the path does not pass through degenerate vertices of symmetric
-   !> problems.
-   pure function covering_vector(relation, trial) result(cover)
-      type(contact_relation_t), intent(in) :: relation !! the relation
-      integer, intent(in) :: trial !! which one, 1 or more
-      real(dp) :: cover(3*relation%n_points)
-      ! Steps by the golden section fill an interval evenly.
-      real(dp), parameter :: golden = 0.61803398874989485_dp
-      integer :: i, m
-
-      m = relation%n_points
-      cover = 1.0_dp + modulo([(golden*i*trial, i=1, 3*m)], 1.0_dp)
-      if (relation%is_dual) then
-         ! Forces in their cones must not work on it: phi c_T < c_N.
-         cover(m + 1:2*m) = 0.25_dp*cover(m + 1:2*m)/(1.0_dp + relation%friction)
-      else
-         cover(m + 1:) = cover(m + 1:) + [relation%friction*cover(:m), relation%friction*cover(:m)]
-      end if
-   end function covering_vector
 
 end module amontons_lemke

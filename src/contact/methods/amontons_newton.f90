@@ -735,32 +735,18 @@ contains
          x = equations%known
          if (info /= 0) return
          do i = 1, 2
-            right = load_residual(problem, equations, x)
+            ! The load minus the forces that the given displacements cause; 0 in the rows of known displacements.
+            call whole%multiply(x, right)
+            right(tangential) = right(tangential) - slope*(right(normal) - problem%load(:problem%n_points))
+            right = equations%load - right - equations%stiffening*x
+            right(tangential) = right(tangential) - equations%coupling*x(normal)
+            where (is_known) right = 0.0_dp
             call matrix%solve(right)
             x = x + right
          end do
       end associate
       if (.not. all(ieee_is_finite(x))) info = 1
    end subroutine solve_equations
-
-   !> The load minus the forces that the given displacements cause; 0 in the rows of known displacements (n) [F].
-   pure function load_residual(problem, equations, x)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(equations_t), intent(in) :: equations !! the equations
-      real(dp), intent(in) :: x(:) !! all displacements by position (n) [L]
-      real(dp) :: load_residual(size(x))
-      integer :: m
-
-      m = problem%n_points
-      associate (normal => problem%matrix%band%place(:m), tangential => problem%matrix%band%place(m + 1:))
-         call problem%matrix%band%whole%multiply(x, load_residual)
-         load_residual(tangential) = load_residual(tangential) &
-            - equations%slope*(load_residual(normal) - problem%load(:m))
-         load_residual = equations%load - load_residual - equations%stiffening*x
-         load_residual(tangential) = load_residual(tangential) - equations%coupling*x(normal)
-      end associate
-      where (equations%is_known) load_residual = 0.0_dp
-   end function load_residual
 
    !> Factorizes the system of the base on a dense compliance: writes the transposed matrix of the active set to the
    !> first of its entries, and makes its factor of it.

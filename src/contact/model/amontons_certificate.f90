@@ -106,7 +106,7 @@ contains
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, strained_share, uncanceled, work
-      integer :: i
+      integer :: i, node
 
       springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
       if (present(of_stresses)) then
@@ -125,7 +125,27 @@ contains
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call body%constraints%spread_resultants(reaction)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         call sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
+         ! Sums up forces and their work over the nodes, all in one pass.
+         do node = 1, size(loads, 2)
+            do i = 1, size(loads, 1)
+               associate (f => loads(i, node), c => contact(i, node), r => reaction(i, node), k => internal(i, node), &
+                  s => springs(i, node), u => displacement(i, node), p => prescribed(i, node))
+                  sums%largest_load = max(sums%largest_load, abs(f))
+                  sums%largest_contact = max(sums%largest_contact, abs(c))
+                  sums%largest_reaction = max(sums%largest_reaction, abs(r))
+                  sums%load(i) = sums%load(i) + f
+                  sums%contact(i) = sums%contact(i) + c
+                  sums%reaction(i) = sums%reaction(i) + (r - s)
+                  sums%forces = sums%forces + (abs(f) + abs(c) + abs(r - s))
+                  sums%springs = sums%springs + abs(s)
+                  sums%internal_work = sums%internal_work + k*u
+                  sums%internal_size = sums%internal_size + abs(k*u)
+                  sums%external_work = sums%external_work + (f + c)*u
+                  sums%support_work = sums%support_work + r*p
+                  sums%external_size = sums%external_size + (abs(f*u) + abs(c*u) + abs(r*p))
+               end associate
+            end do
+         end do
          force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
             norm_of(contact, sums%largest_contact))
          ! Unloading leaves rounding errors of the forces before.
@@ -583,40 +603,6 @@ contains
       is_finite = all(ieee_is_finite([list%value, self%strain_energy, self%dissipation, self%load, self%reaction, &
          self%contact]))
    end function certificate_is_finite
-
-   !> Sums up forces and their work over the nodes, all in one pass.
-   pure subroutine sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
-      type(node_sums_t), intent(out) :: sums !! the sums
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
-      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
-      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (components, n_nodes) [F]
-      real(dp), intent(in) :: springs(:, :) !! those of the springs (components, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
-      integer :: i, node
-
-      do node = 1, size(loads, 2)
-         do i = 1, size(loads, 1)
-            associate (f => loads(i, node), c => contact(i, node), r => reaction(i, node), k => internal(i, node), &
-               s => springs(i, node), u => displacement(i, node), p => prescribed(i, node))
-               sums%largest_load = max(sums%largest_load, abs(f))
-               sums%largest_contact = max(sums%largest_contact, abs(c))
-               sums%largest_reaction = max(sums%largest_reaction, abs(r))
-               sums%load(i) = sums%load(i) + f
-               sums%contact(i) = sums%contact(i) + c
-               sums%reaction(i) = sums%reaction(i) + (r - s)
-               sums%forces = sums%forces + (abs(f) + abs(c) + abs(r - s))
-               sums%springs = sums%springs + abs(s)
-               sums%internal_work = sums%internal_work + k*u
-               sums%internal_size = sums%internal_size + abs(k*u)
-               sums%external_work = sums%external_work + (f + c)*u
-               sums%support_work = sums%support_work + r*p
-               sums%external_size = sums%external_size + (abs(f*u) + abs(c*u) + abs(r*p))
-            end associate
-         end do
-      end do
-   end subroutine sum_nodes
 
    !> The Euclidean norm of nodal forces, scaled by the largest one so that squares neither overflow nor underflow [F].
    pure real(dp) function norm_of(forces, largest) result(norm)

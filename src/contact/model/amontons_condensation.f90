@@ -174,6 +174,11 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! K is not finite
+      real(dp), allocatable :: transform(:, :)
+      real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: axes, frame, of_own
+      logical :: is_fixed(zone%n_rows)
+      integer, allocatable :: own(:)
+      integer :: p, i, k, n_own, axis, l, column, first
 
       if (.not. ieee_is_finite(size_of_stiffness)) then
          call new_error(error, numerical_failure, 'the stiffness leaves the range of double precision (1.8e308): '// &
@@ -190,87 +195,62 @@ contains
          allocate (condensation%map(n, n, zone%n_points), source=0.0_dp)
       end associate
       if (.not. zone%is_nodal) then
-         call map_rows(condensation, zone, constraints, dof_map)
-      else
-         call map_points(condensation, zone, constraints, dof_map)
-      end if
-   end subroutine map_unknowns
-
-   !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
-   subroutine map_rows(condensation, zone, constraints, dof_map)
-      type(condensation_t), intent(inout) :: condensation !! the condensation
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp), allocatable :: transform(:, :)
-      real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: axes, frame, of_own
-      logical :: is_fixed(zone%n_rows)
-      integer, allocatable :: own(:)
-      integer :: p, i, k, n, axis, l, column
-
-      is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
-      n = size(dof_map%dof, 1)
-      do p = 1, zone%n_points
-         do k = 1, n
-            condensation%map(k, k, p) = 1.0_dp
-            if (.not. is_fixed(p + (k - 1)*zone%n_points)) condensation%unknown(k, p) = maxval(condensation%unknown) + 1
+         ! The rows of C on the contact unknowns. A slip that a support prevents has no row.
+         is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
+         n_own = size(dof_map%dof, 1)
+         do p = 1, zone%n_points
+            do k = 1, n_own
+               condensation%map(k, k, p) = 1.0_dp
+               if (.not. is_fixed(p + (k - 1)*zone%n_points)) condensation%unknown(k, p) = &
+                  maxval(condensation%unknown) + 1
+            end do
          end do
-      end do
-      allocate (condensation%rows(count(.not. is_fixed), condensation%n_unknowns), source=0.0_dp)
-      do p = 1, zone%n_points
-         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
-            transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, n)
-            axes = zone%rows%axes(i, n)
-            do k = 1, size(own)
-               of_own = matmul(transpose(transform(:, n*(k - 1) + 1:n*k)), axes)
-               frame = constraints%frame(own(k))
-               do axis = 1, n
-                  if (dof_map%dof(axis, own(k)) == 0) cycle
-                  column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
-                  ! Coefficients of other nodes' unknowns in the row of a point with unknowns of its own are rounding
-                  ! errors below this share.
-                  if (column < 1 .or. column > condensation%n_unknowns) cycle
-                  do l = 1, n
-                     if (condensation%unknown(l, p) == 0) cycle
-                     associate (c => condensation%rows(condensation%unknown(l, p), column))
-                        c = c + dot_product(of_own(:, l), frame(:, axis))
-                     end associate
+         allocate (condensation%rows(count(.not. is_fixed), condensation%n_unknowns), source=0.0_dp)
+         do p = 1, zone%n_points
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
+               transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, n_own)
+               axes = zone%rows%axes(i, n_own)
+               do k = 1, size(own)
+                  of_own = matmul(transpose(transform(:, n_own*(k - 1) + 1:n_own*k)), axes)
+                  frame = constraints%frame(own(k))
+                  do axis = 1, n_own
+                     if (dof_map%dof(axis, own(k)) == 0) cycle
+                     column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
+                     ! Coefficients of other nodes' unknowns in the row of a point with unknowns of its own are rounding
+                     ! errors below this share.
+                     if (column < 1 .or. column > condensation%n_unknowns) cycle
+                     do l = 1, n_own
+                        if (condensation%unknown(l, p) == 0) cycle
+                        associate (c => condensation%rows(condensation%unknown(l, p), column))
+                           c = c + dot_product(of_own(:, l), frame(:, axis))
+                        end associate
+                     end do
                   end do
                end do
             end do
          end do
-      end do
-   end subroutine map_rows
-
-   !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
-   !>
-   !> A point that a support guides along one direction e has one unknown, u_N / (n . e); the support bears the
-   !> tangential force, and u_T has no part in the problem.
-   subroutine map_points(condensation, zone, constraints, dof_map)
-      type(condensation_t), intent(inout) :: condensation !! the condensation
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: frame(size(dof_map%dof, 1), size(dof_map%dof, 1))
-      integer :: p, first, axis
-
-      first = dof_map%n_dofs - dof_map%n_schur
-      do p = 1, zone%n_points
-         frame = constraints%frame(zone%node(p))
-         associate (normal => zone%normal(:, p), map => condensation%map(:, :, p), &
-            unknown => condensation%unknown(:, p))
-            unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
-            map(3:, 3:) = 1.0_dp
-            map(:2, 1) = matmul(normal, frame(:2, :2))
-            map(:2, 2) = matmul(turned(normal), frame(:2, :2))
-            if (.not. zone%is_tangent_fixed(p)) cycle
-            axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
-            unknown(:2) = [unknown(axis), 0]
-            map(:2, :2) = reshape([1.0_dp/dot_product(normal, frame(:2, axis)), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
-         end associate
-      end do
-   end subroutine map_points
+      else
+         ! The unknowns of every point and the map from (u_N, u_T) to them. A point that a support guides along
+         ! one direction e has one unknown, u_N / (n . e); the support bears the tangential force, and u_T has no part
+         ! in the problem.
+         first = dof_map%n_dofs - dof_map%n_schur
+         do p = 1, zone%n_points
+            frame = constraints%frame(zone%node(p))
+            associate (normal => zone%normal(:, p), map => condensation%map(:, :, p), &
+               unknown => condensation%unknown(:, p))
+               unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
+               map(3:, 3:) = 1.0_dp
+               map(:2, 1) = matmul(normal, frame(:2, :2))
+               map(:2, 2) = matmul(turned(normal), frame(:2, :2))
+               if (.not. zone%is_tangent_fixed(p)) cycle
+               axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
+               unknown(:2) = [unknown(axis), 0]
+               map(:2, :2) = reshape([1.0_dp/dot_product(normal, frame(:2, axis)), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+            end associate
+         end do
+      end if
+   end subroutine map_unknowns
 
    !> Makes the condensed stiffness S on (u_N; u_T), unless it is a band. The tangential row of a point whose slip a
    !> support prevents becomes that of a spring of its own that nothing loads: its slip and shear are zero.

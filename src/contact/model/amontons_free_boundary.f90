@@ -86,11 +86,27 @@ contains
       type(outline_t) :: outline
       type(extended_set_t) :: set, master
       real(dp) :: least
-      integer :: i, p
+      integer :: i, p, n_from(body%mesh%n_nodes), n_to(body%mesh%n_nodes), n
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
-      call new_outline(outline, body%mesh, body%outer)
+      ! Lists the sides of the boundary of a mesh.
+      allocate (outline%side(4, size(body%outer)))
+      allocate (outline%from(body%mesh%n_nodes), outline%to(body%mesh%n_nodes), source=0)
+      n_from = 0
+      n_to = 0
+      do n = 1, size(body%outer)
+         outline%side(:3, n) = body%mesh%side(side_element(body%outer(n)), side_place(body%outer(n)))
+         outline%side(4, n) = side_element(body%outer(n))
+         outline%from(outline%side(1, n)) = n
+         outline%to(outline%side(2, n)) = n
+         n_from(outline%side(1, n)) = n_from(outline%side(1, n)) + 1
+         n_to(outline%side(2, n)) = n_to(outline%side(2, n)) + 1
+      end do
+      ! Where parts of a body meet in a single node the boundary branches.
+      where (n_from > 1) outline%from = 0
+      where (n_to > 1) outline%to = 0
+      allocate (outline%is_taken(size(body%outer)), outline%is_taken_node(body%mesh%n_nodes), source=.false.)
       do i = 1, size(contacts)
          call take_set(outline, body%mesh, contacts(i)%set)
          if (contacts(i)%pairing%is_pair()) call take_set(outline, body%mesh, contacts(i)%pairing%against)
@@ -167,31 +183,6 @@ contains
       end do
       boundary%nodes = boundary%nodes(:n)
    end subroutine add_beyond
-
-   !> Lists the sides of the boundary of a mesh.
-   pure subroutine new_outline(outline, mesh, outer)
-      type(outline_t), intent(out) :: outline !! the sides, none of them taken
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
-      integer :: n_from(mesh%n_nodes), n_to(mesh%n_nodes), n
-
-      allocate (outline%side(4, size(outer)))
-      allocate (outline%from(mesh%n_nodes), outline%to(mesh%n_nodes), source=0)
-      n_from = 0
-      n_to = 0
-      do n = 1, size(outer)
-         outline%side(:3, n) = mesh%side(side_element(outer(n)), side_place(outer(n)))
-         outline%side(4, n) = side_element(outer(n))
-         outline%from(outline%side(1, n)) = n
-         outline%to(outline%side(2, n)) = n
-         n_from(outline%side(1, n)) = n_from(outline%side(1, n)) + 1
-         n_to(outline%side(2, n)) = n_to(outline%side(2, n)) + 1
-      end do
-      ! Where parts of a body meet in a single node the boundary branches.
-      where (n_from > 1) outline%from = 0
-      where (n_to > 1) outline%to = 0
-      allocate (outline%is_taken(size(outer)), outline%is_taken_node(mesh%n_nodes), source=.false.)
-   end subroutine new_outline
 
    !> Marks the sides of a boundary set as taken.
    subroutine take_set(outline, mesh, set)

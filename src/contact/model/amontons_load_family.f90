@@ -396,13 +396,25 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
       type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
-      real(dp) :: prescribed(body%zone%n_rows)
+      real(dp) :: prescribed(body%zone%n_rows), gap, cosine
       logical, allocatable :: is_loaded(:, :)
-      integer :: k, p
+      integer :: k, p, i
+      logical :: is_met
 
       family%parting = parting
       family%base = load_case
-      family%feet = find_feet(body%zone, load_case%contacts)
+      ! The feet of the contact points: where the normals meet the obstacles, or the points themselves where they do not
+      ! (2, quadrature points) [L].
+      associate (quadrature => body%zone%quadrature)
+         allocate (family%feet, source=quadrature%position)
+         do p = 1, body%zone%n_points
+            do i = quadrature%start(p), quadrature%start(p + 1) - 1
+               call load_case%contacts(body%zone%set(p))%obstacle%measure(quadrature%position(:, i), &
+                  quadrature%normal(:, i), gap, is_met, cosine)
+               if (is_met) family%feet(:, i) = family%feet(:, i) + gap*quadrature%normal(:, i)
+            end do
+         end do
+      end associate
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
       allocate (family%parts(parting%n_parts))
@@ -693,27 +705,5 @@ contains
          displacement = self%shift + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
       end associate
    end function obstacle_motion_displacement
-
-   !> The feet of the contact points: where the normals meet the obstacles, or the points themselves where they do not
-   !> (2, quadrature points) [L].
-   pure function find_feet(zone, contacts) result(feet)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they were
-      real(dp), allocatable :: feet(:, :)
-      real(dp) :: gap, cosine
-      logical :: is_met
-      integer :: p, i
-
-      associate (quadrature => zone%quadrature)
-         allocate (feet, source=quadrature%position)
-         do p = 1, zone%n_points
-            do i = quadrature%start(p), quadrature%start(p + 1) - 1
-               call contacts(zone%set(p))%obstacle%measure(quadrature%position(:, i), quadrature%normal(:, i), gap, &
-                  is_met, cosine)
-               if (is_met) feet(:, i) = feet(:, i) + gap*quadrature%normal(:, i)
-            end do
-         end do
-      end associate
-   end function find_feet
 
 end module amontons_load_family

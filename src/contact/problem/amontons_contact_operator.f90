@@ -87,9 +87,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! the body is not held even if all contact points are, or memory ran out
       real(dp), allocatable :: room(:, :)
-      integer :: at(2, matrix%n), position(matrix%n)
-      real(dp) :: weight(2, matrix%n)
-      integer :: p, m, k, n_interior, n_constrained, i, info, width
+      integer :: at(2, matrix%n), position(matrix%n), j, l, width
+      real(dp) :: weight(2, matrix%n), value
+      integer :: p, m, k, n_interior, n_constrained, i, info
+      integer(int64) :: entry
 
       m = size(unknown, 2)
       position = positions(order)
@@ -117,13 +118,37 @@ contains
             end do
          end associate
       end do
+      ! The largest difference of the positions that one entry of the matrix couples.
+      width = 0
+      do j = 1, matrix%n
+         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
+            do k = 1, count(at(:, j) > 0)
+               do l = 1, count(at(:, matrix%row(entry)) > 0)
+                  width = max(width, abs(at(k, j) - at(l, matrix%row(entry))))
+               end do
+            end do
+         end do
+      end do
       ! Room for the matrix and its factor, and for the factors of the body and of a method, which are made later.
-      width = largest_distance(matrix, at)
       call allocate_matrix(room, 11*(width + 1), matrix%n + count(unknown == 0), 'the band stiffness', error)
       if (allocated(error)) return
       deallocate (room)
       call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), width)
-      call add_matrix(stiffness%whole, matrix, at, weight)
+      ! Add the entries of the matrix, transformed to the normal and tangential directions of the contact points.
+      do j = 1, matrix%n
+         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
+            i = matrix%row(entry)
+            do k = 1, count(at(:, j) > 0)
+               do l = 1, count(at(:, i) > 0)
+                  ! The entry across the diagonal adds as much, on the other side of the new diagonal or on it.
+                  if (i == j .and. at(l, i) < at(k, j)) cycle
+                  value = weight(k, j)*weight(l, i)*matrix%value(entry)
+                  if (i /= j .and. at(l, i) == at(k, j)) value = 2.0_dp*value
+                  call stiffness%whole%add(at(l, i), at(k, j), value)
+               end do
+            end do
+         end do
+      end do
       do p = 1, m
          if (unknown(2, p) == 0) call stiffness%whole%decouple(stiffness%place(p + m))
       end do
@@ -153,51 +178,6 @@ contains
       self%whole%entry(1, self%place) = original%whole%entry(1, self%place) + springs
       self%diagonal = original%diagonal + springs
    end subroutine band_stiffness_set_diagonal
-
-   !> The largest difference of the positions that one entry of a matrix couples.
-   pure integer function largest_distance(matrix, at) result(width)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: at(:, :) !! the positions that each unknown stands for, 0 for none (2, n)
-      integer(int64) :: entry
-      integer :: j, k, l
-
-      width = 0
-      do j = 1, matrix%n
-         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
-            do k = 1, count(at(:, j) > 0)
-               do l = 1, count(at(:, matrix%row(entry)) > 0)
-                  width = max(width, abs(at(k, j) - at(l, matrix%row(entry))))
-               end do
-            end do
-         end do
-      end do
-   end function largest_distance
-
-   !> Adds the entries of a matrix, transformed to the normal and tangential directions of the contact points.
-   pure subroutine add_matrix(band, matrix, at, weight)
-      type(symmetric_band_t), intent(inout) :: band !! the matrix by position
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix by unknown
-      integer, intent(in) :: at(:, :) !! the positions that each unknown stands for, 0 for none (2, n)
-      real(dp), intent(in) :: weight(:, :) !! their shares in it (2, n) [-]
-      integer(int64) :: entry
-      integer :: i, j, k, l
-      real(dp) :: value
-
-      do j = 1, matrix%n
-         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
-            i = matrix%row(entry)
-            do k = 1, count(at(:, j) > 0)
-               do l = 1, count(at(:, i) > 0)
-                  ! The entry across the diagonal adds as much, on the other side of the new diagonal or on it.
-                  if (i == j .and. at(l, i) < at(k, j)) cycle
-                  value = weight(k, j)*weight(l, i)*matrix%value(entry)
-                  if (i /= j .and. at(l, i) == at(k, j)) value = 2.0_dp*value
-                  call band%add(at(l, i), at(k, j), value)
-               end do
-            end do
-         end do
-      end do
-   end subroutine add_matrix
 
    !> Computes the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
    !> other, so that the entries of K_ii^-1 within a band suffice.

@@ -485,30 +485,20 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
-
-      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
-      call share_chunks(task, body, problem, monitor, chunks)
-      !$omp end parallel
-   end subroutine solve_chunks
-
-   !> One thread's share of the chunks, with a contact problem of its own.
-   subroutine share_chunks(task, body, problem, monitor, chunks)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
-      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: own
       type(contact_solution_t) :: solutions(chunk_length)
       integer :: i
 
+      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
+      ! One thread's share of the chunks, with a contact problem of its own.
       own = problem
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
          if (.not. monitor%is_stopped()) call solve_chunk(task, body, own, chunks(i), solutions)
       end do
       !$omp end do
-   end subroutine share_chunks
+      !$omp end parallel
+   end subroutine solve_chunks
 
    !> Solves the cases of a chunk.
    subroutine solve_chunk(task, body, problem, chunk, solutions)
@@ -519,11 +509,35 @@ contains
       type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
       character(:), allocatable :: runs
       integer :: i
+      type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
+      type(acting_t) :: acting
 
       call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
       chunk%rows = ''
       if (chunk%is_broken()) return
-      call find_numbers(task, body, chunk, solutions)
+      ! Computes the stored numbers of all cases of a chunk.
+      allocate (named(0))
+      call find_body_results(peaks, task, body, chunk, solutions)
+      call task%solver%loads%at_rest(acting)
+      do i = 1, chunk%last - chunk%first + 1
+         associate (kept => chunk%results(i), loads => task%solver%loads)
+            if (kept%is_empty()) then
+               kept%quantity = spread(0.0_dp, 1, task%n_quantities)
+            else
+               acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
+               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
+                  solutions(i)%displacement, solutions(i)%force))
+               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
+                  loads%gap_of(acting), [peaks(:, i), named]))
+               kept%quantity = list%value
+               kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
+               if (kept%has_solution) cycle
+               ! A solution with numbers that are not finite is none, however small its residual.
+               kept%outcome = outcome_numbers
+               kept%is_warned = .false.
+            end if
+         end associate
+      end do
       do i = 1, chunk%last - chunk%first + 1
          call status_runs(runs, solutions(i)%status, body%zone%set)
          call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
@@ -605,40 +619,6 @@ contains
          end associate
       end do
    end subroutine solve_cases
-
-   !> Computes the stored numbers of all cases of a chunk.
-   subroutine find_numbers(task, body, chunk, solutions)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
-      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
-      type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
-      type(acting_t) :: acting
-      integer :: i
-
-      allocate (named(0))
-      call find_body_results(peaks, task, body, chunk, solutions)
-      call task%solver%loads%at_rest(acting)
-      do i = 1, chunk%last - chunk%first + 1
-         associate (kept => chunk%results(i), loads => task%solver%loads)
-            if (kept%is_empty()) then
-               kept%quantity = spread(0.0_dp, 1, task%n_quantities)
-            else
-               acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
-               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
-                  solutions(i)%displacement, solutions(i)%force))
-               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), [peaks(:, i), named]))
-               kept%quantity = list%value
-               kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
-               if (kept%has_solution) cycle
-               ! A solution with numbers that are not finite is none, however small its residual.
-               kept%outcome = outcome_numbers
-               kept%is_warned = .false.
-            end if
-         end associate
-      end do
-   end subroutine find_numbers
 
    !> Computes the key results of the whole body for all cases of a chunk, if the deck asks for them.
    subroutine find_body_results(peaks, task, body, chunk, solutions)
