@@ -734,6 +734,7 @@ contains
          call system%effort%factorize(.true.)
          x = equations%known
          if (info /= 0) return
+         allocate (right, mold=x)
          do i = 1, 2
             ! The load minus the forces that the given displacements cause; 0 in the rows of known displacements.
             call whole%multiply(x, right)

@@ -166,7 +166,7 @@ contains
       call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call join_corners(body%ties, body%partner, joined_area, contacts, body%meshed_body_t)
-      ! Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
+      ! Make the jumps of preloads free or prescribed, as the supports of the preloads say, and turn an axis of the
       ! leading nodes along each jump.
       do i = 1, size(all_ties)
          if (.not. all_ties(i)%has_jump) cycle

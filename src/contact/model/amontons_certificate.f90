@@ -125,7 +125,7 @@ contains
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call body%constraints%spread_resultants(reaction)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         ! Sums up forces and their work over the nodes, all in one pass.
+         ! Sum forces and their work over the nodes, all in one pass.
          do node = 1, size(loads, 2)
             do i = 1, size(loads, 1)
                associate (f => loads(i, node), c => contact(i, node), r => reaction(i, node), k => internal(i, node), &

@@ -90,7 +90,7 @@ contains
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
-      ! Lists the sides of the boundary of a mesh.
+      ! List the sides of the boundary.
       allocate (outline%side(4, size(body%outer)))
       allocate (outline%from(body%mesh%n_nodes), outline%to(body%mesh%n_nodes), source=0)
       n_from = 0

@@ -30,10 +30,8 @@ module amontons_contact_operator
       type(symmetric_band_t), private :: factor !! Cholesky factor of `whole`, its contact rows those of the unit matrix
    contains
       procedure :: condensed => band_stiffness_condensed
-      procedure :: fill_dense => band_stiffness_fill_dense
       procedure :: interior_displacement => band_stiffness_interior_displacement
       procedure :: multiply => band_stiffness_multiply
-      procedure :: set_diagonal => band_stiffness_set_diagonal
       procedure, private :: find_interior => band_stiffness_find_interior
    end type band_stiffness_t
 
@@ -169,16 +167,6 @@ contains
       end do
    end subroutine new_band_stiffness
 
-   !> Sets the diagonal of this copy to that of the original plus springs at the contact points.
-   pure subroutine band_stiffness_set_diagonal(self, original, springs)
-      class(band_stiffness_t), intent(inout) :: self !! a copy, with any springs before
-      type(band_stiffness_t), intent(in) :: original !! the original
-      real(dp), intent(in) :: springs(:) !! stiffness of the springs in (u_N; u_T) (2m) [F/L]
-
-      self%whole%entry(1, self%place) = original%whole%entry(1, self%place) + springs
-      self%diagonal = original%diagonal + springs
-   end subroutine band_stiffness_set_diagonal
-
    !> Computes the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
    !> other, so that the entries of K_ii^-1 within a band suffice.
    pure subroutine find_diagonal(stiffness)
@@ -278,27 +266,6 @@ contains
       call self%find_interior(v, x, interior_load)
       interior = x(self%interior)
    end function band_stiffness_interior_displacement
-
-   !> Fills an array with S, column by column, for methods that need the dense matrix.
-   pure subroutine band_stiffness_fill_dense(self, dense)
-      class(band_stiffness_t), intent(in) :: self !! the stiffness
-      real(dp), contiguous, intent(out) :: dense(:, :) !! S (2m, 2m) [F/L]
-      real(dp) :: unit(size(self%place)), mean
-      integer :: i, j
-
-      do j = 1, size(unit)
-         unit = 0.0_dp
-         unit(j) = 1.0_dp
-         call self%multiply(unit, dense(:, j))
-      end do
-      do j = 1, size(unit)
-         do i = j + 1, size(unit)
-            mean = 0.5_dp*(dense(i, j) + dense(j, i))
-            dense(i, j) = mean
-            dense(j, i) = mean
-         end do
-      end do
-   end subroutine band_stiffness_fill_dense
 
    !> Makes the operator of a dense stiffness, whose array it takes over.
    pure subroutine new_stiffness_operator(matrix, stiffness, is_held, n_tangents, least_augmentation)
@@ -458,14 +425,27 @@ contains
       class(contact_operator_t), intent(in) :: matrix !! the operator, with a stiffness
       real(dp), allocatable, intent(out) :: dense(:, :) !! S (n, n) [F/L]
       type(error_t), allocatable, intent(out) :: error !! memory ran out
+      real(dp) :: unit(matrix%n), mean
+      integer :: i, j
 
       call allocate_matrix(dense, matrix%n, matrix%n, 'the contact points', error)
       if (allocated(error)) return
       if (allocated(matrix%stiffness)) then
          dense(:, :) = matrix%stiffness%values
-      else
-         call matrix%band%fill_dense(dense)
+         return
       end if
+      do j = 1, matrix%n
+         unit = 0.0_dp
+         unit(j) = 1.0_dp
+         call matrix%band%multiply(unit, dense(:, j))
+      end do
+      do j = 1, matrix%n
+         do i = j + 1, matrix%n
+            mean = 0.5_dp*(dense(i, j) + dense(j, i))
+            dense(i, j) = mean
+            dense(j, i) = mean
+         end do
+      end do
    end subroutine new_dense_stiffness
 
    !> Makes a copy of the operator with a dense stiffness.
@@ -503,7 +483,8 @@ contains
       integer :: i
 
       if (allocated(self%band)) then
-         call self%band%set_diagonal(body%band, springs)
+         self%band%whole%entry(1, self%band%place) = body%band%whole%entry(1, self%band%place) + springs
+         self%band%diagonal = body%band%diagonal + springs
       else
          do i = 1, self%n
             self%stiffness%values(i, i) = body%stiffness%values(i, i) + springs(i)

@@ -517,7 +517,7 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          if (is_range) then
-            ! Reads a range: its first number, its last one and an increment.
+            ! A range: its first number, its last one and an increment.
             call input%take_integer(first, 'the first number of a range')
             call take_comma(input, is_there)
             call input%take_integer(last, 'the last number of a range')

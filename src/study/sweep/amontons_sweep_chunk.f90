@@ -485,20 +485,30 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+
+      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
+      call share_chunks(task, body, problem, monitor, chunks)
+      !$omp end parallel
+   end subroutine solve_chunks
+
+   !> One thread's share of the chunks, with a contact problem of its own.
+   subroutine share_chunks(task, body, problem, monitor, chunks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
+      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: own
       type(contact_solution_t) :: solutions(chunk_length)
       integer :: i
 
-      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
-      ! One thread's share of the chunks, with a contact problem of its own.
       own = problem
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
          if (.not. monitor%is_stopped()) call solve_chunk(task, body, own, chunks(i), solutions)
       end do
       !$omp end do
-      !$omp end parallel
-   end subroutine solve_chunks
+   end subroutine share_chunks
 
    !> Solves the cases of a chunk.
    subroutine solve_chunk(task, body, problem, chunk, solutions)
@@ -515,7 +525,7 @@ contains
       call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
       chunk%rows = ''
       if (chunk%is_broken()) return
-      ! Computes the stored numbers of all cases of a chunk.
+      ! The stored numbers of all cases.
       allocate (named(0))
       call find_body_results(peaks, task, body, chunk, solutions)
       call task%solver%loads%at_rest(acting)
