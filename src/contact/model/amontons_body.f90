@@ -166,15 +166,7 @@ contains
       call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call join_corners(body%ties, body%partner, joined_area, contacts, body%meshed_body_t)
-      ! Make the jumps of preloads free or prescribed, as the supports of the preloads say, and turn an axis of the
-      ! leading nodes along each jump.
-      do i = 1, size(all_ties)
-         if (.not. all_ties(i)%has_jump) cycle
-         associate (pair => body%ties(i))
-            pair%is_jump_free = .not. supports(support_of_jump(supports, all_ties(i)%name))%is_held(1)
-            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:2, pair%lead) = pair%jump
-         end associate
-      end do
+      call set_preload_jumps(body, supports, all_ties)
       call add_rigid_drives(body, supports)
       joined = body%meshed_body_t
       joined%mesh%node = body%partner(mesh%node)
@@ -348,6 +340,23 @@ contains
       end subroutine refuse
 
    end subroutine check_rigid_sets
+
+   !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
+   !> leading nodes along each jump.
+   pure subroutine set_preload_jumps(body, supports, ties)
+      type(body_t), intent(inout) :: body !! the body, its ties found
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(tie_t), intent(in) :: ties(:) !! the bonded sets
+      integer :: i
+
+      do i = 1, size(ties)
+         if (.not. ties(i)%has_jump) cycle
+         associate (pair => body%ties(i))
+            pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
+            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:2, pair%lead) = pair%jump
+         end associate
+      end do
+   end subroutine set_preload_jumps
 
    !> Number of the support that prescribes the jump of a preload.
    pure integer function support_of_jump(supports, name) result(number)

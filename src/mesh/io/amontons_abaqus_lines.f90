@@ -517,16 +517,7 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          if (is_range) then
-            ! A range: its first number, its last one and an increment.
-            call input%take_integer(first, 'the first number of a range')
-            call take_comma(input, is_there)
-            call input%take_integer(last, 'the last number of a range')
-            call take_comma(input, is_there)
-            increment = 1
-            if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
-            call take_comma(input, is_there)
-            if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
-               'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+            call take_range(input, first, last, increment)
             n = (last - first)/max(1, increment)
             call raw%expect_members(input, n)
             call input%end_line()
@@ -549,6 +540,25 @@ contains
          call raw%groups(group)%side%append_all(spread(0, 1, members%n))
       end if
    end subroutine read_set
+
+   !> Reads a range: its first number, its last one and an increment.
+   pure subroutine take_range(input, first, last, increment)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(out) :: first !! the first number
+      integer, intent(out) :: last !! the last number, or a bound of it
+      integer, intent(out) :: increment !! the increment, 1 where it is absent
+      logical :: is_there
+
+      call input%take_integer(first, 'the first number of a range')
+      call take_comma(input, is_there)
+      call input%take_integer(last, 'the last number of a range')
+      call take_comma(input, is_there)
+      increment = 1
+      if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
+      call take_comma(input, is_there)
+      if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
+         'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+   end subroutine take_range
 
    !> Index of the set that a field names, 0 if there is none: the set of this name in the present instance, or in the
    !> named one; otherwise that of the assembly; otherwise that of the only instance.
