@@ -117,7 +117,19 @@ contains
          call new_error(error, input_refused, "twist needs hypothesis = 'axisymmetric' and an isotropic material")
          return
       end if
-      self%compliance = compliance_of(self)
+      associate (young => self%young, poisson => self%poisson)
+         self%compliance = 0.0_dp
+         self%compliance(1, 1) = 1.0_dp/young(1)
+         self%compliance(2, 2) = 1.0_dp/young(2)
+         self%compliance(3, 3) = merge(1.0_dp/self%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), self%shear > 0.0_dp)
+         self%compliance(4, 4) = 1.0_dp/young(3)
+         self%compliance(2, 1) = -poisson(1)/young(1)
+         self%compliance(4, 1) = -poisson(2)/young(1)
+         self%compliance(4, 2) = -poisson(3)/young(2)
+         self%compliance(1, 2) = self%compliance(2, 1)
+         self%compliance(1, 4) = self%compliance(4, 1)
+         self%compliance(2, 4) = self%compliance(4, 2)
+      end associate
       if (self%shear > 0.0_dp) then
          law = self%compliance
          call cholesky_factor(law, info)
@@ -170,26 +182,6 @@ contains
          law(i, i) = law(i, i) + merge(mu, 2.0_dp*mu, i == 3)
       end do
    end function isotropic_law
-
-   !> The compliance matrix of a material along its axes [L^2/F].
-   pure function compliance_of(material) result(compliance)
-      type(material_t), intent(in) :: material !! the material
-      real(dp) :: compliance(4, 4)
-
-      associate (young => material%young, poisson => material%poisson)
-         compliance = 0.0_dp
-         compliance(1, 1) = 1.0_dp/young(1)
-         compliance(2, 2) = 1.0_dp/young(2)
-         compliance(3, 3) = merge(1.0_dp/material%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), material%shear > 0.0_dp)
-         compliance(4, 4) = 1.0_dp/young(3)
-         compliance(2, 1) = -poisson(1)/young(1)
-         compliance(4, 1) = -poisson(2)/young(1)
-         compliance(4, 2) = -poisson(3)/young(2)
-         compliance(1, 2) = compliance(2, 1)
-         compliance(1, 4) = compliance(4, 1)
-         compliance(2, 4) = compliance(4, 2)
-      end associate
-   end function compliance_of
 
    !> A compliance matrix in axes that are turned by an angle, counterclockwise [L^2/F].
    pure function turned_compliance(compliance, angle) result(turned)

@@ -350,7 +350,9 @@ contains
          !! skew part of the compliance of a reduced problem (2m, 2m) [L/F]
       type(search_t) :: search
       integer :: j, most, i, m
-      real(dp), allocatable :: rows(:, :)
+      real(dp), allocatable :: rows(:, :), inverse(:, :), center(:), reach(:)
+      real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp
+      logical :: is_definite
 
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (problem%matrix%n_tangents == 2) then
@@ -372,7 +374,27 @@ contains
          end associate
       end if
       m = problem%n_points
-      call bound_unknowns(search)
+      ! Bounds of x over all solutions. Distances and forces do no negative work on each other, x^T y >= 0, hence
+      ! x^T H x <= x^T h: an ellipsoid if H is definite.
+      allocate (search%lower(2*m), source=-unbounded)
+      allocate (search%upper(2*m), source=unbounded)
+      call search%relation%invert(inverse, is_definite)
+      if (is_definite) then
+         center = matmul(inverse, search%relation%vector)
+         associate (energy => dot_product(center, search%relation%vector))
+            reach = [(sqrt(max(0.0_dp, inverse(i, i)*energy)), i=1, 2*m)]
+         end associate
+         associate (order => [(i, m + i, i=1, m)])
+            search%lower = 0.5_dp*(center(order) - reach(order)) - loose
+            search%upper = 0.5_dp*(center(order) + reach(order)) + loose
+         end associate
+      end if
+      ! Normal forces are not negative, normal distances not positive.
+      if (search%relation%is_dual) then
+         search%lower(1::2) = max(0.0_dp, search%lower(1::2))
+      else
+         search%upper(1::2) = min(0.0_dp, search%upper(1::2))
+      end if
       allocate (search%states%is_closed(m), source=.false.)
       allocate (search%states%slip_direction(m), source=0)
       allocate (search%found%force(2*m, 0), search%found%displacement(2*m, 0), search%found%is_isolated(0))
@@ -395,37 +417,6 @@ contains
       end do
    end subroutine find_all_solutions
 
-   !> Bounds x over all solutions. Distances and forces do no negative work on each other, x^T y >= 0, hence x^T H x <=
-   !> x^T h: an ellipsoid if H is definite.
-   pure subroutine bound_unknowns(search)
-      type(search_t), intent(inout) :: search !! gains the bounds
-      real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp
-      real(dp), allocatable :: inverse(:, :), center(:), reach(:)
-      logical :: is_definite
-      integer :: i, m
-
-      m = search%relation%n_points
-      allocate (search%lower(2*m), source=-unbounded)
-      allocate (search%upper(2*m), source=unbounded)
-      call search%relation%invert(inverse, is_definite)
-      if (is_definite) then
-         center = matmul(inverse, search%relation%vector)
-         associate (energy => dot_product(center, search%relation%vector))
-            reach = [(sqrt(max(0.0_dp, inverse(i, i)*energy)), i=1, 2*m)]
-         end associate
-         associate (order => [(i, m + i, i=1, m)])
-            search%lower = 0.5_dp*(center(order) - reach(order)) - loose
-            search%upper = 0.5_dp*(center(order) + reach(order)) + loose
-         end associate
-      end if
-      ! Normal forces are not negative, normal distances not positive.
-      if (search%relation%is_dual) then
-         search%lower(1::2) = max(0.0_dp, search%lower(1::2))
-      else
-         search%upper(1::2) = min(0.0_dp, search%upper(1::2))
-      end if
-   end subroutine bound_unknowns
-
    !> Tries every state of a point after the states of the points before it are chosen.
    recursive subroutine descend(search, point, rows, n_pending)
       type(search_t), intent(inout) :: search !! the search
@@ -442,7 +433,7 @@ contains
             ! Without any slip bound one state covers all slips.
             if (direction /= 1 .and. .not. has_slip_bound(search, point)) cycle
             search%states%slip_direction(point) = direction
-            call settle_point(search, point, rows, n_pending)
+            call eliminate_point(search, point, rows, n_pending)
          end do
       end do
    end subroutine descend
@@ -458,7 +449,7 @@ contains
 
    !> Eliminates the unknowns of a point in its present state, and continues with the next point unless an inequality
    !> cannot hold.
-   recursive subroutine settle_point(search, point, rows, n_pending)
+   recursive subroutine eliminate_point(search, point, rows, n_pending)
       type(search_t), intent(inout) :: search !! the search
       integer, intent(in) :: point !! the point
       real(dp), intent(in) :: rows(:, 0:) !! as in `descend`
@@ -490,7 +481,7 @@ contains
             search%found%has_family = has_extent(next(:n_rows, :n_columns))
          end if
       end associate
-   end subroutine settle_point
+   end subroutine eliminate_point
 
    !> The inequalities and the two equations of a point in its present state.
    pure subroutine point_conditions(search, point, rows, inequalities, n_inequalities, equations)
