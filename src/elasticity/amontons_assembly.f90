@@ -273,15 +273,15 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: vector(:), own(:, :)
-      real(dp) :: frame(size(field, 1), size(field, 1))
       integer :: node, axis
 
       allocate (vector(dof_map%n_dofs))
       own = dof_map%substitution%forces(field)
       do node = 1, size(field, 2)
-         frame = constraints%frame(node)
+         ! Into the frames of supports that are aslant.
+         if (abs(constraints%axis(2, node)) > 0.0_dp) own(:, node) = matmul(own(:, node), constraints%frame(node))
          do axis = 1, size(own, 1)
-            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:, node))
+            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = own(axis, node)
          end do
       end do
    end function to_unknowns
@@ -293,17 +293,16 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: displacement(:, :)
-      real(dp) :: frame(size(prescribed, 1), size(prescribed, 1))
       integer :: node, axis
 
       allocate (displacement, mold=prescribed)
       displacement = 0.0_dp
       do node = 1, size(displacement, 2)
-         frame = constraints%frame(node)
          do axis = 1, size(displacement, 1)
-            if (dof_map%dof(axis, node) > 0) displacement(:, node) = displacement(:, node) &
-               + frame(:, axis)*vector(dof_map%dof(axis, node))
+            if (dof_map%dof(axis, node) > 0) displacement(axis, node) = vector(dof_map%dof(axis, node))
          end do
+         if (abs(constraints%axis(2, node)) > 0.0_dp) displacement(:, node) = &
+            matmul(constraints%frame(node), displacement(:, node))
       end do
       displacement = prescribed + dof_map%substitution%displacement(displacement)
    end function from_unknowns
