@@ -531,10 +531,13 @@ contains
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
 
-      associate (frame => self%frame(node))
-         is_free = self%rigid_of(node) == 0 .and. &
-            any(self%is_free(:2, node) .and. abs(matmul(direction, frame(:2, :2))) > negligible)
-      end associate
+      is_free = all(self%is_free(:2, node))
+      if (.not. is_free .and. any(self%is_free(:2, node))) then
+         associate (frame => self%frame(node))
+            is_free = any(self%is_free(:2, node) .and. abs(matmul(direction, frame(:2, :2))) > negligible)
+         end associate
+      end if
+      is_free = is_free .and. self%rigid_of(node) == 0
    end function constraints_leaves_free
 
    !> The projector on the directions in which supports leave a node free (components, components) [-].
@@ -666,9 +669,13 @@ contains
    pure logical function substitution_is_substituted(self, nodes) result(is_substituted)
       class(substitution_t), intent(in) :: self !! the substitution
       integer, intent(in) :: nodes(:) !! the nodes
+      integer :: i
 
       is_substituted = .false.
-      if (allocated(self%start)) is_substituted = any(self%start(nodes + 1) > self%start(nodes))
+      if (.not. allocated(self%start)) return
+      do i = 1, size(nodes)
+         is_substituted = is_substituted .or. self%start(nodes(i) + 1) > self%start(nodes(i))
+      end do
    end function substitution_is_substituted
 
    !> P y: the displacements of all nodes.

@@ -74,7 +74,7 @@ contains
          gram = 0.0_dp
          if (n_jumps > 0) call divide_piece(motions(p), gram, mesh, bonds, jumps)
          do i = start(p), start(p + 1) - 1
-            if (constraints%rigid_of(node(i)) > 0) cycle
+            if (constraints%rigid_of(node(i)) > 0 .or. all(constraints%is_free(:, node(i)))) cycle
             frame = constraints%frame(node(i))
             do axis = 1, motions(p)%n_components
                if (constraints%is_free(axis, node(i))) cycle

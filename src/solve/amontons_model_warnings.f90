@@ -111,10 +111,8 @@ contains
          if (n_pieces > 1) call warnings%add('the body consists of '//to_text(n_pieces)//' pieces that share no '// &
             'nodes and that no pair of contact sets or tie joins')
       end if
-      associate (is_on_axis => on_axis(body%mesh, body%materials))
-         n_free = count([(is_on_axis(node) .and. body%constraints%leaves_free(node, radial), &
-            node=1, body%mesh%n_nodes)])
-      end associate
+      nodes = pack([(node, node=1, body%mesh%n_nodes)], on_axis(body%mesh, body%materials))
+      n_free = count([(body%constraints%leaves_free(nodes(i), radial), i=1, size(nodes))])
       if (n_free > 0) call warnings%add(counted(n_free, 'node')//' on the axis of revolution '// &
          trim(merge('is ', 'are', n_free == 1))//' not held radially; add a support with ux = 0.0')
    end subroutine add_model_warnings
