@@ -519,35 +519,11 @@ contains
       type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
       character(:), allocatable :: runs
       integer :: i
-      type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
-      type(acting_t) :: acting
 
       call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
       chunk%rows = ''
       if (chunk%is_broken()) return
-      ! The stored numbers of all cases.
-      allocate (named(0))
-      call find_body_results(peaks, task, body, chunk, solutions)
-      call task%solver%loads%at_rest(acting)
-      do i = 1, chunk%last - chunk%first + 1
-         associate (kept => chunk%results(i), loads => task%solver%loads)
-            if (kept%is_empty()) then
-               kept%quantity = spread(0.0_dp, 1, task%n_quantities)
-            else
-               acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
-               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
-                  solutions(i)%displacement, solutions(i)%force))
-               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), [peaks(:, i), named]))
-               kept%quantity = list%value
-               kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
-               if (kept%has_solution) cycle
-               ! A solution with numbers that are not finite is none, however small its residual.
-               kept%outcome = outcome_numbers
-               kept%is_warned = .false.
-            end if
-         end associate
-      end do
+      call find_numbers(task, body, chunk, solutions)
       do i = 1, chunk%last - chunk%first + 1
          call status_runs(runs, solutions(i)%status, body%zone%set)
          call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
@@ -629,6 +605,40 @@ contains
          end associate
       end do
    end subroutine solve_cases
+
+   !> Computes the stored numbers of all cases of a chunk.
+   subroutine find_numbers(task, body, chunk, solutions)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
+      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
+      type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
+      type(acting_t) :: acting
+      integer :: i
+
+      allocate (named(0))
+      call find_body_results(peaks, task, body, chunk, solutions)
+      call task%solver%loads%at_rest(acting)
+      do i = 1, chunk%last - chunk%first + 1
+         associate (kept => chunk%results(i), loads => task%solver%loads)
+            if (kept%is_empty()) then
+               kept%quantity = spread(0.0_dp, 1, task%n_quantities)
+            else
+               acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
+               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
+                  solutions(i)%displacement, solutions(i)%force))
+               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
+                  loads%gap_of(acting), [peaks(:, i), named]))
+               kept%quantity = list%value
+               kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
+               if (kept%has_solution) cycle
+               ! A solution with numbers that are not finite is none, however small its residual.
+               kept%outcome = outcome_numbers
+               kept%is_warned = .false.
+            end if
+         end associate
+      end do
+   end subroutine find_numbers
 
    !> Computes the key results of the whole body for all cases of a chunk, if the deck asks for them.
    subroutine find_body_results(peaks, task, body, chunk, solutions)
