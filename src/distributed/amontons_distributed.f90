@@ -232,7 +232,7 @@ contains
       subdomain%mesh%node = number(subdomain%mesh%node)
       subdomain%mesh%coordinates = mesh%coordinates(:, subdomain%node)
       subdomain%dof_map%dof = dof_map%dof(:, subdomain%node)
-      call subdomain%dof_map%substitution%take_part(dof_map%substitution, subdomain%node(:n_displaced), number)
+      call subdomain%dof_map%substitution%copy_part(dof_map%substitution, subdomain%node(:n_displaced), number)
       subdomain%springs = springs
       do i = 1, size(springs)
          associate (spring => subdomain%springs(i))

@@ -68,7 +68,7 @@ contains
       end do
       call add_elements(stiffness, mesh, materials, coloring, constraints, dof_map)
       if (size(dof_map%dof, 1) > 2) then
-         call materials%take_twist(twist)
+         call materials%twist_part(twist)
          call add_elements(stiffness, mesh, twist, coloring, constraints, dof_map)
       end if
       do i = 1, size(springs)
@@ -229,7 +229,7 @@ contains
       end do
       uncanceled = norm2(forces)
       if (size(displacement, 1) == 2) return
-      call materials%take_twist(twist)
+      call materials%twist_part(twist)
       call sum_uncanceled_terms(mesh, twist, around_axis(displacement), around_axis(magnitude), of_twist, &
          share_of_twist)
       uncanceled = hypot(uncanceled, of_twist)
@@ -237,7 +237,7 @@ contains
    end subroutine sum_uncanceled_terms
 
    !> The third component of a field, around the axis, as the first component of a plane field, see
-   !> `materials_take_twist`.
+   !> `materials_twist_part`.
    pure function around_axis(field) result(plane)
       real(dp), intent(in) :: field(:, :) !! the field (3, any)
       real(dp), allocatable :: plane(:, :)

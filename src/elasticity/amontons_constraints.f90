@@ -135,7 +135,7 @@ module amontons_constraints
       procedure :: forces => substitution_forces
       procedure :: is_substituted => substitution_is_substituted
       procedure :: own_nodes_of_elements => substitution_own_nodes_of_elements
-      procedure :: take_part => substitution_take_part
+      procedure :: copy_part => substitution_copy_part
       procedure :: transform => substitution_transform
    end type substitution_t
 
@@ -764,7 +764,7 @@ contains
    end subroutine substitution_own_nodes_of_elements
 
    !> Copies the substitution of a part of a body, with the part's own node numbers.
-   pure subroutine substitution_take_part(self, body, nodes, number)
+   pure subroutine substitution_copy_part(self, body, nodes, number)
       class(substitution_t), intent(inout) :: self !! that of the part; nothing yet, nor later if it substitutes none
       type(substitution_t), intent(in) :: body !! that of the body
       integer, intent(in) :: nodes(:) !! nodes of the part whose displacements are of interest: its first ones
@@ -782,7 +782,7 @@ contains
       row = [((k, k=body%start(nodes(i)), body%start(nodes(i) + 1) - 1), i=1, size(nodes))]
       self%node = number(body%node(row))
       self%block = body%block(:, :, row)
-   end subroutine substitution_take_part
+   end subroutine substitution_copy_part
 
    !> The rows of P of some nodes and components, with the columns of the nodes of `element_nodes` (components nodes,
    !> components own_nodes) [-].

@@ -28,7 +28,7 @@ module amontons_elasticity
       integer :: n_nodes !! number of nodes
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
       real(dp) :: gradient(2, max_nodes, max_points)
-         !! gradients of the functions (x and y, node, point); of a twist see `materials_take_twist` [1/L]
+         !! gradients of the functions (x and y, node, point); of a twist see `materials_twist_part` [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
       logical :: has_mean_dilatation !! whether the change of volume is that of the whole element: B-bar

@@ -50,7 +50,7 @@ module amontons_material
       logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
       logical :: is_twisted = .false. !! whether its body may twist about the axis of revolution
-      logical :: is_twist = .false. !! whether it is what `take_twist` makes of a material
+      logical :: is_twist = .false. !! whether it is what `twist_part` makes of a material
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: choose_formulation => material_choose_formulation
@@ -70,7 +70,7 @@ module amontons_material
       integer, allocatable :: of_element(:) !! which of them each element has (n_elements)
    contains
       procedure :: n_components => materials_n_components
-      procedure :: take_twist => materials_take_twist
+      procedure :: twist_part => materials_twist_part
    end type materials_t
 
 contains
@@ -272,7 +272,7 @@ contains
    !> Makes the materials of a plane field whose first component is the displacement around the axis and whose other one
    !> is 0: with the gradient (dN/dr - N/r, dN/dz) the strains xx and 2 xy of the field are the shears r-theta and
    !> z-theta.
-   pure subroutine materials_take_twist(self, twist)
+   pure subroutine materials_twist_part(self, twist)
       class(materials_t), intent(in) :: self !! the materials, isotropic
       type(materials_t), intent(out) :: twist !! what the displacement around the axis meets
       integer :: i
@@ -291,7 +291,7 @@ contains
             material%compliance(3, 3) = 1.0_dp/material%mu
          end associate
       end do
-   end subroutine materials_take_twist
+   end subroutine materials_twist_part
 
    !> Number of displacement components: x and y, and in a twisted body the one around the axis.
    pure integer function materials_n_components(self) result(n_components)

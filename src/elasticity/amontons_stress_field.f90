@@ -93,7 +93,7 @@ contains
       call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), strain, field)
       call move_alloc(node, field%node)
       if (size(displacement, 1) == 2) return
-      call materials%take_twist(twist_materials)
+      call materials%twist_part(twist_materials)
       call new_stress_field(twist, mesh, twist_materials, coloring, around_axis(displacement))
       field%element = with_twist(field%element, twist%element)
       field%node = with_twist(field%node, twist%node)
@@ -104,7 +104,7 @@ contains
       field%force(3, :) = twist%force(1, :)
    end subroutine new_stress_field
 
-   !> Stresses extended by those of a twist, see `materials_take_twist` (6, any) [F/L^2].
+   !> Stresses extended by those of a twist, see `materials_twist_part` (6, any) [F/L^2].
    pure function with_twist(stress, twist) result(whole)
       real(dp), intent(in) :: stress(:, :) !! stresses xx, yy, xy, zz (4, any) [F/L^2]
       real(dp), intent(in) :: twist(:, :) !! those of the field around the axis (4, any) [F/L^2]

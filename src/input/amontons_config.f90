@@ -4,11 +4,11 @@
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
-   use amontons_config_groups, only: accuracy_group, accuracy_options_t, case_group, contact_group, &
+   use amontons_config_groups, only: accuracy_group, accuracy_options_t, add_driven_set, case_group, contact_group, &
       describe_accuracy, describe_case, describe_contact, describe_load, describe_material, describe_mesh, &
       describe_output, describe_preload, describe_problem, describe_rigid, describe_support, describe_tie, &
       driven_set_t, load_group, material_group, mesh_group, output_group, preload_group, problem_group, &
-      reduced_source_t, require_expansion, rigid_group, support_group, take_driven, tie_group
+      reduced_source_t, require_expansion, rigid_group, support_group, tie_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
@@ -220,13 +220,13 @@ contains
          do i = 1, size(config%rigid_sets)
             associate (set => config%rigid_sets(i))
                call describe_rigid(visitor, set%motion, set%drive, has)
-               if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, has)
+               if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
             end associate
          end do
          do i = 1, size(config%preloads)
             associate (set => config%preloads(i))
                call describe_preload(visitor, set%motion, set%drive, set%tie)
-               if (visitor%is_judging()) call take_driven(config%supports, config%loads, config%ties, set, has)
+               if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
             end associate
          end do
          do i = 1, size(config%contacts)

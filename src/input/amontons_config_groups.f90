@@ -21,9 +21,9 @@ module amontons_config_groups
    implicit none (type, external)
    private
 
-   public :: accuracy_options_t, describe_accuracy, describe_case, describe_contact, describe_load, &
+   public :: accuracy_options_t, add_driven_set, describe_accuracy, describe_case, describe_contact, describe_load, &
       describe_material, describe_mesh, describe_output, describe_preload, describe_problem, describe_rigid, &
-      describe_support, describe_tie, driven_set_t, reduced_source_t, require_expansion, take_driven
+      describe_support, describe_tie, driven_set_t, reduced_source_t, require_expansion
 
    !> The group of the case.
    type(group_t), parameter, public :: case_group = group_t('case')
@@ -544,7 +544,7 @@ contains
    end subroutine check_driven
 
    !> Adds the support and the load that represent a rigid set or preload, and the tie of a preload.
-   subroutine take_driven(supports, loads, ties, set, has)
+   subroutine add_driven_set(supports, loads, ties, set, has)
       type(support_t), allocatable, intent(inout) :: supports(:) !! gains the motion
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
       type(tie_t), allocatable, intent(inout) :: ties(:) !! gains the two sides of a preload
@@ -564,7 +564,7 @@ contains
       supports = [supports, support]
       loads = [loads, load]
       if (support%is_jump) ties = [ties, set%tie]
-   end subroutine take_driven
+   end subroutine add_driven_set
 
    !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
    subroutine describe_load(visitor, load)

@@ -363,7 +363,7 @@ contains
       end if
    end subroutine check_spin
 
-   !> Finds a motion that friction cannot hold.
+   !> Finds a motion of a body on a round line that the loads drive and friction cannot hold.
    subroutine find_spin(amounts, body, is_in_reach, problem, solution, is_near, size_of_body)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)

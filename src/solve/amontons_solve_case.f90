@@ -41,8 +41,8 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: cache_t, certify, condense_case, estimate_error, evaluate, prepare_case, prepare_single_case, set_factor, &
-      solve_body, solve_case
+   public :: cache_t, certify, condense_case, describe_factor, estimate_error, evaluate, prepare_case, &
+      prepare_single_case, solve_body, solve_case
 
    !> The contact state at the end of a case, from which the next case of the same body starts.
    type :: state_t
@@ -243,7 +243,7 @@ contains
       integer :: kind
 
       call result%timings%begin(phase_condense)
-      call set_factor(result%factor, body)
+      call describe_factor(result%factor, body)
       allocate (solver)
       call new_load_solver(solver, body, result%load_case, one_part(result%load_case), result%method, error)
       if (allocated(error)) return
@@ -278,7 +278,7 @@ contains
    end subroutine solve_load_case
 
    !> Describes the factorization in use.
-   pure subroutine set_factor(factor, body)
+   pure subroutine describe_factor(factor, body)
       type(factor_t), intent(out) :: factor !! the factorization
       type(body_t), intent(in) :: body !! the body, condensed
 
@@ -287,7 +287,7 @@ contains
          factor%n_entries = condenser%n_factor_entries
          factor%n_flops = condenser%n_flops
       end associate
-   end subroutine set_factor
+   end subroutine describe_factor
 
    !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
    subroutine certify(result, body, error)
@@ -452,7 +452,7 @@ contains
          load_case%thermal_strain)
       if (size(displacement, 1) == 2) return
       ! Tractions around the axis are left to the fit.
-      call body%materials%take_twist(twist)
+      call body%materials%twist_part(twist)
       field = around_axis(displacement)
       call new_recovered_stress(recovered, tables%patches, body%mesh, twist, tractions%side(:0), field)
       call new_error_estimate(of_twist, body%mesh, twist, field, tables%patches, recovered)

@@ -128,9 +128,9 @@ contains
          ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
          ! another machine, as far as they can be true.
          associate (result => again%result, stepping => again%result%stepping)
-            call take_stated_worst(case, of_identities, stepping%n_steps, result%worst(of_identities))
+            call adopt_stated_worst(case, of_identities, stepping%n_steps, result%worst(of_identities))
             result%worst(of_indicator) = again%indicator
-            call take_stated_worst(case, of_violation, stepping%n_steps, result%worst(of_violation))
+            call adopt_stated_worst(case, of_violation, stepping%n_steps, result%worst(of_violation))
             stated = nint(case%number('load_history', 'steps_done_earlier'))
             if (stated > 0 .and. stated <= stepping%n_steps) result%n_resumed = stated
             ! The iterations of steps that were given up are in no row.
@@ -428,7 +428,7 @@ contains
    end subroutine try_next_step
 
    !> Takes the largest number of all steps from the summary, if it agrees within rounding.
-   subroutine take_stated_worst(case, number, n_steps, worst)
+   subroutine adopt_stated_worst(case, number, n_steps, worst)
       type(verified_case_t), intent(in) :: case !! the history
       integer, intent(in) :: number !! index of the number in `worst_names`
       integer, intent(in) :: n_steps !! number of the last step
@@ -444,6 +444,6 @@ contains
       ! Of numbers that are rounding any may be the largest.
       if (worst%value <= rounding .and. stated%step > 0 .and. stated%step <= n_steps) worst%step = stated%step
       worst%value = stated%value
-   end subroutine take_stated_worst
+   end subroutine adopt_stated_worst
 
 end module amontons_verify_history

@@ -21,7 +21,7 @@ module amontons_verify_sweep
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: cache_t, condense_case, evaluate
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
-      find_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
+      find_stored_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
    use amontons_sweep_study, only: n_documents, new_sweep_summary, sweep_documents, sweep_result_t
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
@@ -230,7 +230,7 @@ contains
             follows = follows .or. differs
          end associate
       end do
-      if (follows) call find_numbers(again%task, body, chunk, solutions)
+      if (follows) call find_stored_numbers(again%task, body, chunk, solutions)
       do i = 1, size(rows)
          call compare_row(case, again, body, rows(i), chunk%results(i))
       end do

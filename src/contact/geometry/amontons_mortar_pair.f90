@@ -37,8 +37,7 @@ module amontons_mortar_pair
    private
 
    public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      mortar_pair_t, mortar_piece_t, mortar_points_t, n_quadrature_points, new_mortar_pair, take_facing_sides, &
-      take_line
+      mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, n_quadrature_points, new_mortar_pair
 
    !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
@@ -577,19 +576,19 @@ contains
    end function covered_shares
 
    !> Marks the nodes and sides of a line as used by a contact set or tie.
-   pure subroutine take_line(follower, line)
+   pure subroutine mark_line(follower, line)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the line (nodes)
       type(boundary_line_t), intent(in) :: line !! the line of a set
       integer :: i
 
       do i = 1, line%n_nodes
-         if (line%next(i) > 0) call take_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
+         if (line%next(i) > 0) call mark_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
       end do
-   end subroutine take_line
+   end subroutine mark_line
 
    !> Marks the nodes and sides of a slave that face its master as used, except for sides that the master covers only
    !> in part: the rest of these is left to another set.
-   pure subroutine take_facing_sides(follower, pair)
+   pure subroutine mark_facing_sides(follower, pair)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       ! Rounding error of the length of a side.
@@ -602,24 +601,24 @@ contains
          if (.not. share(i) > 0.0_dp) cycle
          associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
             if (nodes(3) > 0) then
-               call take_side(follower, nodes([1, 3]), is_whole)
-               call take_side(follower, nodes([3, 2]), is_whole)
+               call mark_side(follower, nodes([1, 3]), is_whole)
+               call mark_side(follower, nodes([3, 2]), is_whole)
             else
-               call take_side(follower, nodes(:2), is_whole)
+               call mark_side(follower, nodes(:2), is_whole)
             end if
          end associate
       end do
-   end subroutine take_facing_sides
+   end subroutine mark_facing_sides
 
    !> Marks two consecutive nodes of a side as used.
-   pure subroutine take_side(follower, nodes, is_whole)
+   pure subroutine mark_side(follower, nodes, is_whole)
       integer, intent(inout) :: follower(:) !! the node that follows each node (nodes)
       integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
       logical, intent(in) :: is_whole !! whether the set has all between them
 
       where (follower(nodes) == 0) follower(nodes) = nodes
       if (is_whole) follower(nodes(1)) = nodes(2)
-   end subroutine take_side
+   end subroutine mark_side
 
    !> Refuses a side of the slave that has no multiplier at either end and faces a part of the master that may move
    !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which

@@ -11,8 +11,8 @@ module amontons_pair_substitution
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points, &
-      new_mortar_pair, take_facing_sides
+   use amontons_mortar_pair, only: check_ends, integrate_pair, mark_facing_sides, mortar_pair_t, mortar_points_t, &
+      n_quadrature_points, new_mortar_pair
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)
@@ -329,7 +329,7 @@ contains
             body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
-         call take_facing_sides(follower, pairs(i))
+         call mark_facing_sides(follower, pairs(i))
          if (ties(i)%has_jump) call find_jump(pairs(i), body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return

@@ -119,7 +119,7 @@ contains
       named = force_values(body, reaction, displacement, force, load_case%driven)
       ! The reactions of bonded nodes are the forces that the surfaces exert on each other.
       reaction = body%dof_map%substitution%forces(reaction)
-      call take_tie_forces(tied, reaction, body)
+      call split_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
       certificate%couple_scale = certificate%couple
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
@@ -351,7 +351,7 @@ contains
 
    !> Moves the forces that bonded surfaces exert on each other from the reactions of the nodes to the forces of the
    !> ties.
-   pure subroutine take_tie_forces(force, reaction, body)
+   pure subroutine split_tie_forces(force, reaction, body)
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (components, n_nodes) [F]
       type(body_t), intent(in) :: body !! the body
@@ -387,7 +387,7 @@ contains
             end associate
          end do
       end do
-   end subroutine take_tie_forces
+   end subroutine split_tie_forces
 
    !> Checks that the forces on the two bodies of every pair cancel, and their moments except for the couple that they
    !> form across a gap. In a body of revolution the forces around the axis have no moment in the plane.

@@ -148,7 +148,7 @@ contains
       if (allocated(band_error)) call move_alloc(band_error, error)
    end subroutine new_condensation
 
-   !> Factorizes the stiffness of a body that is spread over ranks.
+   !> Makes the condensation of a body that is spread over ranks of its condenser.
    subroutine new_distributed_condensation(condensation, condenser, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(out) :: condensation !! the factorized body
       class(condenser_t), allocatable, intent(inout) :: condenser !! has the stiffness; moved into the condensation

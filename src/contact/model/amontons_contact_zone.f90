@@ -17,8 +17,8 @@ module amontons_contact_zone
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
-      n_quadrature_points, new_mortar_pair, take_facing_sides, take_line
+   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_line, &
+      mortar_pair_t, mortar_points_t, n_quadrature_points, new_mortar_pair
    use amontons_obstacle, only: unit_vector
    use amontons_surface, only: meet_master, meeting_t, meshed_body_t, mortar_segment_t, sides_near
    implicit none (type, external)
@@ -158,7 +158,7 @@ contains
       else
          call add_line(zone, set, contact%direction, line, body, follower)
       end if
-      call take_line(follower, line)
+      call mark_line(follower, line)
    end subroutine add_set
 
    !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
@@ -495,7 +495,7 @@ contains
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         call take_facing_sides(follower, pair)
+         call mark_facing_sides(follower, pair)
       end associate
       points%acting = integrals%center
       points%foot = integrals%foot

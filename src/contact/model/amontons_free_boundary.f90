@@ -108,12 +108,12 @@ contains
       where (n_to > 1) outline%to = 0
       allocate (outline%is_taken(size(body%outer)), outline%is_taken_node(body%mesh%n_nodes), source=.false.)
       do i = 1, size(contacts)
-         call take_set(outline, body%mesh, contacts(i)%set)
-         if (contacts(i)%pairing%is_pair()) call take_set(outline, body%mesh, contacts(i)%pairing%against)
+         call mark_set(outline, body%mesh, contacts(i)%set)
+         if (contacts(i)%pairing%is_pair()) call mark_set(outline, body%mesh, contacts(i)%pairing%against)
       end do
       do i = 1, size(ties)
-         call take_set(outline, body%mesh, ties(i)%set)
-         call take_set(outline, body%mesh, ties(i)%against)
+         call mark_set(outline, body%mesh, ties(i)%set)
+         call mark_set(outline, body%mesh, ties(i)%against)
       end do
       do i = 1, size(contacts)
          call extend_set(set, contacts(i)%set, i, .false., outline, body)
@@ -184,8 +184,8 @@ contains
       boundary%nodes = boundary%nodes(:n)
    end subroutine add_beyond
 
-   !> Marks the sides of a boundary set as taken.
-   subroutine take_set(outline, mesh, set)
+   !> Marks the sides and nodes of the boundary set of a contact set or tie as taken.
+   subroutine mark_set(outline, mesh, set)
       type(outline_t), intent(inout) :: outline !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
@@ -202,7 +202,7 @@ contains
             if (to > 0) outline%is_taken(to) = outline%is_taken(to) .or. outline%side(1, to) == sides(1, i)
          end associate
       end do
-   end subroutine take_set
+   end subroutine mark_set
 
    !> Extends a boundary set beyond its ends, along sides that belong to no contact set or tie.
    pure subroutine extend_set(extended, set, number, is_of_master, outline, body)

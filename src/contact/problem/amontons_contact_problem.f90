@@ -55,7 +55,7 @@ module amontons_contact_problem
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
-      procedure :: weight => contact_problem_weight
+      procedure :: violation_weights => contact_problem_violation_weights
    end type contact_problem_t
 
    ! Share of two forces below which rounding errors make up their difference.
@@ -280,7 +280,7 @@ contains
    !> Weights of the violations at each point. In a reduced problem the violation of a point is divided by its own
    !> scale, which is the force scale or the force of the largest free displacement at this point, whichever is larger:
    !> otherwise stiff points, whose forces are large, would hide violations at soft ones (m) [-].
-   pure function contact_problem_weight(self) result(weight)
+   pure function contact_problem_violation_weights(self) result(weight)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), allocatable :: weight(:)
       real(dp) :: rho(self%matrix%n), length
@@ -293,7 +293,7 @@ contains
       associate (m => self%n_points)
          weight = max(1.0_dp, self%force_scale()/(length*min(rho(:m), rho(m + 1:2*m))))
       end associate
-   end function contact_problem_weight
+   end function contact_problem_violation_weights
 
    !> The residual of a pair (v, lambda) [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
@@ -319,7 +319,7 @@ contains
 
       if (.not. self%matrix%has_stiffness()) then
          call self%matrix%compliance%multiply(force, imbalance)
-         imbalance = [(self%weight(), i=0, self%matrix%n_tangents)]*self%matrix%augmentation*(imbalance &
+         imbalance = [(self%violation_weights(), i=0, self%matrix%n_tangents)]*self%matrix%augmentation*(imbalance &
             - self%free_displacement + displacement)
       else
          call self%matrix%multiply_stiffness(displacement, imbalance)
@@ -347,10 +347,10 @@ contains
             at_points = max(abs(min(force(:m), rho(:m)*(self%gap - displacement(:m)))), disc_violation( &
                force(m + 1:2*m), force(2*m + 1:), slip(:m), slip(m + 1:), self%bound(force(:m)), rho(m + 1:2*m)))
          end associate
-         violation = maxval(self%weight()*at_points)
+         violation = maxval(self%violation_weights()*at_points)
          return
       end if
-      violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, &
+      violation = max(0.0_dp, maxval(self%violation_weights()*law_violation(force(:m), displacement(:m) - self%gap, &
          force(m + 1:), displacement(m + 1:) - self%anchor, self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 

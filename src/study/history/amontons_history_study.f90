@@ -19,7 +19,7 @@ module amontons_history_study
       refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
-   use amontons_solve_case, only: cache_t, certify, condense_case, prepare_case, set_factor
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, lower_case, &
@@ -268,7 +268,7 @@ contains
          end associate
       end do
       if (.not. changes) call last%warnings%add('no load, support, obstacle or friction changes over the history')
-      call set_factor(last%factor, cache%body)
+      call describe_factor(last%factor, cache%body)
    end subroutine prepare_history
 
    !> Takes the steps until the end, until no step is possible, or until the monitor stops it.

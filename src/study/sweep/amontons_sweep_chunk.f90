@@ -37,9 +37,9 @@ module amontons_sweep_chunk
    implicit none (type, external)
    private
 
-   public :: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
-      find_numbers, new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, &
-      solve_chunk, solve_chunks, sweep_header, sweep_statistics_t, sweep_task_t
+   public :: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, find_stored_numbers, &
+      new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, solve_chunk, &
+      solve_chunks, sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes in listings.
    character(14), parameter :: outcome_labels(size(outcome_names)) = [character(14) :: 'Converged', 'NOT CONVERGED', &
@@ -523,7 +523,7 @@ contains
       call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
       chunk%rows = ''
       if (chunk%is_broken()) return
-      call find_numbers(task, body, chunk, solutions)
+      call find_stored_numbers(task, body, chunk, solutions)
       do i = 1, chunk%last - chunk%first + 1
          call status_runs(runs, solutions(i)%status, body%zone%set)
          call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
@@ -607,7 +607,7 @@ contains
    end subroutine solve_cases
 
    !> Computes the stored numbers of all cases of a chunk.
-   subroutine find_numbers(task, body, chunk, solutions)
+   subroutine find_stored_numbers(task, body, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
@@ -638,7 +638,7 @@ contains
             end if
          end associate
       end do
-   end subroutine find_numbers
+   end subroutine find_stored_numbers
 
    !> Computes the key results of the whole body for all cases of a chunk, if the deck asks for them.
    subroutine find_body_results(peaks, task, body, chunk, solutions)
@@ -684,7 +684,7 @@ contains
             do k = 1, size(some)
                nodal = stress(:, :, k)
                if (body%zone%n_tangents == 2) then
-                  if (k == 1) call body%materials%take_twist(twist)
+                  if (k == 1) call body%materials%twist_part(twist)
                   call find_node_stresses(nodal, 1, body%mesh, twist, body%coloring, around_axis(field(:, :, k)))
                   nodal = with_twist(stress(:, :, k), nodal)
                end if

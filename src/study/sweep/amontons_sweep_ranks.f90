@@ -68,7 +68,7 @@ contains
    end subroutine prepare_on_ranks
 
    !> Prepares a sweep of rank 0 and keeps it if all ranks succeed; called on the other ranks.
-   subroutine take_sweep(share)
+   subroutine receive_sweep(share)
       type(share_t), allocatable, intent(out) :: share !! the sweep; not allocated if it is not shared
       type(share_t), allocatable :: taken
       type(error_t), allocatable :: error
@@ -84,7 +84,7 @@ contains
       if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem)
       if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
-   end subroutine take_sweep
+   end subroutine receive_sweep
 
    !> Passes a deck from rank 0.
    subroutine pass_deck(file, deck)
@@ -214,7 +214,7 @@ contains
          case (order_end)
             exit
          case (order_take)
-            call take_sweep(share)
+            call receive_sweep(share)
          case (order_solve)
             call solve_share(share)
          case (order_gather)

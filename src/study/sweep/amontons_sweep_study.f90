@@ -28,7 +28,7 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, certify, condense_case, estimate_error, set_factor
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, estimate_error
    use amontons_stress_field, only: new_stress_field
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
@@ -98,7 +98,7 @@ contains
       if (allocated(error)) return
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
-      call set_factor(result%certified%factor, cache%body)
+      call describe_factor(result%certified%factor, cache%body)
       call prepare_on_ranks(result%n_sharing, task, cache, config, error)
       if (.not. allocated(error)) call solve_batches(task, cache, directory, config, monitor, result, error)
       call end_sharing(result%n_sharing)
