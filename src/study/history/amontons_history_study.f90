@@ -111,13 +111,28 @@ contains
          !! the deck is invalid, the computation failed numerically, or a file cannot be written
       type(history_model_t) :: model
       type(history_files_t) :: files
+      type(archive_t), allocatable :: progress
+      real(dp), allocatable :: start(:)
+      character(:), allocatable :: key
       integer :: i
 
       call prepare_history(cache, config, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
-      call begin_history(cache, config, directory, model, files, result, error)
+      ! From the start, or from the last step that an earlier run has saved.
+      key = '! Amontons '//version//', a history under way; contact problem '// &
+         model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
+      call start_history(result, cache, model, start, error)
       if (allocated(error)) return
+      if (allocated(start)) key = key//comma_separated(start)//newline
+      call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
+      if (allocated(error)) return
+      if (allocated(progress)) then
+         call result%visit(progress)
+         call result%stepping%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
+         if (allocated(error)) return
+         result%n_resumed = result%stepping%n_steps
+      end if
       call take_steps(cache, model, files, monitor, result, error)
       result%last%is_complete = len(result%stepping%fault) == 0
       result%last%outcome = result%stepping%outcome
@@ -136,31 +151,6 @@ contains
          call result%checkpoint%close()
       end if
    end subroutine solve_history
-
-   !> Begins a history at its start, or after the last step that an earlier run has saved.
-   subroutine begin_history(cache, config, directory, model, files, result, error)
-      type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of the last step
-      type(config_t), intent(in) :: config !! the deck
-      character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(history_model_t), intent(inout) :: model !! the history
-      type(history_files_t), intent(out) :: files !! the files
-      type(history_result_t), intent(inout) :: result !! gains the time stepping and its record
-      type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
-      type(archive_t), allocatable :: progress
-      real(dp), allocatable :: start(:)
-      character(:), allocatable :: key
-
-      key = '! Amontons '//version//', a history under way; contact problem '// &
-         model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
-      call start_history(result, cache, model, start, error)
-      if (allocated(error)) return
-      if (allocated(start)) key = key//comma_separated(start)//newline
-      call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
-      if (allocated(error) .or. .not. allocated(progress)) return
-      call result%visit(progress)
-      call result%stepping%restore(model, cache%body, cache%problem, progress%numbers(progress%n + 1:), error)
-      result%n_resumed = result%stepping%n_steps
-   end subroutine begin_history
 
    !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck: the
    !> state of another body or under other loads would have energy that no load has supplied.
