@@ -295,8 +295,7 @@ contains
       real(dp), allocatable :: displacement(:, :)
       integer :: node, axis
 
-      allocate (displacement, mold=prescribed)
-      displacement = 0.0_dp
+      allocate (displacement(size(prescribed, 1), size(prescribed, 2)), source=0.0_dp)
       do node = 1, size(displacement, 2)
          do axis = 1, size(displacement, 1)
             if (dof_map%dof(axis, node) > 0) displacement(axis, node) = vector(dof_map%dof(axis, node))

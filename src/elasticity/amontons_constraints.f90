@@ -510,8 +510,7 @@ contains
       real(dp) :: frame(size(motion, 1), size(motion, 1)), along(size(motion, 1)), work(size(motion, 1))
       integer :: axis, node
 
-      allocate (part, mold=motion)
-      part = 0.0_dp
+      allocate (part(size(motion, 1), size(motion, 2)), source=0.0_dp)
       do node = 1, size(motion, 2)
          if (all(self%holder(:, node) == 0)) cycle
          frame = self%frame(node)

@@ -293,6 +293,11 @@ contains
       unit = binary_scale(max(maxval(abs(reaction)), tiny(unit)))
       imbalance = 0.0_dp
       do node = 1, size(reaction, 2)
+         if (all(constraints%is_free(:, node))) then
+            imbalance = imbalance + sum((reaction(:, node)*unit)**2)
+            reaction(:, node) = 0.0_dp
+            cycle
+         end if
          associate (frame => constraints%frame(node), is_free => constraints%is_free(:, node))
             along = matmul(reaction(:, node), frame)
             imbalance = imbalance + sum((along*unit)**2, mask=is_free)

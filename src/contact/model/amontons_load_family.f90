@@ -403,11 +403,11 @@ contains
 
       family%parting = parting
       family%base = load_case
-      ! The feet of the contact points: where the normals meet the obstacles, or the points themselves where they do not
-      ! (2, quadrature points) [L].
+      ! The feet of the contact points: where the normals meet rigid obstacles, elsewhere the points themselves.
       associate (quadrature => body%zone%quadrature)
          allocate (family%feet, source=quadrature%position)
          do p = 1, body%zone%n_points
+            if (load_case%contacts(body%zone%set(p))%pairing%is_pair()) cycle
             do i = quadrature%start(p), quadrature%start(p + 1) - 1
                call load_case%contacts(body%zone%set(p))%obstacle%measure(quadrature%position(:, i), &
                   quadrature%normal(:, i), gap, is_met, cosine)
