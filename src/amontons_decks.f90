@@ -1,6 +1,6 @@
 !> Decks and files, above the bodies of the module `amontons`: what the program does, for other programs.
 !>
-!> From a deck of any kind to its files: `read_config`, `new_study`, `solve_study`. With the result at hand:
+!> From a deck of any kind to its files: `read_config`, `new_study`, `solve_study`. To have the result as well:
 !> `solve_case`, `write_report`; of a body made in code, `new_case_label` and `write_report`. A history step by step:
 !> `new_load_stepper` and its `step`. Files of an earlier run: `find_cases`, `verify_files`.
 module amontons_decks

@@ -38,7 +38,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
       type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
-      ! What is left of two normals that cancel but for the digits of a mesh file.
+      ! Length of the sum of two unit normals that cancel but for the digits of a mesh file.
       real(dp), parameter :: negligible = 1.0e-6_dp
       integer, allocatable :: sides(:, :), after(:), before(:)
       logical, allocatable :: is_bare(:), is_on_axis(:)

@@ -35,7 +35,7 @@ module amontons_elasticity
       real(dp) :: mean_dilatation(2, max_nodes) !! then its mean over the element by displacement (x and y, node) [1/L]
    end type element_geometry_t
 
-   ! What the points, in the order of the corners, have of values at the first side and at the last one.
+   ! Shares that the points, in the order of the corners, have of values at the first side and at the last one.
    real(dp), parameter :: near = 0.5_dp + 0.5_dp/sqrt(3.0_dp), far = 1.0_dp - near
    real(dp), parameter :: first(4) = [near, near, far, far], last(4) = [near, far, far, near]
    !> Shape functions (point, corner) [-].

@@ -63,7 +63,7 @@ contains
       do
          call cholesky_factor(a, info)
          is_soft = regularization > 0.0_dp
-         ! What is not finite stays so with any regularization.
+         ! Numbers that are not finite stay so with any regularization.
          if (info == 0 .or. regularization > 1.0_dp) return
          regularization = max(least, growth*regularization)
          ! The upper triangle still has the matrix.

@@ -255,9 +255,9 @@ contains
    pure subroutine add_couples(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
-      ! What passes for small of the moment that a pair transmits [-].
+      ! Largest couple without a warning, as a share of the moment that a pair transmits [-].
       real(dp), parameter :: large = 0.05_dp
-      ! What the certificate passes as no force [-].
+      ! Largest share of a force that the certificate takes for 0 [-].
       real(dp), parameter :: rounding = 1.0e-8_dp
       character(:), allocatable :: label
       integer :: i

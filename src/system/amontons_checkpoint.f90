@@ -200,7 +200,7 @@ contains
       class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
       character(*), intent(in) :: key !! everything that the rows depend on
       type(archive_t), allocatable, intent(out) :: progress
-         !! that of the last whole line; not allocated unless the tables are those that it tells of
+         !! that of the last whole line; not allocated unless the tables are those that it describes
       integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
       type(error_t), allocatable :: error
       character(:), allocatable :: text

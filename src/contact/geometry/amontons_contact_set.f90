@@ -70,7 +70,7 @@ module amontons_contact_set
    !> lambda_N.
    type :: contact_t
       character(:), allocatable :: name
-         !! its name, by which a load history knows it besides its set, and of its forces; empty or not allocated
+         !! its name in load histories, in addition to that of its set, and of its forces; empty or not allocated
          !! without one
       character(:), allocatable :: set !! name of the boundary set
       type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired

@@ -102,7 +102,7 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
-         !! nodal forces that the stresses amount to, from `new_stress_field`, if at hand (components, n_nodes) [F]
+         !! nodal forces that the stresses amount to, from `new_stress_field`, if known (components, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, strained_share, uncanceled, work

@@ -60,7 +60,7 @@ module amontons_contact_zone
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! nodes between two contact sets: they belong to the set named first
       integer, allocatable :: passed_point(:, :)
-         !! contact sets whose line goes on from that of an earlier set, and the point between the two (2, any)
+         !! contact sets whose line continues that of an earlier set, and the point between the two (2, any)
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       real(dp), allocatable :: idle_side(:, :)
          !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,

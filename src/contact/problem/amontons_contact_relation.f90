@@ -204,7 +204,7 @@ contains
       violation = violation/max(1.0_dp, maxval(abs(force)), maxval(abs(distance)))
    end function contact_relation_violation
 
-   !> Finds a solution; a basis tells which of each pair of variables may differ from zero.
+   !> Finds a solution; a basis is the choice of the variable of each pair that may differ from zero.
    !>
    !> Numbers of the matrix and of the right-hand side should be about 1: what is far below counts as zero.
    pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome, error, effort)
@@ -357,7 +357,7 @@ contains
       if (is_candidate(row)) return
       do k = 1, tableau%n
          if (count(is_candidate) == 1) exit
-         ! What a small growth of q_k adds to each basic variable.
+         ! Increments of the basic variables under a small growth of q_k.
          place = tableau%place(k)
          if (place < 0) then
             value = -tableau%entry(:, -place)/factor

@@ -527,7 +527,7 @@ contains
          case ('PartitionedEntities')
             call input%refuse('a partitioned mesh; save it as one')
          case default
-            ! What it holds does not matter here.
+            ! Its contents do not matter here.
             at = index(input%text(input%position:), new_line('a')//'$End'//name)
             if (at == 0) call input%refuse('the section $'//name//' has no end $End'//name)
             input%position = input%position + at
