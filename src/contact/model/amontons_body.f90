@@ -16,7 +16,7 @@ module amontons_body
       new_contact_zone, recompute_pairs, segments_again
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
@@ -695,13 +695,13 @@ contains
       do i = 1, size(body%motions)
          associate (motions => body%motions(i))
             if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
-            call new_error(error, input_refused, motions%describe([1.0_dp, &
+            call new_error(error, numerical_failure, motions%describe([1.0_dp, &
                spread(0.0_dp, 1, motions%n_free - 1)])//': nothing holds it; add a support or a contact set')
             return
          end associate
       end do
       if (size(body%common_motions, 2) > 0 .and. any(body%zone%pairs%is_set())) call new_error(error, &
-         input_refused, 'nothing holds the bodies together against a common motion: '// &
+         numerical_failure, 'nothing holds the bodies together against a common motion: '// &
          largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
    end subroutine check_held
 
