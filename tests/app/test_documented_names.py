@@ -190,6 +190,17 @@ class DocumentedNames(ProgramTest):
             name = pattern.pattern.replace("(_\\d+)?", "").replace(".+", "part")
             self.assertEqual(dimension_of(name), unit, name)
 
+    @unittest.skipIf(importlib.util.find_spec("matplotlib") is None, "Matplotlib is not installed")
+    def test_options_of_the_command_that_draws_have_a_row_with_all_their_words(self):
+        sys.path.insert(0, str(PAGES.parent / "python"))
+        plot = importlib.import_module("amontons.plot")
+        rows = dict(re.findall(r"^\| `(--[a-z]+)(.*)$", section_of("guide.md", "Figures"), re.MULTILINE))
+        # argparse has no other list of its options.
+        options = re.findall(r"^  (--[a-z]+)", plot.parser().format_help(), re.MULTILINE)
+        self.assertEqual(sorted(rows), sorted(options))
+        for option, words in (("--panels", plot.PANELS), ("--abscissa", plot.ABSCISSAS), ("--format", plot.FORMATS)):
+            self.assertLessEqual({*words}, {*re.findall(r"[a-z]+", rows[option])}, option)
+
     def test_words_that_people_search_for_are_in_the_pages(self):
         text = " ".join(" ".join(page.read_text(encoding="utf-8") for page in PAGES.glob("*.md")).split())
         self.assertEqual([word for word in SEARCHED if word not in text], [])
