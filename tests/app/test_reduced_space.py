@@ -62,6 +62,28 @@ def turned(w, q, angles):
     return product(product(turn, w), transposed(turn)), [row[0] for row in product(turn, [[value] for value in q])]
 
 
+def tower(n_bricks, seed):
+    """The problem of a tower of bricks, four contacts below each, that move at random: more forces than motions."""
+    numbers = random.Random(seed)
+    rows, mu = [], []
+    for brick in range(n_bricks):
+        shift = numbers.uniform(-0.3, 0.3)*(brick > 0)
+        for x, y in ((-1, -0.5), (-1, 0.5), (1, -0.5), (1, 0.5)):
+            for axis in ((0, 0, 1), (1, 0, 0), (0, 1, 0)):
+                row = [0.0]*(6*n_bricks)
+                for body, sign in ((brick, 1), (brick - 1, -1)):
+                    if body < 0:
+                        continue
+                    arm = x + shift, y, -0.5*sign
+                    turn = (arm[1]*axis[2] - arm[2]*axis[1], arm[2]*axis[0] - arm[0]*axis[2],
+                            arm[0]*axis[1] - arm[1]*axis[0])
+                    row[6*body:6*body + 6] = [float(sign*part) for part in (*axis, *turn)]
+                rows.append(row)
+            mu.append(numbers.choice([0.2, 0.6]))
+    velocity = [numbers.gauss(0, 0.2) - (k % 6 == 2) for k in range(6*n_bricks)]
+    return product(rows, transposed(rows)), [sum(map(float.__mul__, row, velocity)) for row in rows], mu
+
+
 class SpaceTest(ProgramTest):
     """Reads what a reduced problem in space leaves."""
 
@@ -144,6 +166,15 @@ class Problems(SpaceTest):
                     self.run_program(self.write("case.nml", "&problem kind = 'reduced'  file = 'case.dat' /\n"
                                                 f"&solver method = '{method}'  max_iterations = 100000 /\n"))
                     self.check_law(w, q, mu, self.table("case"))
+
+    def test_points_that_hardly_slide_converge_quadratically(self):
+        for n_bricks, seed in ((2, 109), (3, 34), (4, 68)):
+            w, q, mu = tower(n_bricks, seed)
+            self.write("case.dat", text_of(w, q, mu))
+            self.run_program("--reduced", "case.dat")
+            self.check_law(w, q, mu, self.table("case"))
+            summary = json.loads((self.directory/"case.summary.json").read_text(encoding="utf-8"))
+            self.assertLess(summary["iterations"], 60)
 
     def test_turned_tangents_change_no_number(self):
         for seed in range(8):

@@ -60,8 +60,8 @@ contains
    !> Runs a few Newton steps from the start, and from rest if that is another point; on a band matrix the methods that
    !> move fronts; the splitting to a coarse tolerance, which comes close to the solution where friction is moderate.
    !> Then rounds of many Newton steps and of other methods. A reduced problem in space gets more first steps, since
-   !> steps from rest that are broken off would have to be repeated: of 300 piles of rigid bodies all but one are solved
-   !> within 250 of them, with a fourth fewer steps than in rounds.
+   !> steps from rest that are broken off would have to be repeated: of 300 piles of rigid bodies all but six are solved
+   !> within 250 of them.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem

@@ -396,8 +396,8 @@ contains
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (n) [F/L]
       real(dp), intent(in) :: displacement(:) !! v (n) [L]
       real(dp), intent(in) :: force(:) !! lambda (n) [F]
-      ! At a point that hardly slides the spring across the slip is as stiff as for sticking.
-      real(dp), parameter :: most_share = 0.99_dp
+      ! Keeps the spring finite at a point that hardly slides; less than the true share makes convergence linear there.
+      real(dp), parameter :: most_share = 0.9999_dp
       real(dp) :: augmented(problem%matrix%n), bound(problem%n_points), length(problem%n_points)
       integer :: i
 
