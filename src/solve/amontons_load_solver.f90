@@ -375,6 +375,7 @@ contains
       real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       real(dp), allocatable :: on_round(:, :), spins(:, :)
       real(dp) :: rounding
+      real(dp), parameter :: of_loads = 1.0e-13_dp
       logical :: is_driven
       integer :: trial
 
@@ -382,8 +383,9 @@ contains
       ! Only loads drive a spin: without loads the remainder of the forces is rounding.
       if (.not. any(abs(problem%load) > 0.0_dp)) return
       ! A body that spins without end moves by more than its size; for smaller motions the product of S with the motion
-      ! is no load.
-      rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body))
+      ! is no load. Nor are rounding errors of large loads across the motion.
+      rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body)) &
+         + of_loads*maxval(abs(problem%load))
       call new_spins(spins, on_round, body, is_in_reach)
       associate (modes => body%rigid_modes)
          if (size(spins, 2) > 0) then
@@ -509,12 +511,13 @@ contains
       integer, parameter :: most_points = 2000
       ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
       real(dp), parameter :: negligible = 1.0e-3_dp
+      real(dp), parameter :: most_residual = 1.0e-8_dp, far = 10.0_dp
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: held
       type(contact_solution_t) :: found
       type(auto_t) :: method
       type(error_t), allocatable :: error
-      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), way(problem%matrix%n)
+      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), way(problem%matrix%n), inexact
       integer :: i, trial
 
       if (problem%n_points > most_points) return
@@ -530,13 +533,15 @@ contains
          end do
          call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
          call solve_components(method, held, found, error)
-         if (allocated(error) .or. .not. found%is_converged) return
+         if (allocated(error) .or. .not. found%residual <= most_residual) return
          ! Once all slips that does, bodies move on without further strain.
          amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
          way = matmul(on_round, amounts)
+         ! Far away rounding may leave more than the tolerance.
+         inexact = merge(0.0_dp, far*found%residual*found%force_scale, found%is_converged)
          associate (along => way(:problem%n_points), closes => found%force(:problem%n_points) > 0.0_dp)
             if (all(merge(abs(along), along, closes) <= negligible*maxval(abs(way)) .or. .not. is_in_reach) .and. &
-               is_unbalanced(problem, found%force, rounding, amounts, on_round, modes)) return
+               is_unbalanced(problem, found%force, rounding + inexact, amounts, on_round, modes)) return
          end associate
          deallocate (amounts)
          before = found%displacement

@@ -309,7 +309,7 @@ contains
          call check_statuses(faults, path, has_rows, state_of(load_case%free_gap - solution%displacement(:m), &
             merge(0.0_dp, solution%displacement(m + 1:) - load_case%anchor, body%zone%is_slip_fixed), solution%force, &
             solution%status), load_case%friction, load_case%slip_bound, body%zone%is_shear_fixed, &
-            law_scales_t(limit*maxval(abs(result%displacement)), limit*result%certificate%force_scale))
+            law_scales_t(limit*result%certificate%length_scale, limit*result%certificate%force_scale))
       end associate
    end subroutine check_law
 

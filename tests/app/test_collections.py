@@ -149,7 +149,7 @@ class Sweeps(CollectionTest):
     def test_without_a_solution_there_is_no_collection(self):
         pulls = block(SUPPORT, "load name = 'pull'  set = 'top'  pressure = -1.0", CONTACT,
                       "sweep load = 'pull'  factor = 1.0, 2.0", "output fields_every = 1")
-        self.run_program(self.write("case.nml", pulls))
+        self.run_program(self.write("case.nml", pulls), status=2)
         self.assertEqual([name for name in self.files() if name.endswith((".pvd", ".vtu", ".tmp"))], [])
 
     def test_effective_deck_keeps_the_key(self):

@@ -37,6 +37,25 @@ class Rounding(Verification):
         self.verify()
         return json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
 
+    def test_a_load_on_the_contact_points_themselves_strains_nothing(self):
+        # A body is pulled up against a ceiling by a load on the side that meets it: displacements are 1e-16.
+        self.summary_of("""&mesh size = 10.790850158564059, 7.27897783948317  cells = 5, 3  element = 'tri3' /
+&material young = 1268.5380677830908  poisson = 0  hypothesis = 'plane strain' /
+&contact set = 'left'  friction = 0.44378546186360435  point = 0.0, 3.639488919741585  normal = 1.0, 0.0 /
+&contact set = 'top'  friction = 0.1032611393966282  point = 5.395425079282029, 7.27897783948317  normal = 0.0, -1.0 /
+&contact set = 'right'  friction = 0.3  point = 10.790850158564059, 3.639488919741585  normal = -1.0, 0.0 /
+&load set = 'top'  pressure = -0.4782476999864511 /
+""")
+        self.solve_into_results("""&mesh size = 3.5089623095412783, 1.3505013250106093  cells = 6, 3  element = 'tri6' /
+&material young = 139651.46367920676  poisson = 0.3  hypothesis = 'axisymmetric' /
+&support set = 'left'  ux = 0.0 /
+&contact set = 'bottom'  friction = 0.3  slip_bound = 50.933  multipliers = 'constant'  normal = 0.0, 1.0 /
+&contact set = 'top'  friction = 0.3  point = 0.0, 1.3505013250106093  normal = 0.0, -1.0 /
+&contact set = 'right'  friction = 0.1  point = 3.5089623095412783, 0.675  normal = -1.0, 0.0 /
+&load set = 'top'  pressure = -178.85940358207247 /
+&load set = 'top'  traction = 0.0, -66.04000839524298 /
+""")
+
     def test_a_body_that_is_released_is_at_rest(self):
         results = self.summary_of(STACK)["key_results"]
         self.assertEqual((results["max_contact_pressure"], results["max_displacement"]), (0.0, 0.0))

@@ -74,6 +74,7 @@ module amontons_certificate
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
       real(dp) :: imbalance = 0.0_dp !! the norm that equilibrium is made of / size of the forces, never more [-]
       real(dp) :: force_scale = 0.0_dp !! scale of contact forces: the largest nodal force, or more [F]
+      real(dp) :: length_scale = 0.0_dp !! scale of gaps and slips: the largest displacement, or more [L]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
@@ -314,9 +315,10 @@ contains
       type(load_case_t), intent(in) :: load_case !! gaps and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
-      real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points), largest_displacement
+      real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
       real(dp) :: at_points(body%zone%n_rows), depth, place(2), length(body%zone%n_points), shear(body%zone%n_points)
       type(point_violations_t) :: points(body%zone%n_points)
+      real(dp), parameter :: least_strain = 1.0e-10_dp
       integer :: m, deepest, set
 
       m = body%zone%n_points
@@ -324,16 +326,18 @@ contains
       distance = load_case%gap - at_points(:m)
       where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
       slip = merge(0.0_dp, at_points(m + 1:) - load_case%anchor, body%zone%is_slip_fixed)
-      largest_displacement = maxval(abs(displacement))
+      ! Loads on the contact points themselves strain nothing: what is left then is rounding.
+      certificate%length_scale = max(maxval(abs(displacement)), &
+         least_strain*maxval(maxval(body%mesh%coordinates, 2) - minval(body%mesh%coordinates, 2)))
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement(:2, :), depth, deepest)
-      certificate%penetration_outside = relative(depth, largest_displacement)
+      certificate%penetration_outside = relative(depth, certificate%length_scale)
       call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
          depth, place, set)
-      certificate%penetration_between = relative(depth, largest_displacement)
+      certificate%penetration_between = relative(depth, certificate%length_scale)
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
-         largest_force => certificate%force_scale)
+         largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)
          length = tangential_norm(slip, m)
          shear = tangential_norm(tangential, m)
          points = point_violations(relative(distance, largest_displacement), relative(length, largest_displacement), &
