@@ -178,17 +178,15 @@ contains
    end function field
 
    !> Appends text that follows from deck, mesh, displacements, contact forces and statuses.
-   pure subroutine document_add(self, text, scales, is_recorded, is_by_line)
+   pure subroutine document_add(self, text, scales, is_by_line)
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines
       real(dp), intent(in), optional :: scales(:)
          !! scales of the first, second ... number of a line, if larger than these; the last is for the rest; default 0
-      logical, intent(in), optional :: is_recorded !! whether only the run that wrote it knows it; not by default
       logical, intent(in), optional :: is_by_line !! whether the scales are those of the lines; not by default
 
       if (len(text) == 0) return
       call append(self, text, .false.)
-      if (present(is_recorded)) self%parts(self%n)%is_recorded = is_recorded
       self%parts(self%n)%is_by_line = .false.
       if (present(is_by_line)) self%parts(self%n)%is_by_line = is_by_line
       self%parts(self%n)%scales = [0.0_dp]

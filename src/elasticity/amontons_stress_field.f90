@@ -782,8 +782,9 @@ contains
       class(error_estimate_t), intent(in) :: self !! the estimate
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('error_norm', 'Error of stresses', self%norm, dimension='sqrt(F L)'), &
-         quantity_t('relative_error', 'Relative error', self%relative)]
+      ! An error far below the stresses is rounding.
+      list = [quantity_t('error_norm', 'Error of stresses', self%norm, self%norm/max(self%relative, tiny(1.0_dp)), &
+         dimension='sqrt(F L)'), quantity_t('relative_error', 'Relative error', self%relative, 1.0_dp)]
    end function error_estimate_quantities
 
    !> The linear shape functions of the corners at the quadrature points of every kind of element (point, corner, kind)

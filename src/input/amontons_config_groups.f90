@@ -449,8 +449,8 @@ contains
       has_moment = abs(drive%moment) > 0.0_dp
       call visitor%open_group(rigid_group)
       call visitor%text(key_t('name', 'of the rigid body: `&steps` know its motion as a support, force and'// &
-         ' moment as a load; results have it', is_filled=.true., is_required=.true., is_free=.true., also='label'), &
-         motion%name, has_name)
+         ' moment as a load, along with others of the name; results have it', is_filled=.true., is_required=.true., &
+         is_free=.true., also='label'), motion%name, has_name)
       call visitor%text(key_t('set', 'the boundary or node set that moves as a rigid body; several are separated by'// &
          " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface'), motion%set)
       call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
@@ -492,8 +492,8 @@ contains
       has_force = .not. motion%is_held(1)
       call visitor%open_group(preload_group)
       call visitor%text(key_t('name', 'of the preload: `&sweep` and `&steps` know its force as a load and its'// &
-         ' shortening as a support; results have it', is_filled=.true., is_required=.true., is_free=.true., &
-         also='label'), tie%name, has_name)
+         ' shortening as a support, along with others of the name; results have it', is_filled=.true., &
+         is_required=.true., is_free=.true., also='label'), tie%name, has_name)
       call visitor%text(key_t('set', 'the boundary set on one side of the cut, the slave, as of `&tie`', &
          is_filled=.true., is_required=.true., also='slave surface'), tie%set)
       call visitor%text(key_t('to', 'the boundary set on the other side', is_filled=.true., is_required=.true., &

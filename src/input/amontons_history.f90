@@ -39,6 +39,7 @@ module amontons_history
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
       real(dp), allocatable :: table(:, :) !! times and numbers of the file, or of the history (2 or 4, rows)
       character(:), allocatable :: origin !! where it was specified, for messages: 'deck.nml:12: '
+      logical :: has_twin = .false. !! whether a load and a support of this name change, each in its own way
    contains
       procedure :: acts_on => steps_acts_on
       procedure :: label => steps_label
@@ -132,6 +133,7 @@ contains
          label = 'friction_factor_'//self%name
       case default
          label = 'factor_'//self%name
+         if (self%has_twin .and. self%target == stepped_support) label = 'motion_'//label
       end select
    end function steps_label
 
@@ -473,7 +475,7 @@ contains
    !> Checks that the target of a change exists, and that no other change has it.
    subroutine check_name(visitor, steps, loads, supports, contacts)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last change
-      type(steps_t), intent(in) :: steps(:) !! the change, and those before it
+      type(steps_t), intent(inout) :: steps(:) !! the change, and those before it
       type(load_t), intent(in) :: loads(:) !! the loads
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -507,6 +509,9 @@ contains
          if (.not. are_known) return
          call visitor%require(has_target, thing, missing//" '"//last%name//"'")
          do k = 1, size(steps) - 1
+            if (steps(k)%name == last%name .and. steps(k)%target + last%target == stepped_load + stepped_support) then
+               steps([k, size(steps)])%has_twin = .true.
+            end if
             is_same = steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
                any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))]))
             call visitor%require(.not. is_same, thing, thing//" '"//last%name//"' has &steps already")

@@ -509,9 +509,8 @@ contains
                labeled('Loads', with_unit(pair_text(certificate%load), label%units, 'F'))// &
                labeled('Support reactions', with_unit(pair_text(certificate%reaction), label%units, 'F'))// &
                labeled('Contact forces', with_unit(pair_text(certificate%contact), label%units, 'F'))// &
-               quantities_text([resultants(solution%force, size(solution%status)), certificate%energies()], &
-                  label%units), &
-               [force_scale(result)])
+               quantities_text(resultants(solution%force, size(solution%status)), label%units), [force_scale(result)])
+            call listing%add(quantities_text(certificate%energies(), label%units), [certificate%strain_energy])
          end associate
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
          if (allocated(result%error_estimate)) call listing%add( &

@@ -388,6 +388,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
+      real(dp), parameter :: same = 1.0e-9_dp
       real(dp) :: share, largest(body%mesh%n_nodes)
       integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
 
@@ -395,7 +396,7 @@ contains
       call vtk%put_spread('PointData', 'displacement', 'L', result%displacement, in_space)
       ! Hands over the contact quantities of all nodes: 0 at those that are no contact points. A node of cells of
       ! constant multipliers has the mean of theirs, by its shares in them, and the status of the one where its share is
-      ! largest.
+      ! largest, the first of equal ones.
       call contact_columns(columns, body, result)
       all_nodes = [(i, i=1, body%mesh%n_nodes)]
       do i = 1, size(columns)
@@ -411,7 +412,7 @@ contains
          do p = 1, body%zone%n_points
             do k = rows%start(p), rows%start(p + 1) - 1
                share = norm2(rows%part(:, k))*body%zone%area(p)
-               if (share > largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
+               if (share > (1.0_dp + same)*largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
                largest(rows%node(k)) = max(largest(rows%node(k)), share)
             end do
          end do

@@ -7,6 +7,7 @@
 !> one by one.
 module amontons_verify_case
    use amontons_body, only: body_t
+   use amontons_config, only: config_t
    use amontons_contact_solution, only: new_contact_solution
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
@@ -28,8 +29,8 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, state_of, verify_answer, &
-      verify_case, verify_reduced, verify_result
+   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, restore_displacement, &
+      state_of, verify_answer, verify_case, verify_reduced, verify_result
 
    !> Gaps, slips, forces and statuses of the contact points.
    type :: contact_state_t
@@ -169,34 +170,53 @@ contains
          (result%load_case%free_gap - result%load_case%gap)
    end subroutine restore_displacement
 
-   !> Judges the convergence over refined meshes again, with the numbers of the coarser meshes from their table.
+   !> Judges the convergence over refined meshes again. A case is solved again on the coarser ones; the numbers of a
+   !> history on these are those of the table.
    subroutine restore_convergence(case, body, result, fault)
       type(verified_case_t), intent(in) :: case !! the case
       type(body_t), intent(in) :: body !! the body on the finest mesh
       type(result_t), intent(inout) :: result !! its result; gains the judgments
       character(:), allocatable, intent(out) :: fault !! why there are none; empty if there are
       type(csv_table_t) :: table
-      type(quantity_t), allocatable :: finest(:)
+      type(quantity_t), allocatable :: list(:)
+      type(config_t) :: coarse
+      type(cache_t) :: cache
+      type(result_t) :: other
+      type(error_t), allocatable :: error
       real(dp), allocatable :: values(:, :)
       integer :: i, level, n_levels
 
       call read_csv_table(table, case%stem//'.convergence.csv', fault=fault)
       if (len(fault) > 0) return
-      finest = refined_quantities(result)
+      list = refined_quantities(result)
       n_levels = table%column('verdict') - 2
-      if (table%n_rows /= size(finest) .or. n_levels < 3) then
-         fault = 'it is not a table of '//to_text(size(finest))//' numbers on three meshes or more'
+      if (table%n_rows /= size(list) .or. n_levels < 3) then
+         fault = 'it is not a table of '//to_text(size(list))//' numbers on three meshes or more'
          return
       end if
-      allocate (values(size(finest), n_levels))
-      do i = 1, size(finest)
-         do level = 1, n_levels
-            call table%get_number(i, 1 + level, values(i, level), fault)
-         end do
-         ! The last digits of what is restored may be others; differences of mesh to mesh magnify them.
-         if (.not. agree(values(i, n_levels), finest(i)%value, max(abs(finest(i)%value), finest(i)%scale))) then
-            values(i, n_levels) = finest(i)%value
+      coarse = case%config
+      ! A body that was spread over ranks is solved again on one.
+      if (coarse%condensation%factorization == 'distributed') coarse%condensation%factorization = 'auto'
+      cache%is_refining = .true.
+      allocate (values(size(list), n_levels))
+      do level = 1, n_levels
+         if (level < n_levels .and. .not. case%config%history%is_given) then
+            coarse%meshes%n_refinements = max(0, case%config%meshes%n_refinements - n_levels + level)
+            call solve_case(cache, coarse, other, error)
+            if (allocated(error)) fault = error%message
+            if (allocated(error)) return
+            list = refined_quantities(other)
+         else if (level == n_levels) then
+            list = refined_quantities(result)
          end if
+         do i = 1, size(list)
+            call table%get_number(i, 1 + level, values(i, level), fault)
+            ! The last digits of what is computed again may be others; differences of mesh to mesh magnify them.
+            if (level < n_levels .and. case%config%history%is_given) cycle
+            if (.not. agree(values(i, level), list(i)%value, max(abs(list(i)%value), list(i)%scale))) then
+               values(i, level) = list(i)%value
+            end if
+         end do
       end do
       if (len(fault) == 0) call judge_meshes(result, body, values)
    end subroutine restore_convergence

@@ -12,12 +12,14 @@ module amontons_verify_sweep
    use amontons_document, only: document_t, read_status_runs, status_runs
    use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t
-   use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_csv_table, verified_case_t
+   use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_array, read_csv_table, &
+      verified_case_t
+   use amontons_friction_law, only: open_point
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
+   use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: cache_t, condense_case, evaluate
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
@@ -26,7 +28,8 @@ module amontons_verify_sweep
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_verify_case, only: check_grids, check_law
+   use amontons_verify_case, only: check_grids, check_law, restore_displacement
+   use amontons_vtu, only: n_line_points
    implicit none (type, external)
    private
 
@@ -145,6 +148,7 @@ contains
       allocate (row%status(n_points))
       associate (table => again%table, result => row%result, n_quantities => again%task%n_quantities)
          result%quantity = spread(0.0_dp, 1, n_quantities)
+         result%scale = result%quantity
          runs = table%field(number, first + n_quantities + 4)
          call read_warnings(result%is_warned, table%field(number, first + n_quantities + 3))
          ! A body without contact points has no statuses.
@@ -227,6 +231,7 @@ contains
             if (differs .or. row%number == again%result%statistics%worst_case .or. &
                case%config%sweep%has_fields(row%number, row%number)) call check_case(case, again, body, row%number, &
                solutions(i))
+            if (differs) where (row%status == open_point) solutions(i)%force(:size(row%status)) = 0.0_dp
             follows = follows .or. differs
          end associate
       end do
@@ -247,13 +252,13 @@ contains
       type(lengths_t) :: lengths
       type(quantity_t) :: parts(3)
       character(:), allocatable :: fault, text, runs
-      real(dp), allocatable :: scales(:)
       logical :: is_lost
 
       computed = solved
-      allocate (scales(0))
-      if (allocated(again%result%statistics%least)) scales = max(abs(again%result%statistics%least), &
-         abs(again%result%statistics%greatest))
+      associate (statistics => again%result%statistics)
+         if (allocated(statistics%least)) computed%scale = max(computed%scale, &
+            abs(statistics%least), abs(statistics%greatest))
+      end associate
       if (solved%outcome == outcome_not_converged .and. row%result%outcome == outcome_not_converged .and. &
          row%result%has_solution) then
          computed = row%result
@@ -268,7 +273,7 @@ contains
       text = ''
       call append_row(text, case%config%sweep, row%number, computed, runs)
       call compare_line(fault, again%table%row(row%number), text(:len(text) - 1), again%table%header, &
-         [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales, 0.0_dp], 0.0_dp, is_lost)
+         [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), computed%scale, 0.0_dp], 0.0_dp, is_lost)
       call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
    end subroutine compare_row
 
@@ -281,23 +286,55 @@ contains
       integer, intent(in) :: number !! number of the case
       type(contact_solution_t), intent(in) :: solution !! its solution, with the statuses of its row
       type(result_t) :: result
+      character(:), allocatable :: fault, grid
+      logical :: has_fields
 
       result%method = case%config%method
       result%wants_error_estimate = again%task%wants_error_estimate
       result%solution = solution
       call new_case(result%load_case, again%task, body, number)
       call recover_with_travel(result%displacement, body, result%load_case, solution%displacement)
+      has_fields = case%config%sweep%has_fields(number, number)
+      if (has_fields) then
+         grid = '.sweep/'//to_text(number)
+         again%entries = again%entries//case_entries(to_text(number), case%config%name//grid)
+         call restore_fields(result, body, case%stem//grid, fault)
+         call case%fault(grid//'.vtu', fault)
+         if (len(fault) > 0) return
+      end if
       call evaluate(result, body)
       call check_law(case%faults, body, result, case%stem//'.sweep.csv:'//to_text(number + 1), .false.)
-      if (case%config%sweep%has_fields(number, number)) then
-         call check_grids(case, body, result, case%stem//'.sweep/'//to_text(number))
-         again%entries = again%entries//case_entries(to_text(number), case%config%name//'.sweep/'//to_text(number))
+      if (has_fields) then
+         call check_grids(case, body, result, case%stem//grid)
+         if (.not. result%certificate%largest() <= certificate_limit(result%method%tolerance)) call case%fault(grid// &
+            '.vtu', 'equilibrium or contact law is violated by '//to_text(result%certificate%largest()))
       end if
       if (number /= again%result%statistics%worst_case) return
       again%has_worst = .true.
       again%result%certified%certificate = result%certificate
       if (allocated(result%error_estimate)) again%result%certified%error_estimate = result%error_estimate
    end subroutine check_case
+
+   !> Reads displacements, and contact forces from the stresses on the contact line.
+   subroutine restore_fields(result, body, stem, fault)
+      type(result_t), intent(inout) :: result !! the load case; gains what the grids state
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: stem !! name of the grids without endings, with their directory
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      character(*), parameter :: stress_names(0:2) = [character(19) :: 'contact_pressure', 'contact_shear', &
+         'contact_shear_theta']
+      real(dp) :: stress(n_line_points(body%zone))
+      integer :: k
+
+      call restore_displacement(result, body, stem//'.vtu', fault)
+      do k = 0, body%zone%n_tangents
+         if (len(fault) > 0) return
+         call read_array(stem//'.contact.vtu', trim(stress_names(k)), 1, stress, fault)
+         associate (m => body%zone%n_points)
+            result%solution%force(k*m + 1:(k + 1)*m) = stress(:m)*body%zone%area
+         end associate
+      end do
+   end subroutine restore_fields
 
    !> Reports grids that do not belong to this sweep, for example from an interrupted one of the same name.
    subroutine check_surplus(case, entries)

@@ -177,6 +177,16 @@ class Rigid(ProgramTest):
         text = block(rigid, CONTACT, "history times = 0.0, 1.0, 2.0  substeps = 2",
                      "steps load = 'p'  factor = 0.0, 1.0, 1.0", "steps support = 'p'  factor = 0.0, 0.0, 1.0")
         self.assert_close(self.numbers(text, ["turn", "force_y"], "history"), [0.001, -5.0], 1e-11)
+        # Force and motion have columns of their own, whichever comes first.
+        for name, swapped in ("history", False), ("swapped", True):
+            lines = text.split("\n")
+            places = [place for place, line in enumerate(lines) if line.startswith("&steps")]
+            if swapped:
+                lines[places[0]], lines[places[1]] = lines[places[1]], lines[places[0]]
+            self.run_program("--quiet", self.write(f"{name}.nml", "\n".join(lines)))
+            with open(self.directory / f"{name}.history.csv", newline="", encoding="utf-8") as table:
+                last = list(csv.DictReader(table))[2]
+            self.assertEqual((last["factor_p"], last["motion_factor_p"]), ("1.0", "0.0"))
 
     def test_refused(self):
         rigid = "rigid name = 'p'  set = 'top'"

@@ -14,7 +14,7 @@ module amontons_methods
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_extragradient, only: extragradient_t
    use amontons_fixed_point, only: fixed_point_t
-   use amontons_friction_law, only: open_point, tangential_norm
+   use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
@@ -148,12 +148,14 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! the solution, converged or not
       type(contact_solution_t) :: without
       logical :: is_none(problem%n_points)
+      real(dp) :: force(problem%n_points)
       integer :: n
 
       if (.not. (solution%is_converged .and. problem%matrix%has_stiffness())) return
-      is_none = max(abs(solution%force(:problem%n_points)), tangential_norm(solution%force(problem%n_points + 1:), &
-         problem%n_points)) <= tolerance*solution%force_scale
-      if (.not. any(is_none .and. solution%status /= open_point)) return
+      force = max(abs(solution%force(:problem%n_points)), tangential_norm(solution%force(problem%n_points + 1:), &
+         problem%n_points))
+      is_none = force > 0.0_dp .and. force <= tolerance*solution%force_scale
+      if (.not. any(is_none)) return
       without = solution
       without%force = merge(0.0_dp, solution%force, [(is_none, n=0, problem%matrix%n_tangents)])
       call without%measure(problem)

@@ -78,7 +78,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in), optional :: values(:) !! the values; 0 without them
       real(dp), intent(in), optional :: scale !! scale of the rounding errors of the forces [F]
-      real(dp), intent(in), optional :: displacement !! scale of the rounding errors of displacements [L]
+      real(dp), intent(in), optional :: displacement !! scale of the errors of displacements, with values [L]
       type(quantity_t), allocatable :: list(:)
       integer, allocatable :: components(:, :)
       integer :: i, j, k
@@ -106,7 +106,8 @@ contains
                quantity%key = trim(driven%kind)//'_'//trim(driven%name)//'_'//driven%words(j)
                quantity%label = trim(driven%name)//' '//driven%words(j)
                quantity%dimension = driven%dimensions(j)
-               if (j == 1 .and. present(displacement)) quantity%scale = displacement/driven%length
+               if (j == 1 .and. present(displacement)) quantity%scale = max(displacement, &
+                  maxval(abs(values(size(components, 2) + 1::2))*body%driven%length))/driven%length
                if (j == 2 .and. present(scale)) quantity%scale = scale*driven%length
             end associate
          end do

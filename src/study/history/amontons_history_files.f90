@@ -55,9 +55,9 @@ module amontons_history_files
    !> The first of the kinds of columns whose scale is their own largest number.
    integer, parameter :: own_scale = 6
    !> Number of kinds.
-   integer, parameter, public :: n_kinds = own_scale + 4
+   integer, parameter, public :: n_kinds = own_scale + 7
    !> The kinds of the columns of fretting parameters.
-   integer, parameter :: parameter_kinds(n_parameters) = [own_scale + 1, own_scale, own_scale + 2, own_scale + 3, &
+   integer, parameter :: parameter_kinds(n_parameters) = [own_scale + 1, own_scale + 2, own_scale + 3, own_scale + 4, &
       number_alone]
 
    !> A table.
@@ -144,14 +144,14 @@ contains
                call tables(i)%add('x,y,area', own_scale)
                call tables(i)%add('normal_force,tangential_force', a_force)
                if (body%zone%n_tangents == 2) call tables(i)%add('tangential_force_theta', a_force)
-               call tables(i)%add('contact_pressure,contact_shear', own_scale)
-               if (body%zone%n_tangents == 2) call tables(i)%add('contact_shear_theta', own_scale)
+               call tables(i)%add('contact_pressure,contact_shear', own_scale + 5)
+               if (body%zone%n_tangents == 2) call tables(i)%add('contact_shear_theta', own_scale + 5)
                call tables(i)%add('gap,slip', a_length)
                if (body%zone%n_tangents == 2) call tables(i)%add('slip_theta', a_length)
                call tables(i)%add('slip_step,slip_accumulated', a_length)
                call tables(i)%add('dissipation', an_energy)
-               call tables(i)%add('wear_integral', own_scale)
-               call tables(i)%add('wear_depth', a_length)
+               call tables(i)%add('wear_integral', own_scale + 6)
+               call tables(i)%add('wear_depth', own_scale + 7)
                do k = 1, merge(n_parameters, 0, history%has_fretting)
                   call tables(i)%add(trim(parameter_names(k)), parameter_kinds(k))
                end do
@@ -236,7 +236,8 @@ contains
    !=history.csv `step` | – | number of the step, from 1
    !=history.csv `time` | – | the pseudo-time at its end; called as `name` of `&history` says
    !=history.csv `factor_NAME`, `shift_x_NAME`, `shift_y_NAME`, `turn_NAME`, `friction_factor_NAME` | –, L, rad | a
-   !=   column for each number of each `&steps`, in the deck's order
+   !=   column for each number of each `&steps`, in the deck's order; `motion_factor_NAME` of a support where the load
+   !=   of its name, as that of a rigid set, has `&steps`, too
    !=history.csv `open_length`, `slip_length`, `stick_length` | L | as in [Lengths](#lengths)
    !=history.csv `normal_force`, `tangential_force` | F | sums over the contact points
    !=history.csv `work_loads`, `work_supports`, `work_obstacles` | F L | work done on the body since rest by loads,

@@ -25,7 +25,7 @@ module amontons_sweep_chunk
    use amontons_material, only: materials_t
    use amontons_model_warnings, only: add_sweep_warnings
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form
-   use amontons_quantity, only: expanded, longest_key, quantity_t
+   use amontons_quantity, only: expanded, longest_key, quantity_t, scales
    use amontons_result, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence, find_case_warnings
@@ -38,7 +38,7 @@ module amontons_sweep_chunk
    private
 
    public :: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, find_stored_numbers, &
-      new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_again, solve_chunk, &
+      new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_cases, solve_chunk, &
       solve_chunks, sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes in listings.
@@ -50,6 +50,7 @@ module amontons_sweep_chunk
       integer :: outcome = outcome_not_converged !! its outcome
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
+      real(dp), allocatable :: scale(:) !! scales of their rounding errors, if larger than the numbers themselves
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
       real(dp) :: force_error = 0.0_dp !! residual and rounding errors, over its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
@@ -520,7 +521,7 @@ contains
       character(:), allocatable :: runs
       integer :: i
 
-      call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
+      call solve_cases(task, body, problem, chunk, solutions)
       chunk%rows = ''
       if (chunk%is_broken()) return
       call find_stored_numbers(task, body, chunk, solutions)
@@ -532,34 +533,13 @@ contains
       chunk%is_done = .true.
    end subroutine solve_chunk
 
-   !> Solves some cases of a chunk again, and those whose solutions they start from, without computing their numbers.
-   subroutine solve_again(task, body, problem, chunk, is_wanted, solutions)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the last case
-      type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of these cases, and no rows
-      logical, intent(in) :: is_wanted(:) !! which of its cases are asked for (cases of the chunk)
-      type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of these cases
-      logical :: is_needed(chunk_length)
-      integer :: i, neighbor
-
-      is_needed = .false.
-      is_needed(:size(is_wanted)) = is_wanted
-      do i = size(is_wanted), 1, -1
-         neighbor = task%sweep%neighbor(chunk%first + i - 1) - chunk%first + 1
-         if (is_needed(i) .and. neighbor >= 1) is_needed(neighbor) = .true.
-      end do
-      call solve_cases(task, body, problem, chunk, is_needed, solutions)
-   end subroutine solve_again
-
-   !> Solves cases of a chunk, each from its neighbor.
-   subroutine solve_cases(task, body, problem, chunk, is_needed, solutions)
+   !> Solves the cases of a chunk, each from its neighbor, without computing their numbers.
+   subroutine solve_cases(task, body, problem, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the last case
       type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of the cases
-      logical, intent(in) :: is_needed(chunk_length) !! which cases are solved
-      type(contact_solution_t), intent(inout) :: solutions(chunk_length) !! their solutions
+      type(contact_solution_t), intent(out) :: solutions(chunk_length) !! their solutions
       type(acting_t) :: acting
       character(:), allocatable :: reason
       integer, allocatable :: reached(:)
@@ -568,7 +548,6 @@ contains
 
       call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
-         if (.not. is_needed(i)) cycle
          number = chunk%first + i - 1
          neighbor = task%sweep%neighbor(number) - chunk%first + 1
          acting%factor(2:) = task%sweep%values(number)
@@ -595,7 +574,8 @@ contains
                + epsilon(wrong)*maxval(problem%matrix%augmentation*abs(solution%displacement))
             largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
             if (.not. largest > 0.0_dp) largest = problem%force_scale()
-            kept%force_error = min(wrong/largest, huge(kept%force_error))
+            ! Where nothing acts there are no forces whose errors could be certified.
+            if (.not. problem%is_unloaded()) kept%force_error = min(wrong/largest, huge(kept%force_error))
             if (.not. solution%is_converged) cycle
             call find_case_warnings(kept%is_warned, body, task%solver%size_of_body, base%contacts, base%gap, solution)
             ! Nodes beyond an end of a set bear no force, so that the force at the end is uncertain.
@@ -623,12 +603,16 @@ contains
          associate (kept => chunk%results(i), loads => task%solver%loads)
             if (kept%is_empty()) then
                kept%quantity = spread(0.0_dp, 1, task%n_quantities)
+               kept%scale = kept%quantity
             else
                acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
                if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
-                  solutions(i)%displacement, solutions(i)%force))
-               list = expanded(case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), [peaks(:, i), named]))
+                  solutions(i)%displacement, solutions(i)%force), max(loads%largest_force(acting%factor), &
+                  sum(abs(solutions(i)%force))), maxval(abs(solutions(i)%displacement)))
+               list = case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
+                  loads%gap_of(acting), [peaks(:, i), named])
+               kept%scale = scales(list)
+               list = expanded(list)
                kept%quantity = list%value
                kept%has_solution = all(abs(kept%quantity) <= huge(1.0_dp)) .and. kept%residual < huge(1.0_dp)
                if (kept%has_solution) cycle

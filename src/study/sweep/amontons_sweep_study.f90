@@ -4,7 +4,7 @@
 !> A batch consists of as many chunks as take about a second; after it the rows are saved, so that an interrupted sweep
 !> continues there.
 !>
-!> The cases whose fields are asked for are solved again, chunk by chunk, with the same solutions: so an interrupted
+!> Chunks with cases whose fields are asked for are solved again, with the same solutions: so an interrupted
 !> sweep need not store any, and a sweep without fields keeps none.
 module amontons_sweep_study
    use amontons_body, only: body_t
@@ -33,7 +33,7 @@ module amontons_sweep_study
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
    use amontons_sweep_chunk, only: case_keys, chunk_length, chunk_t, new_case, new_chunk, outcome_labels, &
-      prepare_sweep, ranked_quantities, solve_again, sweep_header, sweep_statistics_t, sweep_task_t
+      prepare_sweep, ranked_quantities, solve_cases, sweep_header, sweep_statistics_t, sweep_task_t
    use amontons_sweep_ranks, only: end_sharing, prepare_on_ranks, solve_on_ranks
    use amontons_system, only: make_directory, wall_seconds
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
@@ -148,10 +148,9 @@ contains
          integer, intent(in) :: number !! its number
          type(contact_solution_t), intent(out) :: solution !! its solution
          type(contact_solution_t) :: solutions(chunk_length)
-         integer :: i
 
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_again(task, cache%body, cache%problem, chunk, [(i == number, i=chunk%first, number)], solutions)
+         call solve_cases(task, cache%body, cache%problem, chunk, solutions)
          solution = solutions(number - chunk%first + 1)
       end subroutine solve_one
 
@@ -264,8 +263,7 @@ contains
          if (.not. task%sweep%has_fields(chunk%first, chunk%last)) cycle
          is_stopped = monitor%is_stopped()
          if (is_stopped) exit
-         call solve_again(task, body, problem, chunk, [(task%sweep%has_fields(number, number), &
-            number=chunk%first, chunk%last)], solutions)
+         call solve_cases(task, body, problem, chunk, solutions)
          do number = chunk%first, chunk%last
             i = number - chunk%first + 1
             if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= outcome_solved) cycle
@@ -471,7 +469,7 @@ contains
                to_text(statistics%worst_case)//', '), [1.0_dp, 1.0_dp, scales([certificate%violations(), &
                certificate%energies()])])
             if (allocated(certified%error_estimate)) call summary%add(quantities_member('accuracy', &
-               certified%error_estimate%quantities()))
+               certified%error_estimate%quantities()), scales(certified%error_estimate%quantities()))
          end if
          if (certified%condition > 0.0_dp) call summary%record(member('condition', json_number(certified%condition)))
          call summary%add(member('counts', '{'//size_counts(body)//'}'))
