@@ -178,8 +178,10 @@ contains
          at_points = zone%rows%displacement(result%displacement)
          where (.not. zone%is_slip_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
          motion = at_points(m + 1:) - load_case%obstacle_motion
-         ! A gap is the difference of a gap, itself one of coordinates, and a displacement, a slip that of displacements.
-         length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)), 1.0e-6_dp*maxval(abs(zone%position)))
+         ! A gap is the difference of a gap, itself one of coordinates, and a displacement, a slip that of
+         ! displacements.
+         length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)), &
+            1.0e-6_dp*maxval(abs(zone%position)))
          call add('x', 'x', 'L', zone%position(1, :), maxval(abs(zone%position)))
          call add('y', 'y', 'L', zone%position(2, :), maxval(abs(zone%position)))
          call add('normal_x', '', '', zone%normal(1, :), 1.0_dp)

@@ -41,8 +41,8 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: cache_t, certify, condense_case, describe_factor, estimate_error, evaluate, prepare_case, &
-      prepare_single_case, solve_body, solve_case
+   public :: cache_t, certify, condense_case, describe_factor, evaluate, prepare_case, prepare_single_case, &
+      solve_body, solve_case
 
    !> The contact state at the end of a case, from which the next case of the same body starts.
    type :: state_t

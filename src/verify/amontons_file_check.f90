@@ -691,7 +691,7 @@ contains
    subroutine read_csv_table(table, path, header, n_columns, fault)
       type(csv_table_t), intent(out) :: table !! the table
       character(*), intent(in) :: path !! name of the file
-      character(*), intent(in), optional :: header !! the first line that it should have; default any
+      character(*), intent(in), optional :: header !! the first line that it should have, with its end; default any
       integer, intent(in), optional :: n_columns !! number of fields of a row; default that of the first line
       character(:), allocatable, intent(out) :: fault !! why it is no such table; empty if it is
       type(error_t), allocatable :: error
@@ -709,7 +709,7 @@ contains
       else
          table%header = table%text(:index(table%text, newline) - 1)
          if (present(header)) then
-            if (table%header /= header) fault = 'the first line is not the header of this table'
+            if (table%header//newline /= header) fault = 'the first line is not the header of this table'
          end if
       end if
       if (len(fault) > 0) return

@@ -92,8 +92,8 @@ contains
             associate (table => again%tables(i))
                table%history_table_t = tables(i)
                if (table%content == of_grids) cycle
-               table%header = table%header(:len(table%header) - 1)
                call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
+               table%header = table%header(:len(table%header) - 1)
                call case%fault(table%ending, fault)
                if (len(fault) == 0) then
                   table%largest(number_alone) = 1.0_dp

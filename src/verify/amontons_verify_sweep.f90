@@ -14,12 +14,11 @@ module amontons_verify_sweep
    use amontons_error, only: error_t
    use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_array, read_csv_table, &
       verified_case_t
-   use amontons_friction_law, only: open_point
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
-   use amontons_quantity, only: quantity_t
-   use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
+   use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, &
+      outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: cache_t, condense_case, evaluate
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
@@ -48,7 +47,6 @@ module amontons_verify_sweep
       type(sweep_result_t) :: result !! what listing and summary show, from the rows
       type(csv_table_t) :: table !! the rows
       character(:), allocatable :: entries !! entries of the collection of grids so far
-      logical :: has_worst = .false. !! whether the case that was certified is among those solved
    end type retrace_t
 
 contains
@@ -91,8 +89,9 @@ contains
          if (statistics%residual_case > 0) call read_integer(case%value('certificate', 'case'), statistics%worst_case, &
             ok)
          call solve_rows(case, again, cache)
-         if (statistics%residual_case > 0 .and. .not. again%has_worst) call case%fault('.summary.json', &
-            "certificate.case is '"//case%value('certificate', 'case')//"', which is not a converged case")
+         if (statistics%residual_case > 0 .and. .not. allocated(certified%displacement)) call case%fault( &
+            '.summary.json', "certificate.case is '"// &
+            case%value('certificate', 'case')//"', which is not a converged case")
          call check_surplus(case, again%entries)
          if (len(again%entries) > 0) call compare_collection(case%faults, case%stem//'.sweep.pvd', again%entries)
          call sweep_documents(documents, case%config, cache%body, result)
@@ -111,13 +110,11 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(:), allocatable, intent(out) :: fault !! the fault, as a sentence; empty if there is none
       type(row_t) :: row
-      character(:), allocatable :: header
       integer :: number
 
       associate (sweep => case%config%sweep, table => again%table)
-         header = sweep_header(sweep, case_keys(body, sweep))
-         call read_csv_table(table, case%stem//'.sweep.csv', header(:len(header) - 1), 6 + size(sweep%axes) + &
-            again%task%n_quantities, fault)
+         call read_csv_table(table, case%stem//'.sweep.csv', sweep_header(sweep, case_keys(body, sweep)), 6 + &
+            size(sweep%axes) + again%task%n_quantities, fault)
          if (len(fault) == 0 .and. table%n_rows /= sweep%n_cases()) fault = to_text(table%n_rows)// &
             ' rows, but the deck has '//to_text(sweep%n_cases())//' cases'
          do number = 1, table%n_rows
@@ -231,7 +228,6 @@ contains
             if (differs .or. row%number == again%result%statistics%worst_case .or. &
                case%config%sweep%has_fields(row%number, row%number)) call check_case(case, again, body, row%number, &
                solutions(i))
-            if (differs) where (row%status == open_point) solutions(i)%force(:size(row%status)) = 0.0_dp
             follows = follows .or. differs
          end associate
       end do
@@ -250,21 +246,17 @@ contains
       type(case_result_t), intent(in) :: solved !! the result of its case, solved again
       type(case_result_t) :: computed
       type(lengths_t) :: lengths
-      type(quantity_t) :: parts(3)
       character(:), allocatable :: fault, text, runs
       logical :: is_lost
 
       computed = solved
-      associate (statistics => again%result%statistics)
-         if (allocated(statistics%least)) computed%scale = max(computed%scale, &
-            abs(statistics%least), abs(statistics%greatest))
-      end associate
+      if (allocated(again%result%statistics%least)) computed%scale = max(computed%scale, &
+         abs(again%result%statistics%least), abs(again%result%statistics%greatest))
       if (solved%outcome == outcome_not_converged .and. row%result%outcome == outcome_not_converged .and. &
          row%result%has_solution) then
          computed = row%result
          call new_lengths(lengths, body%zone, row%status)
-         parts = lengths%quantities()
-         computed%quantity(:size(parts)) = parts%value
+         computed%quantity(:3) = [lengths%open, lengths%slip, lengths%stick]
       end if
       computed%residual = row%result%residual
       computed%n_iterations = row%result%n_iterations
@@ -287,15 +279,14 @@ contains
       type(contact_solution_t), intent(in) :: solution !! its solution, with the statuses of its row
       type(result_t) :: result
       character(:), allocatable :: fault, grid
-      logical :: has_fields
 
       result%method = case%config%method
       result%wants_error_estimate = again%task%wants_error_estimate
       result%solution = solution
       call new_case(result%load_case, again%task, body, number)
       call recover_with_travel(result%displacement, body, result%load_case, solution%displacement)
-      has_fields = case%config%sweep%has_fields(number, number)
-      if (has_fields) then
+      grid = ''
+      if (case%config%sweep%has_fields(number, number)) then
          grid = '.sweep/'//to_text(number)
          again%entries = again%entries//case_entries(to_text(number), case%config%name//grid)
          call restore_fields(result, body, case%stem//grid, fault)
@@ -304,13 +295,13 @@ contains
       end if
       call evaluate(result, body)
       call check_law(case%faults, body, result, case%stem//'.sweep.csv:'//to_text(number + 1), .false.)
-      if (has_fields) then
+      if (len(grid) > 0) then
          call check_grids(case, body, result, case%stem//grid)
          if (.not. result%certificate%largest() <= certificate_limit(result%method%tolerance)) call case%fault(grid// &
             '.vtu', 'equilibrium or contact law is violated by '//to_text(result%certificate%largest()))
       end if
       if (number /= again%result%statistics%worst_case) return
-      again%has_worst = .true.
+      again%result%certified%displacement = result%displacement
       again%result%certified%certificate = result%certificate
       if (allocated(result%error_estimate)) again%result%certified%error_estimate = result%error_estimate
    end subroutine check_case

@@ -486,30 +486,22 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
-
-      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks)
-      call share_chunks(task, body, problem, monitor, chunks)
-      !$omp end parallel
-   end subroutine solve_chunks
-
-   !> One thread's share of the chunks, with a contact problem of its own.
-   subroutine share_chunks(task, body, problem, monitor, chunks)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
-      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+      ! Each thread has a contact problem of its own.
       type(contact_problem_t) :: own
-      type(contact_solution_t) :: solutions(chunk_length)
+      type(contact_solution_t), allocatable :: solutions(:)
       integer :: i
 
+      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, problem, monitor, chunks) &
+      !$omp& private(own, solutions)
       own = problem
+      allocate (solutions(chunk_length))
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
          if (.not. monitor%is_stopped()) call solve_chunk(task, body, own, chunks(i), solutions)
       end do
       !$omp end do
-   end subroutine share_chunks
+      !$omp end parallel
+   end subroutine solve_chunks
 
    !> Solves the cases of a chunk.
    subroutine solve_chunk(task, body, problem, chunk, solutions)

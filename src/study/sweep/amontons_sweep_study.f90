@@ -28,8 +28,7 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, estimate_error
-   use amontons_stress_field, only: new_stress_field
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, evaluate
    use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
    use amontons_sweep_chunk, only: case_keys, chunk_length, chunk_t, new_case, new_chunk, outcome_labels, &
@@ -121,16 +120,23 @@ contains
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate, and the reason
       type(error_t), allocatable, intent(out) :: error !! numbers of the case are not finite
       type(chunk_t) :: chunk
+      type(contact_solution_t) :: solutions(chunk_length)
+      integer :: number
 
       call result%certified%timings%begin(phase_recover)
-      if (result%statistics%failed_case > 0) then
-         call solve_one(result%statistics%failed_case, result%certified%solution)
+      number = result%statistics%failed_case
+      if (number > 0) then
+         call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
+         call solve_cases(task, cache%body, cache%problem, chunk, solutions)
          result%fault = chunk%fault
          if (len(chunk%fault) == 0) result%fault = 'its forces or displacements leave the range of double precision'
       end if
-      associate (number => result%statistics%worst_case, certified => result%certified)
+      number = result%statistics%worst_case
+      associate (certified => result%certified)
          if (number > 0) then
-            call solve_one(number, certified%solution)
+            call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
+            call solve_cases(task, cache%body, cache%problem, chunk, solutions)
+            certified%solution = solutions(number - chunk%first + 1)
             call new_case(certified%load_case, task, cache%body, number)
             certified%wants_error_estimate = task%wants_error_estimate
             call certify(certified, cache%body, error)
@@ -140,20 +146,6 @@ contains
          call result%statistics%add_warnings(cache%body%zone, certified%warnings)
          call certified%timings%begin(phase_write)
       end associate
-
-   contains
-
-      !> Solves one case again, as in its chunk.
-      subroutine solve_one(number, solution)
-         integer, intent(in) :: number !! its number
-         type(contact_solution_t), intent(out) :: solution !! its solution
-         type(contact_solution_t) :: solutions(chunk_length)
-
-         call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_cases(task, cache%body, cache%problem, chunk, solutions)
-         solution = solutions(number - chunk%first + 1)
-      end subroutine solve_one
-
    end subroutine finish_sweep
 
    !> Opens the table, with the rows of an earlier run if there are any, and solves batch after batch until all cases
@@ -268,15 +260,10 @@ contains
             i = number - chunk%first + 1
             if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= outcome_solved) cycle
             result%solution = solutions(i)
+            result%wants_error_estimate = task%wants_error_estimate
             call new_case(result%load_case, task, body, number)
             call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement)
-            call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
-               result%load_case%thermal_strain)
-            if (task%wants_error_estimate) then
-               if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
-               call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
-                  result%solution%force)
-            end if
+            call evaluate(result, body)
             call write_grids(manifest, task%units, stem(:slash), folder//to_text(number), body, result, error)
             if (allocated(error)) return
             entry = case_entries(to_text(number), folder//to_text(number))
