@@ -59,6 +59,8 @@ module amontons_load_family
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! depth in the obstacle of a point out of reach, 0 for the others (m) [L]
+      real(dp), allocatable :: foot(:, :)
+         !! where the normals of quadrature points meet rigid obstacles, elsewhere these points (2, quadrature points) [L]
       logical, allocatable :: lies_outside(:)
          !! which nodes of the free boundary lie outside what they face, from `new_load_case` (free nodes)
       real(dp), allocatable :: friction(:)
@@ -103,7 +105,6 @@ module amontons_load_family
       real(dp), allocatable, private :: prescribed(:, :) !! normal displacements that it prescribes (m, parts) [L]
       real(dp), allocatable, private :: load(:, :) !! its condensed load (n_rows, parts) [F]
       real(dp), allocatable, private :: largest(:) !! its largest prescribed displacement or expansion (parts) [L]
-      real(dp), allocatable, private :: feet(:, :) !! feet of the contact points on the obstacles (2, quadrature points)
    contains
       procedure :: at_rest => load_family_at_rest
       procedure :: condense => load_family_condense
@@ -263,6 +264,7 @@ contains
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap
+      load_case%foot = zone%quadrature%position
       load_case%extra_gap = load_case%gap
       load_case%cosine = spread(1.0_dp, 1, zone%n_points)
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
@@ -276,6 +278,7 @@ contains
                      cosine = 1.0_dp
                   else
                      call contact%obstacle%measure(position, quadrature%normal(:, q), gap, is_met, cosine)
+                     if (is_met) load_case%foot(:, q) = position + gap*quadrature%normal(:, q)
                      ! A given direction must lead out of the body.
                      is_met = is_met .and. quadrature%outward(q) >= steepest_cosine
                   end if
@@ -396,25 +399,12 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case with all factors 1
       type(parting_t), intent(in) :: parting !! the part to which each load, support and contact set belongs
       type(error_t), allocatable, intent(out) :: error !! a load or support does not fit the mesh
-      real(dp) :: prescribed(body%zone%n_rows), gap, cosine
+      real(dp) :: prescribed(body%zone%n_rows)
       logical, allocatable :: is_loaded(:, :)
-      integer :: k, p, i
-      logical :: is_met
+      integer :: k, p
 
       family%parting = parting
       family%base = load_case
-      ! The feet of the contact points: where the normals meet rigid obstacles, elsewhere the points themselves.
-      associate (quadrature => body%zone%quadrature)
-         allocate (family%feet, source=quadrature%position)
-         do p = 1, body%zone%n_points
-            if (load_case%contacts(body%zone%set(p))%pairing%is_pair()) cycle
-            do i = quadrature%start(p), quadrature%start(p + 1) - 1
-               call load_case%contacts(body%zone%set(p))%obstacle%measure(quadrature%position(:, i), &
-                  quadrature%normal(:, i), gap, is_met, cosine)
-               if (is_met) family%feet(:, i) = family%feet(:, i) + gap*quadrature%normal(:, i)
-            end do
-         end do
-      end associate
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
       allocate (family%parts(parting%n_parts))
@@ -558,7 +548,7 @@ contains
          do p = 1, zone%n_points
             do i = quadrature%start(p), quadrature%start(p + 1) - 1
                acting%motion(p) = acting%motion(p) + quadrature%share(i)*dot_product( &
-                  turned(quadrature%normal(:, i)), motions(zone%set(p))%displacement(self%feet(:, i)))
+                  turned(quadrature%normal(:, i)), motions(zone%set(p))%displacement(self%base%foot(:, i)))
             end do
          end do
       end associate
