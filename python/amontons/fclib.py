@@ -180,7 +180,9 @@ def read_fclib(path: Path) -> Problem:
         raise FileFault(f"{path}: this HDF5 file is damaged or cut short") from error
     with file:
         if "fclib_local" not in file:
-            raise FileFault(f"{path}: expected the group /fclib_local of a reduced problem, found none")
+            found = ("/fclib_global, a problem that still has the motions of its bodies; eliminate them first"
+                     if "fclib_global" in file else "none")
+            raise FileFault(f"{path}: expected the group /fclib_local of a reduced problem, found {found}")
         if "fclib_local/R" in file:
             raise FileFault(f"{path}: /fclib_local has equality constraints (R): expected a problem u = W r + q alone")
         group = _Group(path, file, "/fclib_local")

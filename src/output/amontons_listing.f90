@@ -345,7 +345,7 @@ contains
             text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
          end do
          ! Notes on contact points whose tangential motion supports prevent or guide.
-         is_guided = zone%is_tangent_fixed
+         is_guided = zone%is_shear_fixed
          is_aslant = .false.
          do p = 1, zone%n_points
             if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(zone%rows%node(k), &

@@ -203,6 +203,10 @@ class Refusals(FclibTest):
     def test_file_without_reduced_problem_is_refused(self):
         with h5py.File(self.directory / "bad.hdf5", "w") as file:
             file.create_group("fclib_global")
+        self.refuse("expected the group /fclib_local of a reduced problem, found /fclib_global, a problem that still "
+                    "has the motions of its bodies; eliminate them first")
+        with h5py.File(self.directory / "bad.hdf5", "w") as file:
+            file.create_group("other")
         self.refuse("expected the group /fclib_local of a reduced problem, found none")
         write_file(self.directory / "bad.hdf5", R=0)
         self.refuse("/fclib_local has equality constraints (R): expected a problem u = W r + q alone")

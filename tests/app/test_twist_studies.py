@@ -72,6 +72,7 @@ class Twist(ProgramTest):
             corner = next(csv.DictReader(file))
         self.assertEqual((corner["tangential_force"], corner["status"]), ("0.0", "stick"))
         self.assertGreater(abs(float(corner["slip"])), 1e-5)
+        self.assertNotIn("without friction", (self.directory/"case.lst").read_text(encoding="utf-8"))
         self.assertLess(float(corner["tangential_force_theta"]), -0.5)
 
     def test_history_reverses(self):
