@@ -424,7 +424,8 @@ contains
       call vtk%put_reals('CellData', 'von_mises', 'F/L^2', 1, all_von_mises(result%stress%element))
       call vtk%put_reals('CellData', 'strain_energy_density', 'F/L^2', 1, result%stress%energy_density)
       if (allocated(result%error_estimate)) then
-         vtk%scale = result%error_estimate%norm
+         ! That of the stresses: an error far below is rounding.
+         vtk%scale = result%error_estimate%norm/max(result%error_estimate%relative, tiny(1.0_dp))
          call vtk%put_reals('CellData', 'error_norm', 'sqrt(F L)', 1, result%error_estimate%element)
          vtk%scale = 0.0_dp
       end if

@@ -174,7 +174,7 @@ class Forged(Verification):
                 rows = [line.split(",") for line in content.decode().split("\n")]
                 text = rows[3][column]
                 if column < header.index("residual") and column > 1:
-                    rows[3][column] = repr(float(text) + 1e-6*(1.0 + abs(float(text))))
+                    rows[3][column] = repr(float(text) + 1e-4*(1.0 + abs(float(text))))
                 else:
                     rows[3][column] = re.sub(r"\d", lambda match: str((int(match[0]) + 1) % 10), text, count=1)
                 if text == rows[3][column]:
