@@ -8,7 +8,7 @@ module amontons_certificate
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_equilibrium, only: travel_of_nodes
    use amontons_free_boundary, only: find_corner_penetration
-   use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm, wrong_slip
+   use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_named_forces, only: force_values, named_quantities
@@ -316,7 +316,7 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
-      real(dp) :: at_points(body%zone%n_rows), depth, place(2), length(body%zone%n_points), shear(body%zone%n_points)
+      real(dp) :: at_points(body%zone%n_rows), depth, place(2)
       type(point_violations_t) :: points(body%zone%n_points)
       real(dp), parameter :: least_strain = 1.0e-10_dp
       integer :: m, deepest, set
@@ -338,23 +338,20 @@ contains
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)
-         length = tangential_norm(slip, m)
-         shear = tangential_norm(tangential, m)
-         points = point_violations(relative(distance, largest_displacement), relative(length, largest_displacement), &
-            relative(normal, largest_force), relative(shear, largest_force), relative(bound, largest_force))
+         points = point_violations(relative(distance, largest_displacement), relative(slip, largest_displacement), &
+            relative(normal, largest_force), relative(tangential, largest_force), relative(bound, largest_force))
          certificate%penetration = max(0.0_dp, maxval(points%penetration))
          certificate%tension = max(0.0_dp, maxval(points%tension))
          certificate%friction_excess = max(0.0_dp, maxval(points%friction_excess))
          certificate%complementarity = max(0.0_dp, maxval(points%complementarity))
          certificate%slip_below_bound = max(0.0_dp, maxval(points%slip_below_bound))
-         certificate%wrong_dissipation = max(0.0_dp, maxval(min(relative(wrong_slip(slip, tangential, m), &
-            largest_displacement), relative(shear, largest_force))))
+         certificate%wrong_dissipation = max(0.0_dp, maxval(points%wrong_dissipation))
          certificate%dissipation = sum(tangential*slip)
          ! The difference of the energies of displacements and forces in equilibrium is the sum of these terms of the
          ! points.
          certificate%has_duality_gap = all(body%zone%is_shear_fixed .or. .not. load_case%friction > 0.0_dp)
-         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) + sum(bound*length) &
-            - certificate%dissipation)
+         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
+            + sum(bound*tangential_norm(slip, m)) - certificate%dissipation)
       end associate
    end subroutine check_points
 
@@ -547,8 +544,7 @@ contains
    !=certificate `slip_below_bound` | largest value of the smaller of the slip $\lvert u_T - a\rvert$ and $g +
    !=   \varphi\lambda_N - \lvert\lambda_T\rvert$ at a point whose tangential direction no support holds | as above
    !=certificate `wrong_dissipation` | largest value of the smaller of $\lvert\lambda_T\rvert$ and $\lvert u_T -
-   !=   a\rvert$ where $\lambda_T (u_T - a) < 0$; in space the distance of the smaller one from the direction of the
-   !=   other | as above
+   !=   a\rvert$ where $\lambda_T (u_T - a) < 0$; in space of what of each is not along the other | as above
    !=certificate `resultant` | sum of loads, reactions and contact forces | sum of the magnitudes of all their
    !=   components (or more)
    !=certificate `moment` | moment of these, and of the forces that bonded surfaces exert on each other, about the

@@ -19,7 +19,7 @@ module amontons_friction_law
 
    public :: bounded, contact_status, cut_to_bound, disc_violation, law_violation, open_point, point_violations, &
       point_violations_t, slip_minus, slip_plus, slip_point, solve_point, solve_point_in_space, status_names, &
-      stick_point, tangential_norm, wrong_slip
+      stick_point, tangential_norm, turned_away
 
    !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
@@ -47,7 +47,7 @@ module amontons_friction_law
       real(dp) :: slip_below_bound = 0.0_dp
          !! smaller one of the slip and what the tangential force lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
-         !! smaller one of slip and tangential force where they point in opposite directions [-]
+         !! smaller one of what of slip and tangential force is not along the other [-]
    end type point_violations_t
 
 contains
@@ -149,41 +149,43 @@ contains
       end if
    end function disc_violation
 
-   !> The violations by a point of each condition of the law, lengths over a unit of length and forces over a unit of
-   !> force.
-   elemental function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
-      real(dp), intent(in) :: gap !! distance to the obstacle, d - u_N [-]
-      real(dp), intent(in) :: slip !! u_T - a [-]
-      real(dp), intent(in) :: normal_force !! lambda_N [-]
-      real(dp), intent(in) :: tangential_force !! lambda_T [-]
-      real(dp), intent(in) :: bound !! slip bound g + phi max(0, lambda_N) [-]
-      type(point_violations_t) :: violations
+   !> The violations by points of each condition of the law, lengths over a unit of length and forces over a unit of
+   !> force (m).
+   pure function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
+      real(dp), intent(in) :: gap(:) !! distance to the obstacle, d - u_N (m) [-]
+      real(dp), intent(in) :: slip(:) !! u_T - a (n_tangents m) [-]
+      real(dp), intent(in) :: normal_force(:) !! lambda_N (m) [-]
+      real(dp), intent(in) :: tangential_force(:) !! lambda_T (n_tangents m) [-]
+      real(dp), intent(in) :: bound(:) !! slip bound g + phi max(0, lambda_N) (m) [-]
+      type(point_violations_t) :: violations(size(gap))
+      real(dp) :: shear(size(gap))
 
+      shear = tangential_norm(tangential_force, size(gap))
       violations%penetration = max(0.0_dp, -gap)
       violations%tension = max(0.0_dp, -normal_force)
-      violations%friction_excess = max(0.0_dp, abs(tangential_force) - bound)
+      violations%friction_excess = max(0.0_dp, shear - bound)
       violations%complementarity = max(0.0_dp, min(gap, normal_force))
-      violations%slip_below_bound = max(0.0_dp, min(abs(slip), bound - abs(tangential_force)))
-      if (sign(1.0_dp, tangential_force)*slip < 0.0_dp) violations%wrong_dissipation = min(abs(slip), &
-         abs(tangential_force))
+      violations%slip_below_bound = max(0.0_dp, min(tangential_norm(slip, size(gap)), bound - shear))
+      violations%wrong_dissipation = min(turned_away(slip, tangential_force, size(gap)), &
+         turned_away(tangential_force, slip, size(gap)))
    end function point_violations
 
-   !> Lengths of the parts of the slips that the tangential forces do not oppose: those across the forces, and those
-   !> along them in the wrong direction (m).
-   pure function wrong_slip(slip, force, n_points)
-      real(dp), intent(in) :: slip(:) !! s = u_T - a (n_tangents m) [L]
-      real(dp), intent(in) :: force(:) !! lambda_T (n_tangents m) [F]
+   !> Lengths of the parts of tangential vectors, slips or forces, that are not along others: those across them, and those
+   !> in the opposite direction (m).
+   pure function turned_away(vector, other, n_points) result(length)
+      real(dp), intent(in) :: vector(:) !! the vectors, all first components before the second ones (n_tangents m)
+      real(dp), intent(in) :: other(:) !! the others, which may be 0 (n_tangents m)
       integer, intent(in) :: n_points !! number m of points
-      real(dp) :: wrong_slip(n_points)
-      real(dp), dimension(size(slip)/max(1, n_points)) :: along, axis
+      real(dp) :: length(n_points)
+      real(dp), dimension(size(vector)/max(1, n_points)) :: along, axis
       integer :: p
 
       do p = 1, n_points
-         axis = force(p::n_points)/max(norm2(force(p::n_points)), tiny(axis))
-         along = slip(p::n_points)
-         wrong_slip(p) = norm2(along - max(0.0_dp, dot_product(along, axis))*axis)
+         axis = other(p::n_points)/max(norm2(other(p::n_points)), tiny(axis))
+         along = vector(p::n_points)
+         length(p) = norm2(along - max(0.0_dp, dot_product(along, axis))*axis)
       end do
-   end function wrong_slip
+   end function turned_away
 
    !> The force that fulfills the contact law best; of several the one nearest to a given force.
    pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)

@@ -11,7 +11,7 @@ module amontons_reduced_study
    use amontons_dense, only: bounded_remainder
    use amontons_document, only: document_t, json_number, json_string
    use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
-   use amontons_friction_law, only: point_violations, point_violations_t, slip_point, tangential_norm
+   use amontons_friction_law, only: point_violations, point_violations_t, slip_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
@@ -38,8 +38,7 @@ module amontons_reduced_study
       reduced_documents, reduced_result_t, reduced_study_t, solve_reduced, solve_reduced_system
 
    !> The largest violations, each over its natural scale: displacements over the largest of u and q, forces over the
-   !> largest r. The wrong dissipation is the smaller one of u_T and r_T times the sine of its angle to the opposite of
-   !> the other, at most; in the plane its magnitude if they do not oppose each other.
+   !> largest r.
    type, extends(point_violations_t) :: reduced_check_t
    contains
       procedure :: largest => reduced_check_largest
@@ -269,7 +268,6 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
       type(point_violations_t) :: points(system%n_contacts)
       real(dp), dimension(size(system%q)) :: motion, force
-      real(dp), dimension(system%n_contacts) :: slip, tangential
 
       if (system%n_contacts == 0) return
       motion = relative(system%by_component(system%u), max(system%largest_part(system%u), &
@@ -277,19 +275,8 @@ contains
       ! r_T opposes the slip.
       force = relative(-system%by_component(system%r), system%largest_part(system%r))
       associate (m => system%n_contacts)
-         if (system%dimension == 2) then
-            points = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
-               system%friction*max(0.0_dp, force(:m)))
-         else
-            slip = tangential_norm(motion(m + 1:), m)
-            tangential = tangential_norm(force(m + 1:), m)
-            points = point_violations(-motion(:m), slip, force(:m), tangential, system%friction*max(0.0_dp, force(:m)))
-            ! How far the shorter one of slip and force is from the direction of the other.
-            associate (u => reshape(motion(m + 1:), [m, 2]), r => reshape(force(m + 1:), [m, 2]))
-               points%wrong_dissipation = merge(abs(u(:, 1)*r(:, 2) - u(:, 2)*r(:, 1)) &
-                  /max(slip, tangential, tiny(slip)), min(slip, tangential), sum(u*r, 2) > 0.0_dp)
-            end associate
-         end if
+         points = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
+            system%friction*max(0.0_dp, force(:m)))
          check%penetration = maxval(points%penetration)
          check%tension = maxval(points%tension)
          check%friction_excess = maxval(points%friction_excess)
