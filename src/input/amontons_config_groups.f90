@@ -252,7 +252,7 @@ contains
       call visitor%open_group(problem_group)
       kind = kind_names(merge(2, 1, reduced%is_given .or. visitor%has('file')))
       call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file', &
-         default="`'reduced'` with a `file`, else `'body'`"), kind, kind_names, has_kind)
+         default="with a `file` `'reduced'`, else `'body'`"), kind, kind_names, has_kind)
       call visitor%text(key_t('file', "of a reduced problem: name of its file, seen from the deck's folder", &
          is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
       call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts, in the"// &
@@ -286,7 +286,7 @@ contains
       call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
          ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
       call visitor%word(key_t('kind', 'where the mesh comes from', also='type', &
-         default="`'file'` with a `file`, else `'rectangle'`"), kind, kind_names)
+         default="with a `file` `'file'`, else `'rectangle'`"), kind, kind_names)
       is_rectangle = kind == kind_names(1)
       call visitor%text(key_t('file', "name of the mesh file, seen from the deck's folder", is_file=.true., &
          is_filled=.true., also='filename path'), part%file, has_file)

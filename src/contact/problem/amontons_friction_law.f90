@@ -170,8 +170,8 @@ contains
          turned_away(tangential_force, slip, size(gap)))
    end function point_violations
 
-   !> Lengths of the parts of tangential vectors, slips or forces, that are not along others: those across them, and those
-   !> in the opposite direction (m).
+   !> Lengths of the parts of tangential vectors, slips or forces, that are not along others: those across them, and
+   !> those in the opposite direction (m).
    pure function turned_away(vector, other, n_points) result(length)
       real(dp), intent(in) :: vector(:) !! the vectors, all first components before the second ones (n_tangents m)
       real(dp), intent(in) :: other(:) !! the others, which may be 0 (n_tangents m)
