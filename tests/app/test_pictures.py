@@ -159,7 +159,7 @@ class Pictures(ProgramTest):
                              "map": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "sweep friction = 0.1, 0.3"),
                              "none": ("sweep load = 'press'  factor = -1.0, -2.0", )}.items():
             self.write(f"{name}.nml", block(*swept, *groups))
-        self.run_program("--quiet", "--output", "swept", "off.nml", "map.nml", "none.nml")
+        self.run_program("--quiet", "--output", "swept", "off.nml", "map.nml", "none.nml", status=2)
         self.script("plot", "swept")
         self.script("report", "swept")
         page = (self.directory / "swept" / "report.html").read_text(encoding="utf-8")

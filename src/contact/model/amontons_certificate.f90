@@ -36,23 +36,15 @@ module amontons_certificate
       real(dp) :: external_size = 0.0_dp !! sum of the magnitudes of both [F L]
    end type node_sums_t
 
-   !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
-   type :: certificate_t
+   !> Violations of the conditions that define the solution, each over its natural scale, and the resultants. Those of
+   !> the law at the points are over force_scale and length_scale.
+   type, extends(point_violations_t) :: certificate_t
       real(dp) :: equilibrium = 0.0_dp
          !! |K u - f_th - f + C^T lambda| on the unknowns / size of the forces, or more [-]
-      real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
       real(dp) :: penetration_outside = 0.0_dp
          !! largest overlap of the free boundary beyond the ends of contact sets / largest displacement [-]
       real(dp) :: penetration_between = 0.0_dp
          !! largest overlap of obstacle corners between contact points / largest displacement; 0 if negligible [-]
-      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
-      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
-      real(dp) :: complementarity = 0.0_dp
-         !! largest smaller one of lambda_N / force_scale and gap / largest displacement [-]
-      real(dp) :: slip_below_bound = 0.0_dp
-         !! largest smaller one of the slip |u_T - a| and of bound - |lambda_T|, each over its scale [-]
-      real(dp) :: wrong_dissipation = 0.0_dp
-         !! largest smaller one of |lambda_T| and the slip where they have opposite directions, each over its scale [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
       real(dp) :: energy = 0.0_dp
@@ -317,7 +309,6 @@ contains
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
       real(dp) :: at_points(body%zone%n_rows), depth, place(2)
-      type(point_violations_t) :: points(body%zone%n_points)
       real(dp), parameter :: least_strain = 1.0e-10_dp
       integer :: m, deepest, set
 
@@ -338,14 +329,9 @@ contains
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)
-         points = point_violations(relative(distance, largest_displacement), relative(slip, largest_displacement), &
-            relative(normal, largest_force), relative(tangential, largest_force), relative(bound, largest_force))
-         certificate%penetration = max(0.0_dp, maxval(points%penetration))
-         certificate%tension = max(0.0_dp, maxval(points%tension))
-         certificate%friction_excess = max(0.0_dp, maxval(points%friction_excess))
-         certificate%complementarity = max(0.0_dp, maxval(points%complementarity))
-         certificate%slip_below_bound = max(0.0_dp, maxval(points%slip_below_bound))
-         certificate%wrong_dissipation = max(0.0_dp, maxval(points%wrong_dissipation))
+         certificate%point_violations_t = point_violations(relative(distance, largest_displacement), &
+            relative(slip, largest_displacement), relative(normal, largest_force), &
+            relative(tangential, largest_force), relative(bound, largest_force))
          certificate%dissipation = sum(tangential*slip)
          ! The difference of the energies of displacements and forces in equilibrium is the sum of these terms of the
          ! points.

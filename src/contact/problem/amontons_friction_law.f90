@@ -38,7 +38,7 @@ module amontons_friction_law
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(slip_point) = [character(5) :: 'open', 'stick', 'slip+', 'slip-', 'slip']
 
-   !> The violations of a point of each condition of the law.
+   !> The largest violations by points of each condition of the law.
    type :: point_violations_t
       real(dp) :: penetration = 0.0_dp !! overlap with the obstacle [-]
       real(dp) :: tension = 0.0_dp !! normal force that pulls [-]
@@ -149,25 +149,25 @@ contains
       end if
    end function disc_violation
 
-   !> The violations by points of each condition of the law, lengths over a unit of length and forces over a unit of
-   !> force (m).
+   !> The largest violations by points of each condition of the law, lengths over a unit of length and forces over a
+   !> unit of force; 0 without points.
    pure function point_violations(gap, slip, normal_force, tangential_force, bound) result(violations)
       real(dp), intent(in) :: gap(:) !! distance to the obstacle, d - u_N (m) [-]
       real(dp), intent(in) :: slip(:) !! u_T - a (n_tangents m) [-]
       real(dp), intent(in) :: normal_force(:) !! lambda_N (m) [-]
       real(dp), intent(in) :: tangential_force(:) !! lambda_T (n_tangents m) [-]
       real(dp), intent(in) :: bound(:) !! slip bound g + phi max(0, lambda_N) (m) [-]
-      type(point_violations_t) :: violations(size(gap))
+      type(point_violations_t) :: violations
       real(dp) :: shear(size(gap))
 
       shear = tangential_norm(tangential_force, size(gap))
-      violations%penetration = max(0.0_dp, -gap)
-      violations%tension = max(0.0_dp, -normal_force)
-      violations%friction_excess = max(0.0_dp, shear - bound)
-      violations%complementarity = max(0.0_dp, min(gap, normal_force))
-      violations%slip_below_bound = max(0.0_dp, min(tangential_norm(slip, size(gap)), bound - shear))
-      violations%wrong_dissipation = min(turned_away(slip, tangential_force, size(gap)), &
-         turned_away(tangential_force, slip, size(gap)))
+      violations%penetration = max(0.0_dp, maxval(-gap))
+      violations%tension = max(0.0_dp, maxval(-normal_force))
+      violations%friction_excess = max(0.0_dp, maxval(shear - bound))
+      violations%complementarity = max(0.0_dp, maxval(min(gap, normal_force)))
+      violations%slip_below_bound = max(0.0_dp, maxval(min(tangential_norm(slip, size(gap)), bound - shear)))
+      violations%wrong_dissipation = max(0.0_dp, maxval(min(turned_away(slip, tangential_force, size(gap)), &
+         turned_away(tangential_force, slip, size(gap)))))
    end function point_violations
 
    !> Lengths of the parts of tangential vectors, slips or forces, that are not along others: those across them, and
