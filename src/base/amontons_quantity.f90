@@ -4,7 +4,7 @@ module amontons_quantity
    implicit none (type, external)
    private
 
-   public :: at_place, expanded, longest_key, quantity_t, scales, value_of
+   public :: at_place, expanded, longest_key, quantity_t, relative, scales, value_of
 
    !> Largest length of a key: the key of a force contains the name of its set.
    integer, parameter :: longest_key = 96
@@ -36,6 +36,15 @@ contains
 
       quantity = quantity_t(key, label, value, scale, dimension=dimension, has_place=.true., place=place)
    end function at_place
+
+   !> A number over its scale; 0 where the scale is 0.
+   elemental real(dp) function relative(value, scale)
+      real(dp), intent(in) :: value !! the number
+      real(dp), intent(in) :: scale !! its scale, at least 0
+
+      relative = 0.0_dp
+      if (scale > 0.0_dp) relative = value/scale
+   end function relative
 
    !> Quantities in the order of the files: all of them, then the coordinates of their positions.
    pure function expanded(list) result(all)

@@ -12,7 +12,7 @@ module amontons_certificate
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_named_forces, only: force_values, named_quantities
-   use amontons_quantity, only: quantity_t
+   use amontons_quantity, only: quantity_t, relative
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
@@ -76,7 +76,6 @@ module amontons_certificate
    contains
       procedure :: energies => certificate_energies
       procedure :: is_finite => certificate_is_finite
-      procedure :: largest => certificate_largest
       procedure :: violations => certificate_violations
    end type certificate_t
 
@@ -508,15 +507,6 @@ contains
       certificate%moment = relative(abs(moment), norm*radius)
    end subroutine check_resultants
 
-   !> The ratio of two numbers; 0 if the first is 0.
-   elemental real(dp) function relative(value, scale)
-      real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: scale !! the divisor, at least 0
-
-      relative = 0.0_dp
-      if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
-   end function relative
-
    !=certificate `equilibrium` | norm of the unbalanced nodal forces along free directions | largest of the norms of
    !=   loads, reactions, contact forces (or more, see below)
    !=certificate `penetration` | largest overlap with the obstacle | largest displacement component
@@ -546,17 +536,13 @@ contains
    !> The violations, each over its natural scale; all must be below the limit [-].
    pure function certificate_violations(self) result(list)
       class(certificate_t), intent(in) :: self !! the certificate
-      type(quantity_t), allocatable :: list(:)
+      type(quantity_t), allocatable :: list(:), of_law(:)
 
-      list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), &
-         quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+      of_law = self%point_violations_t%violations()
+      list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), of_law(1), &
          quantity_t('penetration_outside', 'Penetration outside the sets', self%penetration_outside, 1.0_dp), &
          quantity_t('penetration_between', 'Penetration between points', self%penetration_between, 1.0_dp), &
-         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
-         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
-         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
-         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
-         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp), &
+         of_law(2:), &
          quantity_t('resultant', 'Resultant', self%resultant, 1.0_dp), &
          quantity_t('moment', 'Moment', self%moment, 1.0_dp), &
          quantity_t('energy', 'Energy balance', self%energy, 1.0_dp)]
@@ -575,15 +561,6 @@ contains
          dimension='F L'), &
          quantity_t('work_of_friction', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
    end function certificate_energies
-
-   !> The largest of the violations [-].
-   pure real(dp) function certificate_largest(self) result(largest)
-      class(certificate_t), intent(in) :: self !! the certificate
-      type(quantity_t), allocatable :: list(:)
-
-      list = self%violations()
-      largest = maxval(list%value)
-   end function certificate_largest
 
    !> Whether every number of the certificate is finite.
    pure logical function certificate_is_finite(self) result(is_finite)

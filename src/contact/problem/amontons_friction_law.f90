@@ -14,6 +14,7 @@
 !> be semidefinite, and there may be several solutions or none.
 module amontons_friction_law
    use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
@@ -48,6 +49,9 @@ module amontons_friction_law
          !! smaller one of the slip and what the tangential force lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
          !! smaller one of what of slip and tangential force is not along the other [-]
+   contains
+      procedure :: largest => point_violations_largest
+      procedure :: violations => point_violations_violations
    end type point_violations_t
 
 contains
@@ -169,6 +173,28 @@ contains
       violations%wrong_dissipation = max(0.0_dp, maxval(min(turned_away(slip, tangential_force, size(gap)), &
          turned_away(tangential_force, slip, size(gap)))))
    end function point_violations
+
+   !> The violations, each over its natural scale; all must be below the limit [-].
+   pure function point_violations_violations(self) result(list)
+      class(point_violations_t), intent(in) :: self !! the violations
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
+         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
+         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
+         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
+         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp)]
+   end function point_violations_violations
+
+   !> The largest of the violations [-].
+   pure real(dp) function point_violations_largest(self) result(largest)
+      class(point_violations_t), intent(in) :: self !! the violations
+      type(quantity_t), allocatable :: list(:)
+
+      list = self%violations()
+      largest = maxval(list%value)
+   end function point_violations_largest
 
    !> Lengths of the parts of tangential vectors, slips or forces, that are not along others: those across them, and
    !> those in the opposite direction (m).

@@ -19,7 +19,7 @@ module amontons_reduced_study
    use amontons_manifest, only: manifest_t
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_output_file, only: output_file_t
-   use amontons_quantity, only: quantity_t, scales
+   use amontons_quantity, only: quantity_t, relative, scales
    use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, member, &
       quantities_member, status_members, uniqueness_member, write_documents
@@ -34,22 +34,14 @@ module amontons_reduced_study
    implicit none (type, external)
    private
 
-   public :: find_reduced_solutions, new_reduced_check, new_reduced_summary, prepare_reduced, reduced_check_t, &
-      reduced_documents, reduced_result_t, reduced_study_t, solve_reduced, solve_reduced_system
-
-   !> The largest violations, each over its natural scale: displacements over the largest of u and q, forces over the
-   !> largest r.
-   type, extends(point_violations_t) :: reduced_check_t
-   contains
-      procedure :: largest => reduced_check_largest
-      procedure :: violations => reduced_check_violations
-   end type reduced_check_t
+   public :: find_reduced_solutions, new_reduced_check, new_reduced_summary, prepare_reduced, reduced_documents, &
+      reduced_result_t, reduced_study_t, solve_reduced, solve_reduced_system
 
    !> The result of a reduced problem, with everything that the reports contain.
    type :: reduced_result_t
       type(reduced_system_t) :: system !! the reduced problem, and its solution
       type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
-      type(reduced_check_t) :: check !! violations of the contact law
+      type(point_violations_t) :: check !! violations of the contact law
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions
          !! all solutions, where they were asked for; their forces are r, all normal ones first
@@ -262,9 +254,9 @@ contains
       end associate
    end subroutine check_motions
 
-   !> Checks the solution of a reduced problem.
+   !> Checks the solution of a reduced problem: displacements over the largest of u and q, forces over the largest r.
    pure subroutine new_reduced_check(check, system)
-      type(reduced_check_t), intent(out) :: check !! the violations
+      type(point_violations_t), intent(out) :: check !! the violations
       type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
       real(dp), dimension(size(system%q)) :: motion, force
 
@@ -274,41 +266,10 @@ contains
       ! r_T opposes the slip.
       force = relative(-system%by_component(system%r), system%largest_part(system%r))
       associate (m => system%n_contacts)
-         check%point_violations_t = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
+         check = point_violations(-motion(:m), motion(m + 1:), force(:m), force(m + 1:), &
             system%friction*max(0.0_dp, force(:m)))
       end associate
    end subroutine new_reduced_check
-
-   !> The ratio of two numbers; 0 if the first is 0.
-   elemental real(dp) function relative(value, scale)
-      real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: scale !! the divisor, at least 0
-
-      relative = 0.0_dp
-      if (scale > 0.0_dp) relative = value/scale
-   end function relative
-
-   !> The violations, each over its natural scale; all must be below the limit [-].
-   pure function reduced_check_violations(self) result(list)
-      class(reduced_check_t), intent(in) :: self !! the check
-      type(quantity_t), allocatable :: list(:)
-
-      list = [quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
-         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
-         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
-         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
-         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
-         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp)]
-   end function reduced_check_violations
-
-   !> The largest of the violations [-].
-   pure real(dp) function reduced_check_largest(self) result(largest)
-      class(reduced_check_t), intent(in) :: self !! the check
-      type(quantity_t), allocatable :: list(:)
-
-      list = self%violations()
-      largest = maxval(list%value)
-   end function reduced_check_largest
 
    !> Reads the problem and reports its size.
    subroutine reduced_study_check(self, cache, outcome, error)
