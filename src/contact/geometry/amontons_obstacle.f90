@@ -60,8 +60,7 @@ contains
       real(dp), intent(in) :: position(2) !! a point of the line [L]
       real(dp), intent(in) :: direction(2) !! its direction, a unit vector [-]
       type(crossing_t), allocatable :: crossings(:)
-      real(dp) :: axis(2), x(2), e(2), along(2), to_start(2), cross, place
-      integer :: i
+      real(dp) :: axis(2), x(2), e(2)
 
       axis = unit_vector(self%normal)
       x = in_frame(axis, position - self%point)
@@ -72,17 +71,7 @@ contains
       case ('parabola')
          crossings = conic_crossings(self%radius, 0.0_dp, x, e)
       case ('polyline')
-         ! The positions where a line crosses a polyline; it enters the obstacle from the polyline's left side.
-         allocate (crossings(0))
-         do i = 1, size(self%line, 2) - 1
-            along = self%line(:, i + 1) - self%line(:, i)
-            cross = e(1)*along(2) - e(2)*along(1)
-            if (.not. abs(cross) > rounding*norm2(along)) cycle
-            to_start = self%line(:, i) - x
-            place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
-            if (place < -rounding .or. place > 1.0_dp + rounding) cycle
-            crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along))]
-         end do
+         crossings = polyline_crossings(self%line, x, e)
       case ('plane')
          allocate (crossings(0))
          if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
@@ -90,6 +79,27 @@ contains
          allocate (crossings(0))
       end select
    end function obstacle_crossings
+
+   !> The positions where a line crosses a polyline; it enters the obstacle from the polyline's left side.
+   pure function polyline_crossings(line, x, e) result(crossings)
+      real(dp), intent(in) :: line(:, :) !! points of the polyline (2, points) [L]
+      real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
+      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      type(crossing_t), allocatable :: crossings(:)
+      real(dp) :: along(2), to_start(2), cross, place
+      integer :: i
+
+      allocate (crossings(0))
+      do i = 1, size(line, 2) - 1
+         along = line(:, i + 1) - line(:, i)
+         cross = e(1)*along(2) - e(2)*along(1)
+         if (.not. abs(cross) > rounding*norm2(along)) cycle
+         to_start = line(:, i) - x
+         place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
+         if (place < -rounding .or. place > 1.0_dp + rounding) cycle
+         crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along))]
+      end do
+   end function polyline_crossings
 
    !> Depth of a point in the obstacle, measured along the obstacle's normal: back to where the line entered or, at a
    !> concave surface, forward to where it leaves; behind a steep flank the distance to it; 0 in free space [L].

@@ -300,8 +300,7 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
       type(pairing_t) :: pairing
-      integer :: i, p, side, k, neighbor
-      real(dp) :: frame(size(body%constraints%is_free, 1), size(body%constraints%is_free, 1))
+      integer :: i
 
       allocate (pairs(size(ties)))
       pairing%is_tied = .true.
@@ -309,22 +308,7 @@ contains
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
          call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
-         ! Turn the axes of bonded points that supports guide, and those of their neighbors, to the guide and the
-         ! direction across it, in place of normal and tangent.
-         if (.not. allocated(error)) then
-            do p = 1, size(pairs(i)%node)
-               if (.not. pairs(i)%is_tangent_fixed(p)) cycle
-               frame = body%constraints%frame(pairs(i)%node(p))
-               pairs(i)%normal(:, p) = frame(:2, merge(1, 2, body%constraints%is_free(1, pairs(i)%node(p))))
-               do side = 1, size(pairs(i)%point_of, 2)
-                  do k = 1, 2
-                     neighbor = pairs(i)%point_of(3 - k, side)
-                     if (pairs(i)%point_of(k, side) /= p .or. neighbor == 0) cycle
-                     if (.not. pairs(i)%is_tangent_fixed(neighbor)) pairs(i)%normal(:, neighbor) = pairs(i)%normal(:, p)
-                  end do
-               end do
-            end do
-         end if
+         if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
          if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., &
             body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
@@ -414,5 +398,27 @@ contains
       if (pair%lead == 0) call new_error(error, input_refused, "preload: supports hold all nodes of '"//pair%set// &
          "' along its normal, or guide them aslant")
    end subroutine find_jump
+
+   !> Turns the axes of bonded points that supports guide, and those of their neighbors, to the guide and the direction
+   !> across it, in place of normal and tangent.
+   pure subroutine follow_guides(pair, constraints)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
+      integer :: p, i, k
+
+      do p = 1, size(pair%node)
+         if (.not. pair%is_tangent_fixed(p)) cycle
+         frame = constraints%frame(pair%node(p))
+         pair%normal(:, p) = frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))))
+         do i = 1, size(pair%point_of, 2)
+            do k = 1, 2
+               if (pair%point_of(k, i) /= p .or. pair%point_of(3 - k, i) == 0) cycle
+               if (.not. pair%is_tangent_fixed(pair%point_of(3 - k, i))) pair%normal(:, pair%point_of(3 - k, i)) = &
+                  pair%normal(:, p)
+            end do
+         end do
+      end do
+   end subroutine follow_guides
 
 end module amontons_pair_substitution

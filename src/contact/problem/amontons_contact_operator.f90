@@ -604,9 +604,7 @@ contains
       integer, intent(in) :: rows(:) !! rows of the part
       type(contact_operator_t), intent(out) :: part !! the operator of the part
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), allocatable :: values(:, :), entry(:)
-      integer, allocatable :: place(:), row(:), column(:)
-      integer :: i, j, n
+      real(dp), allocatable :: values(:, :)
 
       part%n = size(rows)
       part%n_tangents = self%n_tangents
@@ -615,22 +613,7 @@ contains
       if (.not. allocated(self%stiffness) .and. size(rows) >= least_sparse_rows) then
          if (self%compliance%is_sparse()) then
             allocate (part%compliance)
-            ! Number the rows of the part and take the entries between them.
-            allocate (place(self%compliance%n), source=0)
-            place(rows) = [(i, i=1, size(rows))]
-            n = sum(self%compliance%first(rows + 1) - self%compliance%first(rows))
-            allocate (row(n), column(n), entry(n))
-            n = 0
-            do j = 1, size(rows)
-               do i = self%compliance%first(rows(j)), self%compliance%first(rows(j) + 1) - 1
-                  if (place(self%compliance%row(i)) == 0) cycle
-                  n = n + 1
-                  row(n) = place(self%compliance%row(i))
-                  column(n) = j
-                  entry(n) = self%compliance%entry(i)
-               end do
-            end do
-            call new_sparse_matrix(part%compliance, size(rows), row(:n), column(:n), entry(:n))
+            call cut_sparse(part%compliance, self%compliance, rows)
             part%compliance%n_pairs = part%n_pairs()
             call part%find_augmentation()
             return
@@ -649,5 +632,31 @@ contains
       end if
       call part%find_augmentation()
    end subroutine contact_operator_cut
+
+   !> The rows and columns of a component of a sparse matrix.
+   pure subroutine cut_sparse(part, matrix, rows)
+      type(symmetric_matrix_t), intent(out) :: part !! the part
+      type(symmetric_matrix_t), intent(in) :: matrix !! the whole
+      integer, intent(in) :: rows(:) !! the rows
+      real(dp), allocatable :: entry(:)
+      integer, allocatable :: place(:), row(:), column(:)
+      integer :: i, j, n
+
+      allocate (place(matrix%n), source=0)
+      place(rows) = [(i, i=1, size(rows))]
+      n = sum(matrix%first(rows + 1) - matrix%first(rows))
+      allocate (row(n), column(n), entry(n))
+      n = 0
+      do j = 1, size(rows)
+         do i = matrix%first(rows(j)), matrix%first(rows(j) + 1) - 1
+            if (place(matrix%row(i)) == 0) cycle
+            n = n + 1
+            row(n) = place(matrix%row(i))
+            column(n) = j
+            entry(n) = matrix%entry(i)
+         end do
+      end do
+      call new_sparse_matrix(part, size(rows), row(:n), column(:n), entry(:n))
+   end subroutine cut_sparse
 
 end module amontons_contact_operator
