@@ -363,7 +363,8 @@ contains
       end if
    end subroutine check_spin
 
-   !> Finds a motion of a body on a round line that the loads drive and friction cannot hold.
+   !> Finds a motion that the loads drive and friction cannot hold: along the round line of the points and, where the
+   !> solution is none or far away, one that opens contacts.
    subroutine find_spin(amounts, body, is_in_reach, problem, solution, is_near, size_of_body)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if friction holds them (motions)

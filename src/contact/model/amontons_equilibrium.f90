@@ -163,11 +163,12 @@ contains
          cone(:, (k - 1)*m + 1:k*m) = transpose(merge(edge, 0.0_dp, spread(load_case%is_in_reach, 2, size(work))))
       end do
       ! A given slip bound holds open points, too.
-      cone(:, k*m - m + 1:k*m - m + n_given) = transpose(modes(m + 1:, :))
-      cone(:, k*m - m + n_given + 1:) = -transpose(modes(m + 1:, :))
+      last = (n_edges + 1)*m
+      cone(:, last + 1:last + n_given) = transpose(modes(m + 1:, :))
+      cone(:, last + n_given + 1:) = -transpose(modes(m + 1:, :))
       ! Without this the unlimited force of a wall, times what rounding leaves of its work, would bear a load along it.
       where (spread(norm2(cone, 1) <= rounding, 1, size(work))) cone = 0.0_dp
-      most = [spread(huge(1.0_dp), 1, (n_edges + 1)*m), (load_case%slip_bound, k=1, 2*body%zone%n_tangents)]
+      most = [spread(huge(1.0_dp), 1, last), (load_case%slip_bound, k=1, 2*body%zone%n_tangents)]
       mine = pack([(i, i=1, size(work))], is_mine)
       allocate (remainder, source=bounded_remainder(cone(mine, :), most, work(mine)))
    end subroutine balance
