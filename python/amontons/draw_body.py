@@ -198,7 +198,7 @@ def rounding(case: Case, name: str) -> float:
     if dimension_of(name) != "F/L²":
         return 0.0
     try:
-        young = max((float(material["young"]) for material in case.groups("material")), default=0.0)
+        young = max((np.max(material["young"]) for material in case.groups("material")), default=0.0)
     except OSError:
         return 0.0
     size = np.ptp(case.mesh.points[:, :2], axis=0).max()

@@ -1,5 +1,5 @@
 """Draws load histories: the hysteresis loop, the zones of the contact line over the pseudo-time, and what friction took
-along the line."""
+along the line, or what it wore."""
 from __future__ import annotations
 
 import re
@@ -18,6 +18,8 @@ from amontons.grid import Array
 ZONES = {"open": "#D55E00", "stick": "#009E73", "slip +": "#0072B2", "slip -": "#56B4E9", "slip": "#0072B2"}
 LETTERS = "os+-*"
 TEXTS = ("statuses",)
+# What a history is about, the first that it has: the sums over several sets may cancel.
+LOOPED = ("ux_1", "max_wear_depth", "preload_.*_force", "force_torque_.*", "tangential_force_1", "tangential_force")
 
 
 def statuses_of(rows: list[dict[str, str]]) -> Array:
@@ -36,17 +38,21 @@ def column(case: Case, rows: list[dict[str, str]], name: str) -> Array:
 
 
 def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
-    """What is drawn over what if nobody says: the displacement of the first probe, or else the tangential force, over
+    """What is drawn over what if nobody says: the displacement of the first probe, the depth worn, the force of a
+    preload, a torque or the tangential force, that of the first contact set where there are several. It is drawn over
     the number that turns back most often, of several the one that changes last and in most steps: a preload is applied
-    and stays."""
+    and stays. A depth, which only grows, is drawn over the time."""
     def liveliness(name: str) -> tuple[int, int, int]:
         moves = np.diff(column(case, rows, name))
         steps = np.flatnonzero(moves)
         return int(np.sum(moves[steps[1:]]*moves[steps[:-1]] < 0)), int(steps.max(initial=-1)), len(steps)
 
+    drawn = next(name for pattern in LOOPED for name in rows[0] if re.fullmatch(pattern, name))
+    time = list(rows[0])[1]
+    if drawn == "max_wear_depth":
+        return time, drawn
     changes = [name for name in case.summary["load_history"]["changes"] if liveliness(name)[2] > 0]
-    over = max(changes, key=liveliness, default=list(rows[0])[1])
-    return over, "ux_1" if "ux_1" in rows[0] else "tangential_force"
+    return max(changes, key=liveliness, default=time), drawn
 
 
 def axis_label(case: Case, name: str) -> str:
@@ -100,14 +106,17 @@ def edges(places: Array, at_end: bool = False) -> Array:
     return np.concatenate([[places[0]], middle, [places[-1]]])
 
 
-def draw_dissipation(axes: Canvas, case: Case) -> None:
-    """What friction took at each point of the contact line, over its length."""
-    table, largest = case.table("contact"), 0.0
-    sets = shown_part(case, case.table("history"))
+def draw_taken(axes: Canvas, case: Case) -> None:
+    """The worn depth of each point of the contact line; without wear what friction took there, over its length."""
+    table, history, largest = case.table("contact"), case.table("history"), 0.0
+    wears = "max_wear_depth" in history[0]
+    sets = shown_part(case, history)
     for one in sets:
-        taken = [float(table[point]["dissipation"])/float(table[point]["weight"]) for point in one.points]
+        rows = [table[point] for point in one.points]
+        taken = [float(row["wear_depth"]) if wears else float(row["dissipation"])/float(row["weight"]) for row in rows]
         axes.plot(one.length, taken, color="black")
         largest = max(largest, *taken)
-    total = f"total {float(case.table('history')[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
-    axes.set(xlabel=case.label("s", "L") + names_of(case, sets), ylabel=case.label("dissipation / length", "F"),
-             title=total, ylim=(0.0, 1.05*largest or 1.0))
+    total = f"total {float(history[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
+    label = case.label("wear depth", "L") if wears else case.label("dissipation / length", "F")
+    axes.set(xlabel=case.label("s", "L") + names_of(case, sets), ylabel=label, title="" if wears else total,
+             ylim=(0.0, 1.05*largest or 1.0))

@@ -2,7 +2,7 @@
 along the contact line; the residuals. Where only a small part of the line is closed, that part is shown, and the
 body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
 beside the files of the case; of a load history, CASE.steps.png and CASE.steps.svg too: its loop, the zones over the
-pseudo-time, the dissipation along the line."""
+pseudo-time, the dissipation or the worn depth along the line."""
 from __future__ import annotations
 
 import argparse
@@ -23,7 +23,7 @@ from amontons.commands import Parser
 from amontons.draw_body import FIELD, draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
                                 draw_history, has_detail, points_of, stretches)
-from amontons.draw_steps import draw_dissipation, draw_loop, draw_zones
+from amontons.draw_steps import draw_loop, draw_taken, draw_zones
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 
 FORMATS = ("png", "svg", "pdf")
@@ -139,7 +139,7 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
 def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Sequence[str]] = None, *,
                      size: Optional[tuple[float, float]] = None) -> matplotlib.figure.Figure:
     """The figure of a load history: a loop of two columns of NAME.history.csv, the zones over the pseudo-time, and the
-    dissipation along the contact line."""
+    dissipation or the worn depth along the contact line."""
     case = Case(case) if isinstance(case, (str, os.PathLike)) else case
     if not case.has_steps:
         raise CaseFault(f"{case.path}: a loop is only for a load history that has steps")
@@ -148,7 +148,7 @@ def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Seq
                                    layout="constrained", width_ratios=[1.1, 1.3, 1])
         draw_loop(axes[0], case, loop)
         draw_zones(axes[1], case)
-        draw_dissipation(axes[2], case)
+        draw_taken(axes[2], case)
         drawn.suptitle(plain(case.heading))
     return drawn
 

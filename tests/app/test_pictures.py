@@ -126,6 +126,30 @@ class Pictures(ProgramTest):
             self.assertIn("factor of push", drawn)
             self.assertNotIn("factor of preload", drawn)
 
+    def test_a_history_shows_what_it_is_about(self):
+        push = ("load name = 'push'  set = 'right'  traction = -1.0, 0.0", "history times = 0.0, 1.0",
+                "steps load = 'push'  factor = 0.0, 1.0")
+        wall = "contact set = 'left'  normal = 1.0, 0.0"
+        for name, groups, shown in (
+                ("worn", (SUPPORT, PRESSURE, CONTACT + "  wear = 1e-6", *push),
+                 (">time<", "max wear depth", ">wear depth<")),
+                # Sums over two contact sets may cancel.
+                ("sets", (PRESSURE, CONTACT, wall, *push),
+                 ("factor of push", "tangential force 1", "dissipation / length"))):
+            self.write(f"{name}.nml", block(*groups))
+            self.run_program("--quiet", "--output", "out", f"{name}.nml")
+            self.script("plot", f"out/{name}", "--format", "svg")
+            drawn = (self.directory / "out" / f"{name}.steps.svg").read_text(encoding="utf-8")
+            for text in shown:
+                self.assertIn(text, drawn)
+
+    def test_orthotropic_bodies_are_drawn(self):
+        wood = "young = 80.0, 20.0, 20.0  poisson = 0.3, 0.3, 0.3  shear = 10.0"
+        self.write("wood.nml", block(SUPPORT, PRESSURE, CONTACT, material=wood))
+        self.run_program("--quiet", "--output", "out", "wood.nml")
+        self.script("plot", "out/wood", "--format", "png")
+        self.script("report", "out")
+
     def test_scripts_take_the_python_that_can_draw(self):
         # A python3 that comes first on the search path and has the packages, and one that has not.
         for packages, expected in ((True, "first"), (False, "other")):
