@@ -6,7 +6,8 @@ Usage: check_sources.py [ROOT]
 * A line has at most 120 columns, a file 900 lines, a Fortran procedure 150 lines: wide nets, places to look.
 * `!>` stands above every module, program, type, generic interface, procedure and public constant of src/; `!!` stands
   at every dummy argument and component, one per declaration. Interfaces of foreign procedures are exempt.
-* What `use, only` and `import` name is used, and a private procedure is called, in src/.
+* What `use, only` and `import` name is used, and a private procedure is called, in src/. A public name of a module in
+  src/, other than the two that users take, is one that another module or a test takes.
 * The library neither stops nor prints; nothing passes through a preprocessor.
 """
 import re
@@ -18,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci"]
 MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 900, 150
 FORTRAN = (".f90", ".f90.in", ".pf")
+FACADE = ("amontons.f90", "amontons_decks.f90")
 TEXT = (*FORTRAN, ".c", ".h", ".py", ".sh", ".cmake", "CMakeLists.txt")
 
 UNIT = re.compile(r"(module|program|submodule)\b(?!\s*(procedure|subroutine|function)\b)")
@@ -125,12 +127,20 @@ def declared_names(names):
     return [re.match(r"\s*(\w*)", name)[1] for name in without_parentheses(names).split(",")]
 
 
+def public_names_of(statement):
+    """Returns the names of a module that a statement makes public: those of a list, or constants."""
+    if match := re.match(r"public\b(?!\s*[=(%])\s*(?:::)?(.*)", statement.code):
+        return declared_names(match[1])
+    match = DECLARATION.match(without_parentheses(statement.code))
+    is_public = match and {"parameter", "public"}.issubset(re.findall(r"\w+", match["attributes"]))
+    return declared_names(match["names"]) if is_public else []
+
+
 def public_names(statements):
-    """Returns the names that the public statements list; None, which stands for all, for a module without `private`."""
-    names = [match[1] for s in statements if (match := re.match(r"public\b(?!\s*[=(%])\s*(?:::)?(.*)", s.code))]
+    """Returns the names that a module makes public; None, which stands for all, for one without `private`."""
     if any(s.code.startswith("module ") for s in statements) and all(s.code != "private" for s in statements):
         return None
-    return {name for text in names for name in declared_names(text)}
+    return {name for s in statements for name in public_names_of(s)}
 
 
 def comment_faults(statements):
@@ -162,7 +172,7 @@ def comment_faults(statements):
             arguments = None
         elif match := DECLARATION.match(without_parentheses(s.code)):
             names = declared_names(match["names"])
-            is_public = public is None or public.intersection(names) or "public" in match["attributes"]
+            is_public = public is None or public.intersection(names)
             if arguments is None and is_public and not (s.has_heading or s.has_note):
                 yield s.first, "no !> above this public constant"
             elif arguments and (named := arguments.intersection(names)):
@@ -207,6 +217,21 @@ def call_faults(statements):
             called |= names_in(s.code) - set(begun)
     for name in defined.keys() - called:
         yield defined[name], f"a private procedure that nothing calls: {name}"
+
+
+def reach_faults(root, files):
+    """Yields file, line number and text of every public name that no other file imports."""
+    public, imported = [], set()
+    for path in files:
+        statements = list(statements_of(path.read_text(encoding="utf-8").splitlines()))
+        relative = path.relative_to(root)
+        if relative.parts[0] == "src" and relative.name not in FACADE:
+            public += [(path, s.first, name) for s in statements for name in public_names_of(s)]
+        for names in (match["names"] for s in statements if (match := USE.match(s.code))):
+            imported |= {name.split("=>")[-1].strip() for name in names.split(",")}
+    for path, number, name in public:
+        if name not in imported:
+            yield path, number, f"public, and no other module takes it: {name}"
 
 
 def length_faults(statements):
@@ -256,16 +281,17 @@ def faults_of_file(path, root=ROOT):
 def main(root=ROOT):
     """Prints the faults of all files; returns the exit status."""
     root = Path(root).resolve()
-    status = 0
-    for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.is_file()):
+    files = sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.is_file())
+    faults = []
+    for path in files:
         if path.suffix in (".F90", ".F", ".fpp", ".inc"):
-            faults = [(1, "a file for the preprocessor")]
-        else:
-            faults = faults_of_file(path, root) if path.name.endswith(TEXT) else []
-        for number, text in faults:
-            print(f"{path.relative_to(root)}:{number}: {text}")
-            status = 1
-    return status
+            faults.append((path, 1, "a file for the preprocessor"))
+        elif path.name.endswith(TEXT):
+            faults += [(path, *fault) for fault in faults_of_file(path, root)]
+    faults += reach_faults(root, [path for path in files if path.name.endswith(FORTRAN)])
+    for path, number, text in faults:
+        print(f"{path.relative_to(root)}:{number}: {text}")
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ module amontons_document
    implicit none (type, external)
    private
 
-   public :: document_t, field, json_logical, json_number, json_numbers, json_string, part_t, quantity_members, &
+   public :: document_t, field, json_logical, json_number, json_numbers, json_string, quantity_members, &
       read_status_runs, status_runs
 
    !> Letters of the statuses, in the order of their numbers in `amontons_friction_law`.

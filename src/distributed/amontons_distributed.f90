@@ -34,9 +34,9 @@ module amontons_distributed
    implicit none (type, external)
    private
 
-   public :: all_ranks, assembly_mb, begin_ranks, broadcast, channel_t, check_room, dismiss_ranks, end_ranks, &
-      find_owners, find_positions, first_free_order, follow_order, give_order, mpi_text, n_ranks, &
-      new_distributed_condenser, new_subdomain, next_order, on_all_ranks, order_end, rank, share_condenser, subdomain_t
+   public :: all_ranks, begin_ranks, broadcast, channel_t, check_room, dismiss_ranks, end_ranks, first_free_order, &
+      follow_order, give_order, mpi_text, n_ranks, new_distributed_condenser, next_order, on_all_ranks, &
+      order_end, rank, share_condenser
 
    !> A subdomain, with its own numbers of nodes, elements and unknowns.
    type :: subdomain_t

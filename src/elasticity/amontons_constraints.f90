@@ -23,8 +23,8 @@ module amontons_constraints
    implicit none (type, external)
    private
 
-   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_rigid_set, new_support, &
-      rigid_components, rigid_face_t, rigid_set_t, spring_side_t, substitution_t, support_t, supported_components
+   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, rigid_components, &
+      spring_side_t, substitution_t, support_t, supported_components
 
    !> The components of a rigid motion, as a deck writes them.
    character(4), parameter :: rigid_components(3) = [character(4) :: 'ux', 'uy', 'turn']

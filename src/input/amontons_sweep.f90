@@ -12,7 +12,7 @@ module amontons_sweep
    implicit none (type, external)
    private
 
-   public :: describe_sweep, key_result_names, largest_n_cases, sweep_axis_t, sweep_t
+   public :: describe_sweep, key_result_names, largest_n_cases, sweep_t
 
    !> Target of a swept quantity: the factor of all loads with a name.
    integer, parameter, public :: swept_load = 1

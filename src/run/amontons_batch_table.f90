@@ -22,7 +22,7 @@ module amontons_batch_table
    implicit none (type, external)
    private
 
-   public :: find_unchanged, number_keys, tally_text, update_batch_table
+   public :: find_unchanged, tally_text, update_batch_table
 
    !> A row of the table.
    type :: row_t

@@ -24,8 +24,8 @@ module amontons_key_results
    implicit none (type, external)
    private
 
-   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_intervals, find_zones, interval_t, &
-      lengths_t, new_lengths, resultants, set_results, trace_t, wear_results
+   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
+      new_lengths, resultants, set_results, wear_results
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t

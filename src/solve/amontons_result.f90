@@ -23,8 +23,8 @@ module amontons_result
    implicit none (type, external)
    private
 
-   public :: certificate_limit, convergence_t, factor_t, has_bar, has_converged, has_limit, judge_meshes, &
-      new_convergence, outcome_names, outcome_word, refined_quantities, refined_quantity_t, result_t, solution_word, &
+   public :: certificate_limit, convergence_t, factor_t, has_bar, has_converged, judge_meshes, new_convergence, &
+      outcome_names, outcome_word, refined_quantities, refined_quantity_t, result_t, solution_word, &
       status_not_converged, verdict_names
 
    !> Behavior of the values on the last three meshes.

@@ -20,8 +20,7 @@ module amontons_result_warnings
    implicit none (type, external)
    private
 
-   public :: add_conditioning, add_mesh_warnings, add_result_warnings, case_warning_sentence, error_clause, &
-      find_case_warnings, lacks_points
+   public :: add_conditioning, add_result_warnings, case_warning_sentence, find_case_warnings, lacks_points
 
    !> Names of the warnings on a case of a sweep, as its row has them.
    character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &

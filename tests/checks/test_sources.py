@@ -30,6 +30,10 @@ class Sources(CheckerTest):
     """One module of the library, sound but for what a test puts in."""
     script = "check_sources.py"
 
+    def setUp(self):
+        super().setUp()
+        self.write("tests/taker.f90", "use amontons_sample, only: first, last, other, here => work\n")
+
     def assert_refused(self, text, *faults, body="value = 1", declarations="", public="work"):
         """Checks the faults, line and sentence, of the module with a body or declarations; `text` names the case."""
         with self.subTest(text):
@@ -129,6 +133,18 @@ class Sources(CheckerTest):
             "   !> A type.\n   type :: thing_t\n   contains\n      procedure :: act => other\n   end type thing_t"))
         self.assert_refused("internal", (17, "a private procedure that nothing calls: inner"), body=(
             "value = 1\n   contains\n!> Inner.\n   subroutine inner()\n   value = 2\n   end subroutine inner"))
+
+    def test_public_name_that_no_other_module_takes_is_found(self):
+        fault = (6, "public, and no other module takes it: sum_of")
+        self.assert_refused("alone", fault, public="sum_of, work")
+        self.assert_refused("continued", fault, public="work, &\n      sum_of")
+        self.assert_refused("attribute", (8, fault[1]),
+                            declarations="   !> A sum.\n   integer, parameter, public :: sum_of = 1")
+        self.write("src/base/amontons_own.f90", "!> Another.\nmodule amontons_own\n   private\n   public :: total\n"
+                   "   use amontons_sample, only: total => sum_of\n   !> A sum.\n   integer :: total\n"
+                   "end module amontons_own\n")
+        self.write("tests/all.f90", "use amontons_own, only: work, &\n   total\n")
+        self.assert_refused("taken", public="sum_of, work")
 
     def test_lengths_are_limited(self):
         self.assert_refused("line", (14, "a line of 121 columns, at most 120"), body="value = 1 !" + 110*"x")

@@ -27,9 +27,8 @@ module amontons_load_family
    implicit none (type, external)
    private
 
-   public :: acting_t, apply_loads, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, &
-      new_load_family, obstacle_motion_t, one_part, parting_t, prescribe, prescribed_slip, recover_displacement, &
-      recover_displacements, set_obstacles
+   public :: acting_t, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, new_load_family, &
+      obstacle_motion_t, one_part, parting_t, recover_displacement, recover_displacements, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction of one case.
    type :: load_case_t

@@ -23,8 +23,7 @@ module amontons_uniqueness
    implicit none (type, external)
    private
 
-   public :: all_solutions_t, eliminate, find_all_solutions, has_extent, loose, most_points, new_uniqueness, &
-      uniqueness_t
+   public :: all_solutions_t, eliminate, find_all_solutions, has_extent, most_points, new_uniqueness, uniqueness_t
 
    !> The friction below which the solution is unique, as far as it is known.
    type :: uniqueness_t

@@ -31,8 +31,8 @@ module amontons_history_model
    implicit none (type, external)
    private
 
-   public :: energy_form_t, find_probes, history_model_t, instant_t, n_state_numbers, new_energy_form, &
-      new_history_model, new_step_state, restore_step_state, step_state_t, take_step
+   public :: find_probes, history_model_t, instant_t, n_state_numbers, new_history_model, new_step_state, &
+      restore_step_state, step_state_t, take_step
 
    !> Matrices over the parts, and vectors on the contact displacements for each part.
    type :: energy_form_t

@@ -6,7 +6,7 @@ module amontons_history_study
    use amontons_config, only: config_t, effective_deck
    use amontons_document, only: json_logical, json_number, json_string, quantity_members
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_history, only: history_t, is_shown, moved_things, steps_t
+   use amontons_history, only: history_t, is_shown, moved_things, stepped_load, steps_t
    use amontons_history_files, only: history_files_t, open_history_files, read_start
    use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
@@ -32,7 +32,7 @@ module amontons_history_study
    private
 
    public :: add_history_results, describe_history, history_result_t, history_study_t, new_step_result, &
-      prepare_history, solve_history, start_history, worst_step_t
+      prepare_history, start_history, worst_step_t
 
    !> Number of saved numbers for each time that was reached.
    integer, parameter :: n_reached_numbers = 9
@@ -540,7 +540,7 @@ contains
          note = ''
          n = 0
          do i = 1, size(config%loads)
-            if (.not. any([(config%history%steps(k)%target == 1 .and. config%history%steps(k)%name &
+            if (.not. any([(config%history%steps(k)%target == stepped_load .and. config%history%steps(k)%name &
                == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
          end do
          if (n > 0) note = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')

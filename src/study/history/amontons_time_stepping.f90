@@ -23,8 +23,8 @@ module amontons_time_stepping
    implicit none (type, external)
    private
 
-   public :: cycle_outcomes, cycle_record_t, n_cycle_numbers, n_parameters, n_plain_numbers, new_time_stepping, &
-      parameter_names, time_stepping_t
+   public :: cycle_outcomes, n_cycle_numbers, n_parameters, n_plain_numbers, new_time_stepping, parameter_names, &
+      time_stepping_t
 
    !> Classes of cycles: the first; without slip; like the one before; like the one before except for a constant drift
    !> of the points; different from the one before.

@@ -44,8 +44,7 @@ module amontons_sweep_study
    implicit none (type, external)
    private
 
-   public :: n_documents, new_sweep_summary, solve_sweep, sweep_documents, sweep_result_t, sweep_study_t, &
-      write_sweep_report
+   public :: n_documents, new_sweep_summary, sweep_documents, sweep_result_t, sweep_study_t
 
    !> What the summary and the screen say of a sweep without any equilibrium.
    character(*), parameter :: no_equilibrium = &
