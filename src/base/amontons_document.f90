@@ -86,7 +86,7 @@ contains
       end do
    end function quantity_members
 
-   !> A logical as JSON.
+   !> The JSON word of a logical value.
    pure function json_logical(value) result(text)
       logical, intent(in) :: value !! the value
       character(:), allocatable :: text
@@ -213,7 +213,7 @@ contains
       end do
    end subroutine document_append
 
-   !> Appends a part.
+   !> Appends lines of text to the document as one part.
    pure subroutine append(document, text, is_recorded)
       class(document_t), intent(inout) :: document !! the document
       character(*), intent(in) :: text !! its lines
@@ -226,7 +226,7 @@ contains
       document%parts(document%n)%is_recorded = is_recorded
    end subroutine append
 
-   !> The whole text.
+   !> The text of all parts of the document.
    pure function document_text(self) result(text)
       class(document_t), intent(in) :: self !! the document
       character(:), allocatable :: text

@@ -66,7 +66,7 @@ module amontons_error
 
 contains
 
-   !> Makes an error value.
+   !> Makes an error from its exit status and its message.
    pure subroutine new_error(error, kind, message)
       type(error_t), allocatable, intent(out) :: error !! the error, allocated on return
       integer, intent(in) :: kind !! `input_refused`, `numerical_failure` or `system_failure`
@@ -127,7 +127,7 @@ contains
       end do
    end function printable
 
-   !> Adds the faults of another list.
+   !> Appends the faults of another list.
    pure subroutine fault_list_append(self, other)
       class(fault_list_t), intent(inout) :: self !! the faults so far
       type(fault_list_t), intent(in) :: other !! the other list
@@ -179,7 +179,7 @@ contains
       text = text//to_text(list%n - most)//' more faults follow'
    end function first_faults
 
-   !> Adds a warning.
+   !> Adds a warning to the list.
    pure subroutine warning_list_add(self, sentence)
       class(warning_list_t), intent(inout) :: self !! the warnings
       character(*), intent(in) :: sentence !! the warning, a sentence without a line end
@@ -209,7 +209,7 @@ contains
       if (allocated(self%units)) text = with_unit(text, self%units, 'L')
    end function warning_list_place
 
-   !> Number of warnings.
+   !> Number of warnings in the list.
    pure integer function warning_list_n(self) result(n)
       class(warning_list_t), intent(in) :: self !! the warnings
       integer :: i
@@ -221,7 +221,7 @@ contains
       end do
    end function warning_list_n
 
-   !> One of the warnings.
+   !> The text of one warning.
    pure function warning_list_item(self, number) result(sentence)
       class(warning_list_t), intent(in) :: self !! the warnings
       integer, intent(in) :: number !! which one, 1 to `n`

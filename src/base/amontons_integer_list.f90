@@ -54,7 +54,7 @@ contains
       end do
    end subroutine fill_bins
 
-   !> Appends an item.
+   !> Appends a number to the list, which grows as needed.
    pure subroutine integer_list_append(self, item)
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: item !! the item
@@ -64,7 +64,7 @@ contains
       self%item(self%n) = item
    end subroutine integer_list_append
 
-   !> Appends several items.
+   !> Appends several numbers to the list, which grows as needed.
    pure subroutine integer_list_append_all(self, items)
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: items(:) !! the items

@@ -65,7 +65,7 @@ contains
       end do
    end function expanded
 
-   !> Scales of the rounding errors of quantities and of their positions, in the order of `expanded`.
+   !> Scales of the rounding errors of quantities, and of the coordinates of their places, in the order of `expanded`.
    pure function scales(list)
       type(quantity_t), intent(in) :: list(:) !! the quantities
       real(dp), allocatable :: scales(:)

@@ -82,7 +82,7 @@ contains
       if (position <= len(text)) digit = iachar(text(position:position)) - iachar('0')
    end function digit_at
 
-   !> Skips a sign and reports it.
+   !> Skips the sign of a number, if there is one, and returns whether it is a minus.
    pure subroutine scan_sign(text, position, is_negative)
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: position !! position of a possible sign; the one after it on return
@@ -569,7 +569,7 @@ contains
       text = '  '//trim(column//value)//newline
    end function labeled
 
-   !> Two numbers with at most seven digits.
+   !> Two numbers in parentheses, with at most seven digits each, such as (1.5, -2.0).
    pure function pair_text(values) result(text)
       real(dp), intent(in) :: values(2) !! the numbers
       character(:), allocatable :: text

@@ -35,7 +35,7 @@ module amontons_c_interface
          implicit none (type, external)
       end subroutine begin_call
 
-      !> Lets the next call run.
+      !> Ends a call from C, so that a call that waits on another thread can begin.
       subroutine end_call() bind(c, name='amontons_end_call')
          implicit none (type, external)
       end subroutine end_call
@@ -43,7 +43,7 @@ module amontons_c_interface
 
 contains
 
-   !> The text that a C program passes.
+   !> The text of a C string, up to its terminating zero.
    pure function text_of_c(c_text) result(text)
       ! allow(assumed-size): C passes an address and no length
       character(c_char), intent(in) :: c_text(*) !! the characters, up to a zero
@@ -75,14 +75,14 @@ contains
       c_text(length + 1) = c_null_char
    end subroutine put_c_text
 
-   !> The version.
+   !> Address of the version of the library, as a C string.
    function amontons_version_text() bind(c, name='amontons_version_text') result(address)
       type(c_ptr) :: address
 
       address = c_loc(version_text)
    end function amontons_version_text
 
-   !> Sets the number of threads.
+   !> Sets the number of threads of later calls; see `amontons.h`.
    subroutine amontons_set_threads(n_threads) bind(c, name='amontons_set_threads')
       integer(c_int), value, intent(in) :: n_threads !! number of threads; 1 is taken for less
 
@@ -329,7 +329,7 @@ contains
       end associate
    end function amontons_stepper_points
 
-   !> Frees a stepper.
+   !> Frees a stepper made by `amontons_new_stepper`.
    subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')
       type(c_ptr), value, intent(in) :: stepper !! the stepper; null for none
       type(load_stepper_t), pointer :: made

@@ -91,7 +91,7 @@ contains
       next = 0
    end function deck_next_group
 
-   !> Number of groups of a name.
+   !> Number of groups of a name in the deck.
    pure integer function deck_count_groups(self, name) result(n_groups)
       class(deck_t), intent(in) :: self !! the deck
       character(*), intent(in) :: name !! name of the groups, in lower case, without `&`
@@ -100,7 +100,7 @@ contains
       n_groups = count([(self%contents%groups(i)%name == name, i=1, self%contents%n_groups)])
    end function deck_count_groups
 
-   !> Whether a group has a key.
+   !> Whether a group gives a value to a key.
    pure logical function deck_has(self, group, key) result(has)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
@@ -311,7 +311,7 @@ contains
       setting%assignment = text(point + 1:equals - 1)//' = '//value
    end subroutine new_setting
 
-   !> Parses settings, one in each line.
+   !> Parses the values that `--set` gives, one in each line.
    subroutine read_settings(settings, text, error)
       type(setting_t), allocatable, intent(out) :: settings(:) !! the settings
       character(*), intent(in) :: text !! the lines

@@ -241,7 +241,7 @@ contains
       end do
    end subroutine read_assignments
 
-   !> Reads a subscript in parentheses.
+   !> Reads the subscript of a key or group, a whole number in parentheses.
    subroutine read_subscript(cursor, contents, assignment)
       type(cursor_t), intent(inout) :: cursor !! the place, at the opening parenthesis
       type(deck_contents_t), intent(inout) :: contents !! the deck
@@ -643,7 +643,7 @@ contains
       end do
    end function word_that_begins_alike
 
-   !> Words separated by commas.
+   !> The words of a list, separated by commas.
    pure function joined(words, before, behind) result(text)
       character(*), intent(in) :: words(:) !! the words, blank padded
       character(*), intent(in) :: before !! text before each word

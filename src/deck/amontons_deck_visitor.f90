@@ -116,7 +116,7 @@ module amontons_deck_visitor
 
 contains
 
-   !> Visits a real number.
+   !> Visits a key that has one real number.
    subroutine visitor_real(self, key, value, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -129,7 +129,7 @@ contains
       value = values(1)
    end subroutine visitor_real
 
-   !> Visits a whole number.
+   !> Visits a key that has one whole number.
    subroutine visitor_whole(self, key, value, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -177,7 +177,7 @@ contains
       if (is_given) call move_alloc(numbers, values)
    end subroutine visitor_list
 
-   !> Visits a word of a list.
+   !> Visits a key that has one word of a list.
    subroutine visitor_word(self, key, value, choices, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -281,7 +281,7 @@ contains
       if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
    end function bound_text
 
-   !> The noun for one number of a key, for messages.
+   !> What a key expects, in words for messages: `number` or `whole number`.
    pure function key_noun(self) result(noun)
       class(key_t), intent(in) :: self !! the key
       character(:), allocatable :: noun
@@ -342,7 +342,7 @@ contains
       if (is_filled) is_filled = len_trim(text) > 0
    end function is_filled
 
-   !> Writes the opening of a group.
+   !> Writes the opening of a group, `&name`.
    subroutine writer_open_group(self, group)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(group_t), intent(in) :: group !! the group
@@ -359,7 +359,7 @@ contains
       if (self%line /= '') self%written = self%written//self%line//' /'//newline
    end subroutine writer_close_group
 
-   !> Writes numbers.
+   !> Writes a key and its numbers.
    subroutine writer_reals(self, key, values, is_given)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
@@ -378,7 +378,7 @@ contains
       call self%write_key(key, kind//range, key%numbers(values), is_given)
    end subroutine writer_reals
 
-   !> Writes a text.
+   !> Writes a key and its text, in quotes.
    subroutine writer_text(self, key, value, is_given, choices)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
@@ -458,14 +458,14 @@ contains
          '|---|---|---|---|---|')
    end subroutine documenter_open_group
 
-   !> Ends a group.
+   !> Ends the table of a group.
    subroutine documenter_close_group(self)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
 
       self%group = group_t()
    end subroutine documenter_close_group
 
-   !> Writes a row.
+   !> Writes the row of a key in the table of its group.
    subroutine documenter_write_key(self, key, kind, value, is_given)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
       type(key_t), intent(in) :: key !! the key
@@ -609,7 +609,7 @@ contains
       end if
    end subroutine visitor_text
 
-   !> Visits a logical value.
+   !> Visits a key that has a logical value.
    subroutine visitor_flag(self, key, value)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
@@ -626,7 +626,7 @@ contains
          self%deck%contents, self%place, key%name, source(1), 'a '//noun)
    end subroutine visitor_flag
 
-   !> Visits a list of words.
+   !> Visits a key that has one or more words of a list.
    subroutine visitor_words(self, key, choices, is_chosen)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key

@@ -22,15 +22,15 @@ contains
       text = 'no'
    end function mpi_text
 
-   !> Has no effect in this build.
+   !> Begins MPI; has no effect in a build without it.
    subroutine begin_ranks()
    end subroutine begin_ranks
 
-   !> Has no effect in this build.
+   !> Ends MPI; has no effect in a build without it.
    subroutine end_ranks()
    end subroutine end_ranks
 
-   !> Has no effect in this build.
+   !> Ends the service loop of the other ranks; has no effect in a build without MPI.
    subroutine dismiss_ranks()
    end subroutine dismiss_ranks
 

@@ -35,7 +35,7 @@ module amontons_mumps
    end type mumps_t
 
    abstract interface
-      !> Has an instance give something up.
+      !> Tells an instance of MUMPS to free its factor or its other memory.
       subroutine release(handle) bind(c)
          import :: c_ptr
          implicit none (type, external)
@@ -153,7 +153,7 @@ contains
          all_unknowns, of_schur, self%report)
    end subroutine mumps_solve
 
-   !> Frees the memory of the instance.
+   !> Frees the memory of the instance of MUMPS.
    subroutine mumps_free(self)
       class(mumps_t), intent(inout) :: self !! the instance
 

@@ -156,7 +156,7 @@ contains
       if (has_begun) total = mpi_sum_here(number)
    end function sum_on_machine
 
-   !> Passes bytes.
+   !> Sends bytes to another rank or to all, or receives them.
    subroutine pass_bytes(channel, bytes, n)
       class(channel_t), intent(in) :: channel !! the channel
       ! allow(assumed-size, assumed-size-character-intent): bytes of any type, for C
@@ -173,7 +173,7 @@ contains
       call pass_bytes(channel_t(all_ranks, rank == 0), list, real_bytes*size(list))
    end subroutine broadcast
 
-   !> Passes a number.
+   !> Sends a whole number through the channel, or receives it.
    subroutine channel_pass_number(self, number)
       class(channel_t), intent(in) :: self !! the channel
       integer, intent(inout) :: number !! the number
@@ -184,7 +184,7 @@ contains
       number = list(1)
    end subroutine channel_pass_number
 
-   !> Passes a text.
+   !> Sends a text through the channel, or receives it.
    subroutine channel_pass_text(self, text)
       class(channel_t), intent(in) :: self !! the channel
       character(:), allocatable, intent(inout) :: text !! the text
@@ -200,7 +200,7 @@ contains
       end do
    end subroutine channel_pass_text
 
-   !> Passes whole numbers.
+   !> Sends a list of whole numbers through the channel, or receives it.
    subroutine channel_pass_numbers(self, list)
       class(channel_t), intent(in) :: self !! the channel
       integer, allocatable, intent(inout) :: list(:) !! the numbers
@@ -215,7 +215,7 @@ contains
       call pass_bytes(self, list, integer_bytes*length)
    end subroutine channel_pass_numbers
 
-   !> Passes whole numbers in columns.
+   !> Sends a table of whole numbers through the channel, or receives it.
    subroutine channel_pass_columns(self, columns)
       class(channel_t), intent(in) :: self !! the channel
       integer, allocatable, intent(inout) :: columns(:, :) !! the numbers
@@ -230,7 +230,7 @@ contains
       if (.not. self%is_sender) columns = reshape(list, [extent(1), extent(2)])
    end subroutine channel_pass_columns
 
-   !> Passes real numbers in columns.
+   !> Sends a table of real numbers through the channel, or receives it.
    subroutine channel_pass_real_columns(self, columns)
       class(channel_t), intent(in) :: self !! the channel
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the numbers

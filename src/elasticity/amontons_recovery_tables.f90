@@ -287,7 +287,7 @@ contains
       end if
    end subroutine place_patch
 
-   !> Adds a point.
+   !> Adds a point to the moments of a set of points.
    pure subroutine moments_add(self, x, y, weight)
       class(moments_t), intent(inout) :: self !! the moments of other points
       real(dp), intent(in) :: x !! coordinate of the point [L]
@@ -433,7 +433,8 @@ contains
       end do
    end subroutine solve_normal
 
-   !> Finds the patches of a mesh.
+   !> Finds the patches of a mesh, the elements of one material around each corner node, on which stresses are
+   !> recovered.
    subroutine new_patch_table(table, mesh, materials)
       type(patch_table_t), intent(out) :: table !! the patches
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -536,7 +537,7 @@ contains
       end do
    end subroutine number_patches
 
-   !> Lists the patches of each block.
+   !> Lists, for each block of elements, the patches that its elements have corners in.
    pure subroutine list_blocks(table, mesh)
       type(patch_table_t), intent(inout) :: table !! the patches, those of the corners by their numbers; gains the lists
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -626,7 +627,7 @@ contains
       end do
    end subroutine add_elements_at
 
-   !> The patch of a corner of an element.
+   !> The patch around a corner of an element.
    pure integer function patch_table_at_corner(self, element, corner) result(patch)
       class(patch_table_t), intent(in) :: self !! the patches
       integer, intent(in) :: element !! the element
@@ -635,7 +636,7 @@ contains
       patch = self%listed(self%block_start((element - 1)/block_size + 1) - 1 + self%of_corner(corner))
    end function patch_table_at_corner
 
-   !> Makes the tables of a body.
+   !> Makes the tables by which the stresses of a body are recovered: patches of elements, sides free of tractions.
    subroutine new_recovery_tables(tables, mesh, outer, materials, constraints, springs)
       type(recovery_tables_t), intent(out) :: tables !! the tables
       type(mesh_t), intent(in) :: mesh !! a checked mesh

@@ -313,7 +313,7 @@ contains
       end do
    end function extrapolation
 
-   !> Von Mises stress [F/L^2].
+   !> Von Mises stress of a stress tensor [F/L^2].
    pure real(dp) function von_mises(stress)
       real(dp), intent(in) :: stress(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
       real(dp), parameter :: least = tiny(least)/epsilon(least)
@@ -338,7 +338,7 @@ contains
       if (size(s) > 4) deviatoric_square = deviatoric_square + 3.0_dp*(s(5)**2 + s(6)**2)
    end function deviatoric_square
 
-   !> Fits the polynomial of a patch.
+   !> Fits a polynomial to the stresses of the elements of a patch, by least squares.
    pure subroutine fit_polynomial(coefficient, patches, patch, mesh, stress, tractions)
       real(dp), intent(out) :: coefficient(4, max_terms)
          !! coefficients of the stresses xx, yy, xy, zz: those of the terms, nothing behind the last; of a linear

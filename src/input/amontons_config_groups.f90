@@ -181,7 +181,7 @@ contains
       call visitor%only('refinements', begins_anew, 'a deck without &sweep and without start')
    end subroutine describe_accuracy
 
-   !> Whether errors are estimated.
+   !> Whether the deck asks for the estimated error of the stresses.
    pure logical function accuracy_wants_estimate(self)
       class(accuracy_options_t), intent(in) :: self !! the options
 

@@ -372,7 +372,7 @@ contains
       end associate
    end subroutine plan_steps
 
-   !> Checks the times of cycles.
+   !> Refuses cycles that do not begin and end with planned steps, or whose times do not ascend.
    subroutine judge_cycles(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(in) :: history !! the history, with times and cycles

@@ -38,7 +38,7 @@ module amontons_band_matrix
 
 contains
 
-   !> Makes a zero matrix.
+   !> Makes a symmetric band matrix of zeros.
    pure subroutine new_symmetric_band(matrix, n, width)
       type(symmetric_band_t), intent(out) :: matrix !! the matrix
       integer, intent(in) :: n !! its order
@@ -61,7 +61,7 @@ contains
       end associate
    end subroutine symmetric_band_add
 
-   !> An entry; 0 outside the band.
+   !> An entry of the matrix; 0 outside the band.
    pure real(dp) function symmetric_band_element(self, row, column) result(element)
       class(symmetric_band_t), intent(in) :: self !! the matrix
       integer, intent(in) :: row !! row of the entry
@@ -151,7 +151,7 @@ contains
       matrix%entry = 0.0_dp
    end subroutine new_band_matrix
 
-   !> Adds to an entry.
+   !> Adds a number to an entry of the matrix.
    pure subroutine band_lu_add(self, row, column, value)
       class(band_lu_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: row !! row of the entry

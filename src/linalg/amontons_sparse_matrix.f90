@@ -377,7 +377,8 @@ contains
       call graph%expand(narrow_order(graph), order)
    end subroutine reverse_cuthill_mckee
 
-   !> Substitute coordinates of supervariables without any: neighbors in the graph get neighboring numbers.
+   !> Coordinates along a line for supervariables that have no place in the plane, as nested dissection needs them:
+   !> neighbors in the graph get neighboring numbers.
    pure function graph_places(graph) result(place)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), allocatable :: place(:, :)

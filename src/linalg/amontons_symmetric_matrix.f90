@@ -143,7 +143,7 @@ contains
       end if
    end subroutine symmetric_matrix_add_column
 
-   !> One element of the matrix.
+   !> An entry of the matrix, from either triangle.
    pure real(dp) function symmetric_matrix_element(self, row, column) result(element)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       integer, intent(in) :: row !! its row

@@ -391,7 +391,7 @@ contains
       end do
    end subroutine find_root
 
-   !> Number of a side of an element.
+   !> Number of a side of an element, counted over all elements.
    elemental integer function side_number(element, place)
       integer, intent(in) :: element !! the element
       integer, intent(in) :: place !! the side's place in the element, from 1

@@ -219,7 +219,7 @@ contains
 
    contains
 
-      !> Appends a column.
+      !> Adds a column to the table.
       subroutine add(key, label, dimension, values, scale, is_field)
          character(*), intent(in) :: key !! its name in files
          character(*), intent(in) :: label !! its heading in the listing

@@ -44,7 +44,7 @@ module amontons_listing
 
 contains
 
-   !> The lines on uniqueness.
+   !> The line of the listing on whether the solution is proven to be unique.
    pure function uniqueness_text(uniqueness, friction) result(text)
       type(uniqueness_t), intent(in) :: uniqueness !! the bound
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the problem (m) [-]
@@ -68,7 +68,7 @@ contains
       text = labeled('Uniqueness', known)
    end function uniqueness_text
 
-   !> The section on all solutions.
+   !> The section of the listing that `--all-solutions` adds.
    pure function solutions_text(solutions, force) result(text)
       type(all_solutions_t), intent(in) :: solutions !! all solutions
       real(dp), intent(in) :: force(:) !! forces of the solution that the listing reports (2m) [F]
@@ -566,7 +566,7 @@ contains
       end do
    end function intervals_text
 
-   !> The certificate in words.
+   !> The verdict of the certificate in words, with its largest violation.
    pure function certificate_text(certificate, tolerance) result(text)
       type(certificate_t), intent(in) :: certificate !! the certificate
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
@@ -576,7 +576,7 @@ contains
          //violations_text(certificate%violations(), certificate_limit(tolerance))
    end function certificate_text
 
-   !> Program, case and deck.
+   !> The head of the listing: program, case and deck.
    pure function head_text(label) result(text)
       class(case_label_t), intent(in) :: label !! name, title and units of the case
       character(:), allocatable :: text
@@ -638,7 +638,7 @@ contains
       end do
    end function residual_text
 
-   !> Number of points with each status.
+   !> Number of contact points of each status, as text.
    pure function status_counts(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       integer, intent(in), optional :: dimension !! of the problem; 2 if it is not given
@@ -655,7 +655,7 @@ contains
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts
 
-   !> Number of closed points.
+   !> Number of closed contact points, as text.
    pure function closed_text(status) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
       character(:), allocatable :: text
@@ -679,7 +679,7 @@ contains
          ': every violation must be at most '//scientific(limit))
    end function violations_text
 
-   !> The warnings, one line each.
+   !> The warnings of the listing, one line each.
    pure function warnings_text(warnings) result(text)
       type(warning_list_t), intent(in) :: warnings !! the warnings
       character(:), allocatable :: text
@@ -692,7 +692,7 @@ contains
       end do
    end function warnings_text
 
-   !> Quantities, one line each.
+   !> Lines of the listing with quantities, one each: name, value, unit.
    pure function quantities_text(quantities, units) result(text)
       type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(*), intent(in) :: units !! names of the units of the case

@@ -83,7 +83,7 @@ contains
       end do
    end subroutine manifest_add_outputs
 
-   !> Adds a file that was written.
+   !> Adds a file of this run to the manifest, with its size and checksum.
    subroutine manifest_add_written(self, path, final_path, folder, error)
       class(manifest_t), intent(inout) :: self !! the manifest
       character(*), intent(in) :: path !! its present name

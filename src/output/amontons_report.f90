@@ -112,7 +112,7 @@ contains
          //', "slip": '//to_text(count(status /= open_point .and. status /= stick_point))
    end function status_members
 
-   !> Quantities as a member.
+   !> A member of the summary that has quantities by their names.
    pure function quantities_member(name, quantities) result(text)
       character(*), intent(in) :: name !! its name
       type(quantity_t), intent(in) :: quantities(:) !! the quantities

@@ -100,7 +100,7 @@ contains
       text(4*n_whole + n_left + 2:) = repeat('=', 3 - n_left)
    end function encode_base64
 
-   !> Encodes three bytes.
+   !> The four letters that encode three bytes in base64.
    pure character(4) function four_letters(bytes)
       character(3), intent(in) :: bytes !! the bytes
       integer :: word
@@ -161,7 +161,7 @@ contains
       call new_output_file(vtk%file, path, .true., error)
    end subroutine new_vtk_file
 
-   !> Begins the markup.
+   !> Begins the markup of a grid.
    pure subroutine vtk_file_begin_grid(self, n_points, n_cells)
       class(vtk_file_t), intent(inout) :: self !! the grid
       integer, intent(in) :: n_points !! number of points
@@ -281,7 +281,7 @@ contains
       call vtk%end_array()
    end subroutine write_array
 
-   !> Passes an array with its components in another order, zeros for missing ones.
+   !> Passes an array to the grid with its components in another order, zeros for missing ones.
    subroutine vtk_file_put_spread(self, section, name, dimension, values, component)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order

@@ -119,7 +119,7 @@ contains
    !=   greatest of all cases, sums of forces empty
    !=batch.csv `seconds` | s | time of the deck
    !=batch.csv `message` | | what went wrong, in one line
-   !> The first line.
+   !> The first line of batch.csv, with the names of its columns.
    pure function header() result(text)
       character(:), allocatable :: text
       integer :: i
@@ -157,7 +157,7 @@ contains
       end do
    end subroutine read_rows
 
-   !> Makes a row from its line of text.
+   !> Makes a row of batch.csv from its line of text.
    pure subroutine new_row(row, line)
       type(row_t), intent(out) :: row !! the row
       character(*), intent(in) :: line !! its text, the line end included
@@ -171,7 +171,7 @@ contains
       row%text = line
    end subroutine new_row
 
-   !> Reads the next field of a row.
+   !> Reads the next field of a line of batch.csv.
    pure subroutine take_field(line, next, value)
       character(*), intent(in) :: line !! the row
       integer, intent(inout) :: next !! position of the field; that of the next one on return

@@ -590,7 +590,7 @@ contains
       end do
    end subroutine new_lengths
 
-   !> The lengths under their names [L].
+   !> Open, slip and stick length, as quantities with their names [L].
    pure function lengths_quantities(self) result(list)
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)

@@ -180,7 +180,7 @@ contains
       convergence%bar = max(convergence%bar, resolution)
    end subroutine new_convergence
 
-   !> Whether there is an error bar.
+   !> Whether a number that was found on several meshes has an error bar.
    elemental logical function has_bar(convergence)
       type(convergence_t), intent(in) :: convergence !! the judgment
 
@@ -211,7 +211,7 @@ contains
       end if
    end function verdict
 
-   !> The word for a solution.
+   !> The outcome of a solution, as a word of summaries and tables.
    pure function solution_word(is_converged, is_certified) result(word)
       logical, intent(in) :: is_converged !! whether the residual is at most the tolerance
       logical, intent(in) :: is_certified !! whether no violation of its certificate is above the limit
@@ -243,7 +243,7 @@ contains
       certificate_limit = max(1.0e-8_dp, 100.0_dp*tolerance)
    end function certificate_limit
 
-   !> The outcome of a case in a word.
+   !> The outcome of a case, as a word of summaries and tables.
    pure function outcome_word(result) result(word)
       type(result_t), intent(in) :: result !! its result
       character(:), allocatable :: word

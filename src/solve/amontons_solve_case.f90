@@ -96,7 +96,7 @@ contains
       if (.not. allocated(error)) call add_model_warnings(result%warnings, cache%body, result%load_case)
    end subroutine prepare_case
 
-   !> Makes the body of a case.
+   !> Makes the body of a case: mesh, materials, supports, contact points.
    subroutine make_body(cache, config, error)
       type(cache_t), intent(inout) :: cache !! gains the body
       type(config_t), intent(in) :: config !! the case
@@ -277,7 +277,7 @@ contains
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
 
-   !> Describes the factorization in use.
+   !> Records which factorization is in use, and its size.
    pure subroutine describe_factor(factor, body)
       type(factor_t), intent(out) :: factor !! the factorization
       type(body_t), intent(in) :: body !! the body, condensed

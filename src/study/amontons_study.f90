@@ -106,7 +106,7 @@ contains
       self%message = ''
    end subroutine outcome_begin
 
-   !> Records an error.
+   !> Records an error as the outcome of the study.
    pure subroutine outcome_fail(self, error)
       class(outcome_t), intent(inout) :: self !! the outcome
       type(error_t), intent(in) :: error !! the error

@@ -145,7 +145,7 @@ contains
       allocate (checkpoint%tables(0))
    end subroutine new_checkpoint
 
-   !> Adds a table.
+   !> Adds a table to those that grow row by row during a run and whose progress the checkpoint records.
    pure subroutine checkpoint_add_table(self, path, header)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, not open
       character(*), intent(in) :: path !! path of the growing file
@@ -317,7 +317,7 @@ contains
       call self%tables(number)%checksum%add(text)
    end subroutine checkpoint_end_table
 
-   !> Checksum and bytes of a table.
+   !> Checksum and size of the rows of a table.
    pure function checkpoint_checksum(self, number) result(checksum)
       class(checkpoint_t), intent(in) :: self !! the checkpoint
       integer, intent(in) :: number !! number of the table

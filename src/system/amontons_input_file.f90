@@ -197,7 +197,7 @@ contains
       if (n_rows < 2) call new_error(error, input_refused, file//': expected at least two rows of '//numbers)
    end subroutine read_number_table
 
-   !> Reads a line of numbers.
+   !> Reads a line of numbers from a table.
    pure subroutine read_row(line, row, is_row, is_empty)
       character(*), intent(in) :: line !! the line
       real(dp), intent(out) :: row(:) !! the numbers
@@ -224,7 +224,7 @@ contains
       is_row = is_row .and. n_words == size(row)
    end subroutine read_row
 
-   !> Reads a file into memory.
+   !> Reads a whole file into memory.
    subroutine new_input_file(input, file, error)
       type(input_file_t), intent(out) :: input !! the file in memory
       character(*), intent(in) :: file !! name of the file
@@ -275,7 +275,8 @@ contains
       end do
    end function printable
 
-   !> Replaces the text from a given position to the present one by that of another file, and moves to its beginning.
+   !> Replaces the text between a place and the present one by the text of another file, as `*INCLUDE` does, and moves
+   !> to its beginning.
    pure subroutine input_file_replace(self, other, place)
       class(input_file_t), intent(inout) :: self !! the file
       type(input_file_t), intent(in) :: other !! the other file

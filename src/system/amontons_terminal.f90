@@ -116,7 +116,7 @@ contains
       call c_open_line(name//c_null_char, merge(1_c_int, 0_c_int, has_log))
    end subroutine open_status_line
 
-   !> Sets the present work for the status line, if there is one. May be called from any thread.
+   !> Notes what the program is doing, for the line on the terminal, if there is one. Any thread may call it.
    subroutine note_work(work, is_timed)
       character(*), intent(in) :: work !! the present work
       logical, intent(in) :: is_timed !! whether the seconds since the line was opened follow it

@@ -152,7 +152,7 @@ contains
          'nothing follows here from the other files')
    end subroutine compare_document
 
-   !> Compares two lines.
+   !> Compares a line of a file with the line expected there.
    pure subroutine compare_line(fault, stated, computed, header, scales, least_difference, is_lost)
       character(:), allocatable, intent(out) :: fault !! the disagreement; empty if there is none
       character(*), intent(in) :: stated !! the line as it was written
@@ -392,7 +392,7 @@ contains
 
    contains
 
-      !> Checks that a file exists.
+      !> Refuses a collection that names a file which is not there.
       subroutine expect_file(name)
          character(*), intent(in) :: name !! name of the file, without its directory
 
@@ -402,7 +402,7 @@ contains
 
    end subroutine check_collection
 
-   !> Compares a collection with its expected entries.
+   !> Compares a collection for ParaView with the entries that it should have.
    subroutine compare_collection(faults, path, entries)
       type(fault_list_t), intent(inout) :: faults !! gains what is wrong
       character(*), intent(in) :: path !! name of the collection
@@ -417,7 +417,7 @@ contains
       if (.not. is_same) call faults%add(path, 'it does not list the grids that it should, in their order')
    end subroutine compare_collection
 
-   !> Opens a grid.
+   !> Opens a grid, whose arrays are to be compared.
    subroutine new_vtk_check(check, path, units)
       type(vtk_check_t), intent(out) :: check !! the grid
       character(*), intent(in) :: path !! name of the file
@@ -444,7 +444,7 @@ contains
       if (status /= 0) unit = -1
    end subroutine open_grid
 
-   !> Compares an array of reals.
+   !> Compares the next array of a grid with real numbers.
    subroutine vtk_check_put_reals(self, section, name, dimension, n_components, values)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section of the array
@@ -466,7 +466,7 @@ contains
          found(place), values(place)))
    end subroutine vtk_check_put_reals
 
-   !> Compares an array of integers.
+   !> Compares the next array of a grid with whole numbers.
    subroutine vtk_check_put_integers(self, section, name, values)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section of the array
@@ -504,7 +504,7 @@ contains
       call self%end_array()
    end subroutine vtk_check_read_array
 
-   !> Compares the markup.
+   !> Compares the markup of a grid up to its next array.
    subroutine vtk_check_compare_markup(self, place)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: place !! its position in the file
@@ -687,7 +687,7 @@ contains
       value = member_value(self%summary, section, member)
    end function verified_case_value
 
-   !> Reads a table.
+   !> Reads a table of results, with its header.
    subroutine read_csv_table(table, path, header, n_columns, fault)
       type(csv_table_t), intent(out) :: table !! the table
       character(*), intent(in) :: path !! name of the file
@@ -756,7 +756,7 @@ contains
       text = self%text(self%start%item(row):self%start%item(row + 1) - 2)
    end function csv_table_row
 
-   !> The text of a field.
+   !> The text of a field of the table.
    pure function csv_table_field(self, row, column) result(text)
       class(csv_table_t), intent(in) :: self !! the table
       integer, intent(in) :: row !! its row
@@ -771,7 +771,7 @@ contains
       text = self%text(first:first + scan(self%text(first:), ','//newline) - 2)
    end function csv_table_field
 
-   !> A field as a number.
+   !> The number in a field of the table.
    pure subroutine csv_table_get_number(self, row, column, value, fault)
       class(csv_table_t), intent(in) :: self !! the table
       integer, intent(in) :: row !! its row

@@ -52,7 +52,7 @@ module amontons_verify_case
 
 contains
 
-   !> Checks the files of a case.
+   !> Verifies the files of a single case.
    subroutine verify_case(case, cache)
       type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the case needs another

@@ -330,7 +330,7 @@ contains
       end do
    end subroutine compare_rows
 
-   !> Whether two states agree.
+   !> Whether two states of a history agree to rounding.
    pure logical function states_agree(found, computed, again, is_hovering)
       type(step_state_t), intent(in) :: found !! a state as a file has it
       type(step_state_t), intent(in) :: computed !! the state that was computed
@@ -356,7 +356,7 @@ contains
       end associate
    end function states_agree
 
-   !> Compares a saved state.
+   !> Compares a state in NAME.states.csv with the state that was computed.
    subroutine compare_state(case, again, number, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history, at the end of the step
@@ -386,7 +386,7 @@ contains
       end associate
    end subroutine compare_state
 
-   !> Compares the grids of a step.
+   !> Compares the grids of a step with its solution.
    subroutine compare_fields(case, again, row, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults
       type(retrace_t), intent(inout) :: again !! the history, at the end of the step; gains the entries

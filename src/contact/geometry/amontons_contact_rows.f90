@@ -87,7 +87,7 @@ contains
       axes(3:, 3:) = self%around(part)
    end function contact_rows_axes
 
-   !> Appends the rows of other points.
+   !> Appends the rows C of further contact points to these.
    pure subroutine contact_rows_add(self, others)
       class(contact_rows_t), intent(inout) :: self !! the rows
       type(contact_rows_t), intent(in) :: others !! the rows to add
@@ -99,7 +99,7 @@ contains
       self%around = [self%around, others%around]
    end subroutine contact_rows_add
 
-   !> The rows of some of the points.
+   !> The rows C of some of the contact points.
    pure function contact_rows_picked(self, points) result(picked)
       class(contact_rows_t), intent(in) :: self !! the rows
       integer, intent(in) :: points(:) !! the points to pick
@@ -217,7 +217,7 @@ contains
       self%share = [self%share, others%share]
    end subroutine contact_quadrature_add
 
-   !> The quadrature points of some of the points.
+   !> The quadrature of some of the contact points.
    pure function contact_quadrature_picked(self, points) result(picked)
       class(contact_quadrature_t), intent(in) :: self !! the quadrature points
       integer, intent(in) :: points(:) !! the points to pick

@@ -97,7 +97,7 @@ contains
       contact%origin = ''
    end subroutine new_contact
 
-   !> Makes a tie.
+   !> Makes a tie between two boundary sets.
    pure subroutine new_tie(tie, set, to)
       type(tie_t), intent(out) :: tie !! the tie
       character(*), intent(in) :: set !! name of the slave's boundary set

@@ -243,7 +243,7 @@ contains
       dual = spread(mean, 2, 2)*dual
    end function dual_functions
 
-   !> The inverse of a matrix of order 2.
+   !> The inverse of a 2 by 2 matrix.
    pure function inverse(matrix)
       real(dp), intent(in) :: matrix(2, 2) !! the matrix, not singular
       real(dp) :: inverse(2, 2)

@@ -239,7 +239,7 @@ contains
          spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
    end function times_axes
 
-   !> Adds a term to a sum; terms of the same node are merged.
+   !> Adds a term to the sum that a displacement of a slave is; terms of the same node are merged.
    pure subroutine sum_add(self, node, block, is_own)
       class(sum_t), intent(inout) :: self !! the sum
       integer, intent(in) :: node !! the node

@@ -250,7 +250,7 @@ contains
       imbalance = scale
    end subroutine limit_step
 
-   !> Increases a regularization.
+   !> Increases the regularization tenfold, from 0 to a small number, up to a bound.
    pure subroutine increase(regularization, most)
       real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]

@@ -217,7 +217,7 @@ contains
       end if
    end subroutine relaxation_refresh
 
-   !> Performs one sweep over all points.
+   !> Performs one sweep over all contact points.
    pure subroutine relaxation_advance(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem

@@ -86,7 +86,7 @@ module amontons_certificate
 
 contains
 
-   !> Computes the certificate.
+   !> Computes the certificate of a solution on the full model, from its displacements and contact forces.
    subroutine new_certificate(certificate, body, load_case, displacement, force, of_stresses)
       type(certificate_t), intent(out) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body

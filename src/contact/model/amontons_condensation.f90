@@ -338,7 +338,7 @@ contains
       if (size(self%is_locked) > 0) reduced = reduced - matmul(load(self%eliminated), self%lifting)
    end function condensation_reduced
 
-   !> Frees the operator.
+   !> Frees the operator of the body and the dense matrices in it.
    subroutine condensation_free(self)
       type(condensation_t), intent(inout) :: self !! the condensation
 
@@ -460,7 +460,7 @@ contains
       end associate
    end function may_suit_band
 
-   !> Condenses a stiffness.
+   !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + rho C^T C.
    pure subroutine new_row_condensation(condensation, stiffness, rows, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]

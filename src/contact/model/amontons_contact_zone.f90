@@ -264,7 +264,7 @@ contains
          pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided)))])
    end function contact_zone_own_nodes
 
-   !> Appends points to the zone.
+   !> Appends the contact points of one set to the zone.
    pure subroutine add_points(zone, set, is_cell, points)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set that they belong to
@@ -533,7 +533,7 @@ contains
       end do
    end subroutine recompute_pairs
 
-   !> The mean gap of a point [L].
+   !> The gap of a contact point, a mean over its quadrature points [L].
    pure real(dp) function mean_gap(quadrature, point)
       type(contact_quadrature_t), intent(in) :: quadrature !! the quadrature points of all points
       integer, intent(in) :: point !! the point

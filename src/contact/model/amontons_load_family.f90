@@ -525,7 +525,7 @@ contains
       acting%anchor = acting%motion
    end subroutine load_family_at_rest
 
-   !> Moves the obstacles of a member.
+   !> Moves the rigid obstacles to their places in a step of a history, and measures the gaps from there.
    subroutine load_family_move(self, body, motions, acting, error)
       class(load_family_t), intent(in) :: self !! the family
       type(body_t), intent(in) :: body !! the body
@@ -553,7 +553,7 @@ contains
       end associate
    end subroutine load_family_move
 
-   !> The contact sets of a member, with the present positions of their obstacles.
+   !> The contact sets of one member of the family, with the obstacles at their present places.
    pure function load_family_contacts_of(self, acting) result(contacts)
       class(load_family_t), intent(in) :: self !! the family
       class(acting_t), intent(in) :: acting !! the member

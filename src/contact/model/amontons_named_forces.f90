@@ -248,7 +248,7 @@ contains
       end do
    end function contact_factors
 
-   !> The values of all forces by name.
+   !> The values of all forces by name, in the order of their names.
    pure function force_values(body, reaction, displacement, force, driven) result(values)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: reaction(:, :) !! forces on the nodes besides loads and contact (components, n_nodes) [F]

@@ -230,7 +230,7 @@ contains
       x(self%place) = v
    end subroutine band_stiffness_find_interior
 
-   !> The product S v.
+   !> The product S v, by the band matrix of the whole body: the interior displacements follow from v.
    pure subroutine band_stiffness_multiply(self, v, product)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
       real(dp), intent(in) :: v(:) !! the vector (2m) [L]
@@ -344,7 +344,7 @@ contains
       end associate
    end subroutine contact_operator_find_augmentation
 
-   !> The product S v.
+   !> The product S v, whatever the form of the operator.
    pure subroutine contact_operator_multiply_stiffness(self, v, product)
       class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
       real(dp), contiguous, intent(in) :: v(:) !! the vector (n) [L]
@@ -520,7 +520,7 @@ contains
       call new_compliance_operator(matrix, softened)
    end subroutine new_softened_operator
 
-   !> Adds the stiffness of a spring that resists one motion of all points.
+   !> Adds k m m^T to the stiffness: a spring k that resists a motion m of all points.
    pure subroutine contact_operator_add_motion(self, spring, motion)
       class(contact_operator_t), intent(inout) :: self !! the operator, its stiffness a dense matrix
       real(dp), intent(in) :: spring !! stiffness of the spring [F/L]
@@ -598,7 +598,7 @@ contains
       end do
    end subroutine number_parts
 
-   !> Makes the operator of a component.
+   !> Makes the operator of one part of the contact points that does not act on the others.
    subroutine contact_operator_cut(self, rows, part, error)
       class(contact_operator_t), intent(in) :: self !! the operator, in several parts
       integer, intent(in) :: rows(:) !! rows of the part

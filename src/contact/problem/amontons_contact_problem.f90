@@ -462,7 +462,8 @@ contains
       end do
    end function active_set_slip_axes
 
-   !> Turns a vector to the axes of `slip_axes` or back. In the plane it is unchanged.
+   !> Turns the tangential components of each point to the axes along and across its slip, or back; unchanged in the
+   !> plane.
    pure subroutine active_set_turn(self, vector, sense)
       class(active_set_t), intent(in) :: self !! the active set
       real(dp), intent(inout) :: vector(:) !! the vector (n)

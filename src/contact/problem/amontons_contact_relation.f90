@@ -179,7 +179,7 @@ contains
 
    end subroutine contact_relation_solve_states
 
-   !> The largest violation of the inequalities of given states by forces and distances: tension, penetration, excess of
+   !> The largest violation of the contact law by forces and distances in given states: tension, penetration, excess of
    !> friction or slip against the direction, over the largest force or distance, at least 1 [-].
    pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
       class(contact_relation_t), intent(in) :: self !! the relation
@@ -260,7 +260,7 @@ contains
       end do
    end subroutine lemke_pivoting
 
-   !> The tableau with w basic.
+   !> Makes the first tableau of Lemke's method, in which the variables w are basic.
    pure subroutine new_tableau(tableau, matrix, right, cover, error)
       type(tableau_t), intent(out) :: tableau !! the tableau
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)

@@ -202,7 +202,7 @@ contains
       if (is_made) self%n_factorizations = self%n_factorizations + 1
    end subroutine effort_factorize
 
-   !> Counts products.
+   !> Adds matrix-vector products to the effort of a method.
    pure subroutine effort_multiply(self, n_products)
       class(effort_t), intent(inout) :: self !! the effort
       real(dp), intent(in) :: n_products !! number of products, in units of one with the whole matrix [-]
@@ -221,7 +221,7 @@ contains
       end associate
    end subroutine contact_method_prepare
 
-   !> Makes the compliance.
+   !> Makes the compliance A, which dual methods need, once for all problems on the operator.
    subroutine dual_method_prepare(self, problem, error)
       class(dual_method_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! a problem on the operator

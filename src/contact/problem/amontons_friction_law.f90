@@ -187,7 +187,7 @@ contains
          quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp)]
    end function point_violations_violations
 
-   !> The largest of the violations [-].
+   !> The largest violation of the contact law at a point, of all kinds [-].
    pure real(dp) function point_violations_largest(self) result(largest)
       class(point_violations_t), intent(in) :: self !! the violations
       type(quantity_t), allocatable :: list(:)

@@ -243,7 +243,7 @@ contains
       end if
    end subroutine find_kind
 
-   !> Adds a keyword.
+   !> Adds a keyword of the file to those that are ignored.
    pure subroutine ignored_keywords_add(self, keyword, line)
       class(ignored_keywords_t), intent(inout) :: self !! the keywords
       character(*), intent(in) :: keyword !! the keyword in small letters, without blanks

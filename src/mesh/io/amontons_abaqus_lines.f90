@@ -605,7 +605,7 @@ contains
 
    contains
 
-      !> The new name of a set.
+      !> The name that a set of an instance gets in the whole mesh.
       pure function final_name(before) result(name)
          character(*), intent(in) :: before !! its name before
          character(:), allocatable :: name

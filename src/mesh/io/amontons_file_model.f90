@@ -146,7 +146,7 @@ module amontons_file_model
 
 contains
 
-   !> Adds a support.
+   !> Adds a support that the mesh file prescribes.
    pure subroutine file_model_add_support(self, support)
       class(file_model_t), intent(inout) :: self !! the model
       type(support_t), intent(in) :: support !! the support
@@ -156,7 +156,7 @@ contains
       self%supports(self%n_supports) = support
    end subroutine file_model_add_support
 
-   !> Adds a load.
+   !> Adds a load that the mesh file prescribes.
    pure subroutine file_model_add_load(self, load)
       class(file_model_t), intent(inout) :: self !! the model
       type(load_t), intent(in) :: load !! the load
@@ -190,7 +190,7 @@ contains
       self%n_notes = self%n_notes + 1
    end subroutine raw_mesh_add_note
 
-   !> Adds a node.
+   !> Adds a node to the mesh as the file has it.
    pure subroutine raw_mesh_add_node(self, tag, place, coordinates)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: tag !! its number in the file
@@ -213,7 +213,7 @@ contains
       call self%node_place%append(place)
    end subroutine raw_mesh_add_node
 
-   !> Adds a cell.
+   !> Adds a cell to the mesh as the file has it.
    pure subroutine raw_mesh_add_cell(self, kind, tag, place, nodes)
       class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: kind !! its kind

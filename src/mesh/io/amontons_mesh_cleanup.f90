@@ -193,7 +193,7 @@ contains
       if (item > 0) call input%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
    end subroutine check_tags
 
-   !> Refuses a cell.
+   !> Refuses a cell of the mesh file, at its place in the file.
    pure subroutine refuse_cell(input, raw, cell, sentence)
       type(input_file_t), intent(inout) :: input !! the file
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh

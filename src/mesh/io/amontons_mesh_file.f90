@@ -213,7 +213,7 @@ contains
       model = raw%model
    end subroutine read_file_model
 
-   !> Reads a mesh file without changes.
+   !> Reads a mesh file as it is, before its defects are repaired.
    subroutine read_raw_mesh(raw, input, file, error, is_used)
       type(raw_mesh_t), intent(out) :: raw !! its contents
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
@@ -264,7 +264,7 @@ contains
       if (allocated(error)) error%message = parts(1)%place//error%message
    end subroutine new_mesh
 
-   !> Makes or reads one part of a mesh.
+   !> Makes the rectangle, or reads the file, of one `&mesh`.
    subroutine new_part(mesh, part, n_common, notes, error)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_part_t), intent(in) :: part !! the part

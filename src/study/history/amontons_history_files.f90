@@ -191,7 +191,7 @@ contains
       end associate
    end subroutine history_tables
 
-   !> Adds columns of a kind.
+   !> Adds columns of one kind to the table of the steps: to its header, or their numbers to the present row.
    pure subroutine history_table_add(self, names, kind, values, number)
       class(history_table_t), intent(inout) :: self !! the table
       character(*), intent(in) :: names !! names of the columns, commas between them; or a single one in quotes
@@ -348,7 +348,7 @@ contains
       end select
    end function table_rows
 
-   !> The numbers of a step in its row, between step number and iterations.
+   !> Numbers of a row of NAME.history.csv, those between the columns `step` and `iterations`.
    pure function step_numbers(table, model, body, state) result(numbers)
       type(history_table_t), intent(in) :: table !! the table of the steps
       type(history_model_t), intent(in) :: model !! the model
@@ -457,7 +457,7 @@ contains
       end do
    end subroutine history_files_add_step
 
-   !> Writes the grids of a step.
+   !> Writes the grids of a step and adds them to the collection.
    subroutine history_files_add_fields(self, body, number, time, result, error)
       class(history_files_t), intent(inout) :: self !! the files, with fields
       type(body_t), intent(in) :: body !! the body

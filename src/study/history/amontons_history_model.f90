@@ -321,7 +321,7 @@ contains
       if (self%cycle_times(n) >= time) cycle = n - 1
    end function history_model_cycle_at
 
-   !> Finds the nodes at the probes.
+   !> Finds the nodes whose displacements the deck asks for by `probe`.
    subroutine find_probes(nodes, history, body, error)
       integer, allocatable, intent(out) :: nodes(:) !! the nodes (probes)
       type(history_t), intent(in) :: history !! the history

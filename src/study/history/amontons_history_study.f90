@@ -187,7 +187,7 @@ contains
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
    end subroutine start_history
 
-   !> Saves the progress of the history.
+   !> Puts the steps so far on the disk, so that the history can go on from there.
    subroutine save_progress(files, result, error)
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! the history so far
@@ -661,7 +661,7 @@ contains
          ' cycles are in '//config%name//'.cycles.csv')
    end function cycles_table
 
-   !> The members of the summary.
+   !> The members of the summary that a history has besides those of a case.
    function history_members(config, result, numbers) result(text)
       type(config_t), intent(in) :: config !! the deck
       type(history_result_t), intent(in) :: result !! the result

@@ -59,7 +59,7 @@ module amontons_reduced_study
 
 contains
 
-   !> Reads the problem of a case.
+   !> Reads a reduced problem from its file, with the friction of the deck if it has one.
    subroutine prepare_reduced(config, result, error)
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! gains the problem
@@ -92,7 +92,7 @@ contains
       call solve_prepared(config%method, result, error)
    end subroutine solve_reduced
 
-   !> Solves a reduced problem in memory.
+   !> Solves a reduced problem given in arrays.
    subroutine solve_reduced_system(system, options, result, error)
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(method_options_t), intent(in) :: options !! the contact method
@@ -446,7 +446,7 @@ contains
       call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
    end subroutine reduced_documents
 
-   !> Makes the summary.
+   !> Makes the summary of a reduced problem.
    subroutine new_reduced_summary(summary, config, result)
       type(document_t), intent(out) :: summary !! the summary
       type(config_t), intent(in) :: config !! the case

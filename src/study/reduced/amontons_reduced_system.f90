@@ -77,7 +77,7 @@ module amontons_reduced_system
 
 contains
 
-   !> Appends an entry.
+   !> Appends an entry of a sparse matrix.
    pure subroutine entries_append(self, row, column, value, place)
       class(entries_t), intent(inout) :: self !! the entries
       integer, intent(in) :: row !! its row

@@ -183,7 +183,7 @@ contains
       list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
    end function ranked_quantities
 
-   !> Whether there is no solution to take numbers from.
+   !> Whether a case of a sweep has no solution, so that its columns of results are empty.
    elemental logical function case_result_is_empty(self) result(is_empty)
       class(case_result_t), intent(in) :: self !! the result
 
@@ -503,7 +503,7 @@ contains
       !$omp end parallel
    end subroutine solve_chunks
 
-   !> Solves the cases of a chunk.
+   !> Solves the cases of a chunk of a sweep, one after the other.
    subroutine solve_chunk(task, body, problem, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body

@@ -40,7 +40,7 @@ contains
       end associate
    end subroutine solve_on_ranks
 
-   !> Has no effect in this build.
+   !> Ends the sharing of a sweep among ranks; has no effect in a build without MPI.
    subroutine end_sharing(n_sharing)
       integer, intent(in) :: n_sharing !! 1
 
@@ -48,7 +48,7 @@ contains
       end associate
    end subroutine end_sharing
 
-   !> Has no effect in this build.
+   !> Lets a rank work for rank 0; has no effect in a build without MPI.
    subroutine serve()
    end subroutine serve
 

@@ -86,7 +86,7 @@ contains
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine receive_sweep
 
-   !> Passes a deck from rank 0.
+   !> Passes the text of a deck from rank 0 to all ranks.
    subroutine pass_deck(file, deck)
       character(:), allocatable, intent(inout) :: file !! its name
       character(:), allocatable, intent(inout) :: deck !! the effective deck

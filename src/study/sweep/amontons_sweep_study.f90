@@ -405,7 +405,7 @@ contains
          ' cases, those that converged, in '//config%name//'.sweep.pvd')
    end function list_axes
 
-   !> Makes the summary.
+   !> Makes the summary of a sweep.
    subroutine new_sweep_summary(summary, config, body, result)
       type(document_t), intent(out) :: summary !! the summary
       type(config_t), intent(in) :: config !! the deck
