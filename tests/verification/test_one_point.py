@@ -99,7 +99,7 @@ class OnePoint(Benchmark):
         self.assert_table(table)
 
     def test_bound_is_exact(self):
-        table = ValueTable("The friction below which the solution is unique, as cases of any friction tell it, and the "
+        table = ValueTable("The friction below which the solution is unique, as found from any friction, and the "
                            "number of solutions with these loads", ["form", "friction", "warning", "quantity"])
         for form in FORMS:
             for friction, number in ((0.0, 1), (1.249, 1), (1.251, 1), (1.399, 1), (1.401, 3), (1.5, 3)):

@@ -3,7 +3,7 @@ r"""Size of the steps.
 
 What friction takes in a step is the slip times a bound that may have changed within the step. With the bound at the end
 (backward Euler) the error is of first order in the number of steps, with the mean of both ends, which the program
-reports, of second order. One point shows both; the energy error of the long bar tells how fine the steps are, and is of
+reports, of second order. One point shows both; the energy error of the long bar shows how fine the steps are, and is of
 second order, too.
 
 One point of stiffness $k$ shows both: its neighbors move by $\delta = \delta_0(1 + 2t)$, $N = N_0(1 + t^2)$ presses it,
@@ -15,7 +15,7 @@ so that it slips from the first step on and friction takes
 ```
 
 to which the mean bounds of $n$ steps add $\mu N_0 \delta_0/(3n^2)$ exactly. Of a history whose dissipation is not known
-in closed form, that of the long bar, the energy error (work less strain energy and dissipation) tells how fine the
+in closed form, that of the long bar, the energy error (work less strain energy and dissipation) shows how fine the
 steps are: it is of second order, too. There $h$ is the length of a step, a leg being 1.
 """
 import shutil

@@ -363,7 +363,7 @@ contains
    end function step_numbers
 
    !=points.csv `step`, `time`, `point` | – | number and pseudo-time of the step, number of the point
-   !=points.csv `area` | L² | area that the point stands for: its length times the thickness, or all around the axis
+   !=points.csv `area` | L² | area that the point represents: its length times the thickness, or all around the axis
    !=points.csv `x`, `y`, `normal_force`, `tangential_force`, `contact_pressure`, `contact_shear`, `gap`, `status` | |
    !=   as in [`NAME.contact.csv`](#namecontactcsv), at the end of the step
    !=points.csv `slip` | L | tangential displacement less that of the obstacle, since rest; points that a support guides
