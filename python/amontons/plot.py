@@ -204,7 +204,8 @@ def parser() -> Parser:
     options.add_argument("--abscissa", choices=ABSCISSAS, help="of the contact line: its length s (default), x or y")
     options.add_argument("--loop", nargs=2, metavar=("X", "Y"),
                          help="of a load history: draw the column Y of NAME.history.csv over X (default: the first "
-                         "probe or the tangential force over the number that turns back most often or changes last)")
+                         "probe, worn depth, preload, torque or tangential force, over the number that turns back "
+                         "most often or changes last)")
     options.add_argument("--panels", type=words_of(PANELS), metavar="WORD,...",
                          help=f"parts of the figure: {', '.join(PANELS)} (default: all)")
     return options

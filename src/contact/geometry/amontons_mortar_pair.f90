@@ -1,13 +1,13 @@
 !> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
 !> multipliers.
 !>
-!> The nodes and sides that contact sets and ties have, so that later ones leave them alone, are kept as the node that
-!> follows each node on the sides of such a set; a node of which no side that follows it is taken, as the last one of a
-!> line, is followed by itself, and one that no set has by 0.
+!> Nodes and sides that a contact set or tie has taken are left alone by later ones. A list of followers keeps them: for
+!> each node the next node on the taken side that begins there; the node itself where no taken side begins, as at the
+!> end of a line; 0 for a node that no set has.
 !>
-!> Checks of the contact points of a pair of surfaces: in the pair, the mesh and the supports, out a refusal.
+!> Checks refuse contact points of a pair that do not go with its mesh or supports.
 !>
-!> The contact points of a pair of surfaces: multipliers on the slave, integrals D and M, gaps.
+!> The contact points of a pair: multipliers on the slave, integrals D and M, gaps.
 !>
 !> The relative displacement of point p is w_p = (sum D_pj u_j - sum M_pl u_l) / D_p, D_pj the integral of the
 !> multiplier's function psi_p times the shape function of the slave's node j, M_pl that times the shape function of the
