@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Solves every deck of a folder, one process each, as many at once as there are cores, with GNU parallel.
-# Usage: batch_parallel.sh FOLDER OUTPUT [PROGRAM-OPTION...]
+# Usage: batch_parallel.sh [--jobs N] FOLDER OUTPUT [PROGRAM-OPTION...]
+#   --jobs N  N decks at once in the place of one for each core
 #   FOLDER    decks, *.nml
 #   OUTPUT    where the result files go; batch.csv has a row for each deck, batch/DECK.log what its run printed
 # Decks whose results are there already, from the same deck, mesh, tables and version of the program, are not solved
@@ -9,8 +10,17 @@
 # factorization: amontons --output OUTPUT FOLDER/*.nml. AMONTONS names another program than the release build.
 set -euo pipefail
 
+jobs=100%
+if [[ ${1-} == --jobs ]]; then
+   jobs=${2-}
+   shift $(($# > 1 ? 2 : 1))
+   if [[ ! $jobs =~ ^[1-9][0-9]*$ ]]; then
+      echo "batch_parallel.sh: --jobs: expected a whole number, at least 1, found '$jobs'" >&2
+      exit 1
+   fi
+fi
 if (($# < 2)); then
-   echo 'usage: batch_parallel.sh FOLDER OUTPUT [PROGRAM-OPTION...]' >&2
+   echo 'usage: batch_parallel.sh [--jobs N] FOLDER OUTPUT [PROGRAM-OPTION...]' >&2
    exit 1
 fi
 # A name that begins with a dash would be taken for an option.
@@ -42,7 +52,7 @@ export program output logs
 export -f run_deck
 # Ctrl-C ends the programs; the tally is printed all the same.
 trap : INT
-printf '%s\0' "${decks[@]}" | parallel --null --jobs 100% run_deck {} "${@@Q}" || true
+printf '%s\0' "${decks[@]}" | parallel --null --jobs "$jobs" run_deck {} "${@@Q}" || true
 
 # Prints the outcomes of decks, a line each, from a table whose first fields are deck, case and outcome. GNU parallel
 # brings Perl along.

@@ -23,7 +23,7 @@ from typing import Any, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from amontons.cases import Case
+from amontons.cases import Case, CaseFault
 from amontons.deck import deck_text, value_text
 from amontons.grid import Array
 from amontons.mesh import Mesh
@@ -34,7 +34,6 @@ WORDS = ("status", "pair", "outcome", "warnings", "statuses")  # columns of tabl
 TEXT_SIZE = 65536
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
-NO_EQUILIBRIUM = "no equilibrium: "  # what a message says of loads that nothing can balance, perhaps behind a name
 
 
 class AmontonsError(Exception):
@@ -54,8 +53,8 @@ class NumericalFailure(AmontonsError, ArithmeticError):
 
 
 class NoEquilibrium(NumericalFailure):
-    """Contact and friction cannot balance the loads: the answer to a case, not a failure. `result` has what a history
-    reached before a later step had none."""
+    """Contact and friction cannot balance the loads, or nothing holds the body: the answer to a case, not a failure.
+    `result` has what a history reached before a later step had none, and the table of a sweep."""
     result: Optional[DeckResult] = None
 
 
@@ -85,7 +84,8 @@ class _Sentence(str):
         return hash(self._kind())
 
 
-ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 3: SystemFailure}
+# By the codes of amontons.h
+ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 3: SystemFailure, 6: NoEquilibrium}
 
 
 @dataclass(frozen=True)
@@ -205,8 +205,6 @@ def _judge(code: int, message: ctypes.Array[ctypes.c_char], n_callers: int) -> b
         kind = ERRORS[code]
         if code == 1 and sentence.endswith(NO_FILE):
             kind = FileMissing
-        elif code == 2 and f": {NO_EQUILIBRIUM}" in f": {sentence}":
-            kind = NoEquilibrium
         raise kind(sentence)
     if code:
         warnings.warn(_Sentence(sentence), NotConverged, stacklevel=n_callers + 1)
@@ -384,13 +382,23 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
         is_solved = _judge(code, message, n_callers=3)
     except NoEquilibrium as answer:
         reached = output / os.fsdecode(name.value)
-        if name.value and Path(f"{reached}.vtu").exists():
+        if _says(reached, str(answer)) and any(Path(f"{reached}.{end}").exists() for end in ("vtu", "sweep.csv")):
             answer.result = DeckResult(reached, is_kept, False)
         raise
     result = DeckResult(output / os.fsdecode(name.value), is_kept, is_solved)
     for sentence in result.summary.get("warnings", []):
         warnings.warn(_Sentence(sentence), DoubtfulResult, stacklevel=3)
     return result
+
+
+def _says(path: Path, sentence: str) -> bool:
+    """Whether files of a case are those of a run that ended with a sentence: there may be others, of an earlier one."""
+    try:
+        summary = Case(path).summary
+    except (CaseFault, OSError):
+        return False
+    said = summary.get("message") or summary.get("load_history", {}).get("end")
+    return bool(said) and said in sentence
 
 
 def _with_mesh(settings: Mapping[str, Any], mesh: Optional[Mesh], directory: Path) -> Mapping[str, Any]:

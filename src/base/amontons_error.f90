@@ -9,21 +9,25 @@ module amontons_error
    implicit none (type, external)
    private
 
-   public :: error_t, fault_list_t, input_refused, new_error, numerical_failure, system_failure, warning_list_t
+   public :: error_t, fault_list_t, input_refused, new_error, no_equilibrium, numerical_failure, system_failure, &
+      warning_list_t
 
    !> Kind of an error: invalid input, that is, a deck, a mesh or an argument. Exit status 1.
    integer, parameter :: input_refused = 1
-   !> Kind of an error: the computation failed, for example because a matrix is not positive definite or no contact
-   !> forces balance the loads. Exit status 2.
+   !> Kind of an error: the computation failed, for example because a matrix is not positive definite. Exit status 2.
    integer, parameter :: numerical_failure = 2
    !> Kind of an error: the system failed, for example because a file cannot be written or memory ran out. Exit status
    !> 3.
    integer, parameter :: system_failure = 3
 
+   !> Kind of an error: contact and friction cannot balance the loads, or nothing holds the body. Exit status 2,
+   !> too; 6 in the C interface.
+   integer, parameter :: no_equilibrium = 6
+
    !> A failure, described in the user's words.
    type :: error_t
       integer :: kind = system_failure
-         !! Whose fault it is: `input_refused`, `numerical_failure` or `system_failure`; also the program's exit status.
+         !! Whose fault it is: `input_refused`, `numerical_failure`, `no_equilibrium` or `system_failure`.
       character(:), allocatable :: message !! What, where and what was expected; several faults stand on several lines.
    end type error_t
 
@@ -69,7 +73,7 @@ contains
    !> Makes an error from its exit status and its message.
    pure subroutine new_error(error, kind, message)
       type(error_t), allocatable, intent(out) :: error !! the error, allocated on return
-      integer, intent(in) :: kind !! `input_refused`, `numerical_failure` or `system_failure`
+      integer, intent(in) :: kind !! `input_refused`, `numerical_failure`, `no_equilibrium` or `system_failure`
       character(*), intent(in) :: message !! what, where, what was expected
 
       allocate (error)

@@ -11,13 +11,14 @@
 extern "C" {
 #endif
 
-/* What a procedure returns; also the exit status of the program. */
+/* What a procedure returns; also the exit status of the program, but that it ends with 2 without equilibrium, too. */
 enum {
     AMONTONS_SOLVED = 0,
     AMONTONS_INPUT_REFUSED = 1,     /* a deck, an array or an argument is at fault */
-    AMONTONS_NUMERICAL_FAILURE = 2, /* no equilibrium, not positive definite, numbers out of range */
+    AMONTONS_NUMERICAL_FAILURE = 2, /* not positive definite, numbers out of range */
     AMONTONS_SYSTEM_FAILURE = 3,    /* a file cannot be written */
-    AMONTONS_NOT_CONVERGED = 4      /* results are there, but not to the tolerance, or their check failed */
+    AMONTONS_NOT_CONVERGED = 4,     /* results are there, but not to the tolerance, or their check failed */
+    AMONTONS_NO_EQUILIBRIUM = 6     /* contact and friction cannot balance the loads, or nothing holds the body */
 };
 
 /* Status of a contact. */
@@ -66,7 +67,8 @@ int amontons_solve_reduced_problem(
     int max_iterations, double *r, double *u, int *status, double *residual, int *n_iterations, char *message,
     int message_size);
 
-/* Does what the program does with one deck: solves it and writes its files. Returns the program's exit status. */
+/* Does what the program does with one deck: solves it and writes its files. Returns one of
+   the codes above. */
 int amontons_solve_deck(
     const char *deck,      /* name of the deck */
     const char *directory, /* where the files go; made if it is not there */

@@ -6,7 +6,7 @@ module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, &
       c_null_ptr, c_ptr
    use amontons_config, only: config_t, read_config, read_config_text
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_kinds, only: dp
    use amontons_load_stepper, only: load_stepper_t, new_load_stepper
    use amontons_methods, only: method_options_t
@@ -15,7 +15,8 @@ module amontons_c_interface
    use amontons_reduced_system, only: new_dense_system, reduced_system_t
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
-   use amontons_study, only: find_exit_status, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
+   use amontons_study, only: find_exit_status, outcome_t, solve_study, study_monitor_t, study_options_t, study_t, &
+      word_no_equilibrium
    use amontons_text, only: to_text
    use amontons_threads, only: set_threads
    use amontons_version, only: version
@@ -168,8 +169,7 @@ contains
 
       call begin_call()
       call read_config(config, text_of_c(deck), error)
-      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
-      code = int(outcome%status, c_int)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome, code)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
       call end_call()
@@ -197,20 +197,20 @@ contains
 
       call begin_call()
       call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
-      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
-      code = int(outcome%status, c_int)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome, code)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
       call end_call()
    end function amontons_solve_deck_text
 
    !> Solves a case and writes its files, as the program does.
-   subroutine run_deck(config, error, deck, directory, outcome)
+   subroutine run_deck(config, error, deck, directory, outcome, code)
       type(config_t), intent(in) :: config !! the case
       type(error_t), allocatable, intent(in) :: error !! the faults of its deck
       character(*), intent(in) :: deck !! name of the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(outcome_t), intent(out) :: outcome !! its outcome
+      integer(c_int), intent(out) :: code !! what C is told of it
       class(study_t), allocatable :: study
       type(cache_t) :: cache
       type(study_options_t) :: options
@@ -219,11 +219,12 @@ contains
       if (allocated(error)) then
          call outcome%begin(deck, '')
          call outcome%fail(error)
-         return
+      else
+         call new_study(study, config)
+         options%directory = directory
+         call solve_study(study, cache, options, monitor, outcome)
       end if
-      call new_study(study, config)
-      options%directory = directory
-      call solve_study(study, cache, options, monitor, outcome)
+      code = int(merge(no_equilibrium, outcome%status, outcome%word == word_no_equilibrium), c_int)
    end subroutine run_deck
 
    !> Makes a stepper.

@@ -23,7 +23,7 @@ module amontons_load_solver
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_equilibrium, only: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, &
       least_squares_amounts, on_round_line, round_normals
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, new_load_family, parting_t
@@ -100,7 +100,7 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
-      integer, intent(out) :: error_kind !! kind of the error where the outcome is `outcome_numbers`
+      integer, intent(out) :: error_kind !! kind of the error that the reason is
       ! Of gaps, which are differences of coordinates: some tens of their rounding errors.
       real(dp), parameter :: rounding = 1.0e-14_dp
       type(contact_solution_t) :: start, first
@@ -139,6 +139,7 @@ contains
          !$omp end critical (texts_of_solver)
          if (allocated(error)) then
             outcome = outcome_no_equilibrium
+            error_kind = no_equilibrium
             solution%is_converged = .false.
             return
          end if
@@ -173,6 +174,7 @@ contains
       else
          call judge_solution(self, body, acting, problem, solution, outcome, reason)
       end if
+      if (outcome == outcome_no_equilibrium) error_kind = no_equilibrium
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
 
@@ -354,11 +356,11 @@ contains
       motion = largest_motion(body%motions, amounts)
       is_round_line = any(abs(round_normals(body%zone) - body%zone%normal) > same)
       if (solution%is_converged .and. is_round_line) then
-         call new_error(error, numerical_failure, 'no equilibrium but for the irregularities of the mesh: on the '// &
+         call new_error(error, no_equilibrium, 'no equilibrium but for the irregularities of the mesh: on the '// &
             'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
             '; add a support or friction')
       else
-         call new_error(error, numerical_failure, 'no equilibrium: all contact points slip or open, and friction '// &
+         call new_error(error, no_equilibrium, 'no equilibrium: all contact points slip or open, and friction '// &
             'cannot balance the loads; '//motion//'; add a support or friction')
       end if
    end subroutine check_spin

@@ -8,7 +8,7 @@ module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: around_axis, sum_uncanceled_terms
    use amontons_auto, only: auto_t
-   use amontons_body, only: body_t, condense_body, new_body
+   use amontons_body, only: body_t, check_held, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_certificate, only: new_certificate
    use amontons_condensation, only: condensation_options_t
@@ -19,7 +19,7 @@ module amontons_solve_case
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance, recover_with_travel
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
@@ -121,7 +121,7 @@ contains
    end subroutine make_body
 
    !> Makes body and load case of a single case, and checks before the factorization whether its loads have an
-   !> equilibrium.
+   !> equilibrium, and whether anything holds it.
    subroutine prepare_single_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
@@ -132,6 +132,7 @@ contains
       call prepare_case(cache, config, result, error)
       if (allocated(error)) return
       call check_balance(cache%body, result%load_case, lack)
+      if (.not. allocated(lack)) call check_held(cache%body, lack)
       if (.not. allocated(lack)) return
       result%outcome = outcome_no_equilibrium
       result%answer = lack%message
@@ -409,7 +410,7 @@ contains
       call prepare_estimates(body)
       call solve_load_case(result, body, problem, error)
       if (result%outcome == outcome_no_equilibrium .and. .not. allocated(error)) call new_error(error, &
-         numerical_failure, result%answer)
+         no_equilibrium, result%answer)
    end subroutine solve_body
 
    !> Makes the tables for the error estimates of a body, unless it has them.

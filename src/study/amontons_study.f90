@@ -6,11 +6,11 @@ module amontons_study
    use amontons_body, only: estimate_body, estimate_t
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure, warning_list_t
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure, warning_list_t
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, result_t, solution_word, status_not_converged, word_no_equilibrium, &
-      word_not_certified, word_not_converged, word_solved
+      word_not_certified, word_not_converged, word_numerical_failure, word_solved
    use amontons_solve_case, only: cache_t
    use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
@@ -110,10 +110,11 @@ contains
    pure subroutine outcome_fail(self, error)
       class(outcome_t), intent(inout) :: self !! the outcome
       type(error_t), intent(in) :: error !! the error
-      character(*), parameter :: words(3) = [character(17) :: 'refused', 'numerical_failure', 'system_failure']
+      character(*), parameter :: words(no_equilibrium) = [character(17) :: 'refused', word_numerical_failure, &
+         'system_failure', word_not_converged, 'interrupted', word_no_equilibrium]
 
       self%word = trim(words(error%kind))
-      self%status = error%kind
+      self%status = merge(numerical_failure, error%kind, error%kind == no_equilibrium)
       self%message = error%message
    end subroutine outcome_fail
 

@@ -39,10 +39,16 @@ class Batch(ProgramTest):
     @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
     def test_the_largest_status_counts_and_options_reach_the_program(self):
         self.write("my decks/wrong.nml", "&mesh /\n")
-        self.run_script("batch_parallel", "my decks", "out dir", "--quiet", status=1)
+        self.run_script("batch_parallel", "--jobs", "1", "my decks", "out dir", "--quiet", status=1)
         self.assertEqual(len(self.results()), 2*len(SUFFIXES) + 1)
         log = (self.directory / "out dir" / "batch" / "one.nml.log").read_text(encoding="utf-8")
         self.assertEqual(log, "", "--quiet was handed on")
+
+    def test_a_wrong_number_of_jobs_is_refused(self):
+        for number in ("0", "two", ""):
+            run = self.run_script("batch_parallel", "--jobs", number, "my decks", "out dir", status=1)
+            self.assertEqual(run.stderr, "batch_parallel.sh: --jobs: expected a whole number, at least 1, found "
+                             f"'{number}'\n")
 
     @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
     def test_a_second_run_does_what_is_left(self):

@@ -36,6 +36,10 @@ class NoEquilibrium(ProgramTest):
         self.assertEqual(self.run_program("--verify", "results").stdout, "free: verified\n")
         self.run_program("--check", "free.nml", status=2 if is_seen_before else 0)
 
+    def test_body_that_nothing_holds(self):
+        self.assert_no_equilibrium(block(SUPPORT), "the body is free to translate along (0.0, -1.0): nothing holds it; "
+                                   "add a support or a contact set\n")
+
     def test_body_lifted_from_the_floor(self):
         self.assert_no_equilibrium(LIFTED, NO_EQUILIBRIUM + "translate along (0.0, 1.0)" + ADVICE)
 

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from histories import BLOCK, CLUTCH, DISC, PUSHED, TO_AND_FRO
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, Result, block, read_vtu, results_of
+from rings import hung_ring, ring
 
 try:
     import numpy as np
@@ -229,6 +230,23 @@ class Deck(ProgramTest):
             amontons.solve_deck(name)
         self.assertIsInstance(caught.exception, amontons.NumericalFailure)
         self.assertEqual(str(caught.exception), run.stderr.rstrip("\n"))
+
+    def test_whatever_has_no_equilibrium_raises_the_same_exception(self):
+        loose = block("support set = 'left'  ux = 0.0", "load name = 'f'  set = 'right'  traction = 1.0, 0.0")
+        lifted = block("load name = 'f'  set = 'top'  traction = 0.0, 1.0", SUPPORT, CONTACT)
+        sweep = "&sweep load = 'f'  factor = 1.0, 2.0 /\n"
+        history = "&history times = 0.0, 1.0 /\n&steps load = 'f'  factor = 0.0, 1.0 /\n"
+        self.write("ring.msh", ring(0.02))
+        for text, sentence, n_rows in (
+                (loose, "the body is free to", 0), (loose + sweep, "the body is free to", 0),
+                (loose + history, "the body is free to", 0), (lifted + sweep, "no case has an equilibrium", 2),
+                (hung_ring(0.02, 24, 0.0, (0.0, -1e-2)), "no equilibrium but for the irregularities of the mesh", 0)):
+            name = self.directory / self.write("free.nml", text)
+            # The files of the sweep stay in the directory; they are no result of other decks of the name.
+            with self.assertRaisesRegex(amontons.NoEquilibrium, sentence) as caught:
+                amontons.solve_deck(name, self.directory / "results")
+            result = caught.exception.result
+            self.assertEqual(0 if result is None else len(result.sweep["outcome"]), n_rows, text)
 
     def test_numbers_out_of_range_are_another_failure(self):
         with self.assertRaises(amontons.NumericalFailure) as caught:

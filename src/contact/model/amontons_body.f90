@@ -16,7 +16,7 @@ module amontons_body
       new_contact_zone, recompute_pairs, segments_again
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
@@ -36,7 +36,7 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
+   public :: body_t, bonds_of, check_held, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
       largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
@@ -694,13 +694,13 @@ contains
       do i = 1, size(body%motions)
          associate (motions => body%motions(i))
             if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
-            call new_error(error, numerical_failure, motions%describe([1.0_dp, &
+            call new_error(error, no_equilibrium, motions%describe([1.0_dp, &
                spread(0.0_dp, 1, motions%n_free - 1)])//': nothing holds it; add a support or a contact set')
             return
          end associate
       end do
       if (size(body%common_motions, 2) > 0 .and. any(body%zone%pairs%is_set())) call new_error(error, &
-         numerical_failure, 'nothing holds the bodies together against a common motion: '// &
+         no_equilibrium, 'nothing holds the bodies together against a common motion: '// &
          largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
    end subroutine check_held
 

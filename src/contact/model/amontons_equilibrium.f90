@@ -21,7 +21,7 @@ module amontons_equilibrium
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, no_equilibrium
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t, recover_displacement
    use amontons_rigid_motion, only: rigid_motions_t
@@ -98,16 +98,16 @@ contains
       if (norm2(remainder) > rounding*scale) then
          motion = largest_motion(body%motions(pieces), remainder)
          if (body%zone%n_points == 0) then
-            call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
+            call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '//motion// &
                '; add a support or a contact set')
          else
-            call new_error(error, numerical_failure, &
+            call new_error(error, no_equilibrium, &
                'no equilibrium: contact and friction cannot balance the loads; '//motion// &
                '; add a support, or a load that presses the body on its obstacle')
          end if
       else if (.not. any(body%zone%is_cell)) then
          call balance(pieces, body, load_case, on_round_line(body%zone, body%rigid_modes), rounding, remainder, scale)
-         if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
+         if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, no_equilibrium, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
             'its nodes lie on cannot balance the loads; '//largest_motion(body%motions(pieces), remainder)// &
             '; add a support or friction')

@@ -3,7 +3,7 @@
 module amontons_single_study
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, no_equilibrium
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
@@ -45,7 +45,7 @@ contains
       config%meshes%n_refinements = config%meshes%n_refinements + config%accuracy%n_refinements
       call prepare_single_case(cache, config, result, error)
       if (.not. allocated(error) .and. result%outcome == outcome_no_equilibrium) call new_error(error, &
-         numerical_failure, result%answer)
+         no_equilibrium, result%answer)
       if (.not. allocated(error)) call report_size(config, '', cache, result, outcome, error)
    end subroutine single_study_check
 
