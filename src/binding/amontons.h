@@ -41,7 +41,7 @@ void amontons_set_threads(int n_threads);
 
        u = W r + q,   0 <= u_N _|_ r_N >= 0,   |r_T| <= mu r_N,   r_T opposes u_T.
 
-   The unknowns of a contact stand together, the normal one first: u_N1, u_T1, u_N2, u_T2, ... in the plane, two
+   The unknowns of a contact are adjacent, the normal one first: u_N1, u_T1, u_N2, u_T2, ... in the plane, two
    tangential ones in space, along any two tangents at right angles. Returns one of the codes above; r, u, status,
    residual and n_iterations are set if it is 0 or 4. */
 int amontons_solve_contacts(
@@ -61,7 +61,7 @@ int amontons_solve_contacts(
     char *message,      /* what went wrong, in a sentence; empty if nothing did */
     int message_size);  /* room in message */
 
-/* The same of dimension 2. */
+/* Solves a reduced problem in the plane: `amontons_solve_contacts` with the dimension 2. */
 int amontons_solve_reduced_problem(
     int n_contacts, const double *w, const double *q, const double *mu, const char *method, double tolerance,
     int max_iterations, double *r, double *u, int *status, double *residual, int *n_iterations, char *message,
@@ -77,7 +77,7 @@ int amontons_solve_deck(
     char *message,         /* what went wrong, one line per fault; empty if nothing did */
     int message_size);     /* room in message */
 
-/* Does the same with a deck that is a text. */
+/* Solves a deck given as a text, and writes its files. Returns the program's exit status. */
 int amontons_solve_deck_text(
     const char *text,      /* the deck */
     const char *deck,      /* name of the deck in messages; names of files in it are seen from the folder of this name,
@@ -119,7 +119,7 @@ int amontons_new_stepper(
    supports and obstacles; residual and iterations; where each motion was locked, huge before that; then for all
    points in turn their statuses, normal forces, tangential forces, normal displacements, tangential
    displacements, anchors (what the slip of the step counts from), accumulated slips, dissipations, sums of normal force
-   times slip, what was added to their gaps, depths worn. Of a twisted body all tangential forces, displacements and
+   times slip, what was added to their gaps, depths worn. In a twisted body all tangential forces, displacements and
    anchors are followed by those around the axis. */
 int amontons_step(
     amontons_stepper *stepper,
@@ -137,13 +137,13 @@ int amontons_step(
     char *message,
     int message_size);
 
-/* Tells where the contact points are. Returns how many tangents they have: 1, of a twisted body 2. */
+/* Writes the places of the contact points. Returns the number of their tangents: 1, in a twisted body 2. */
 int amontons_stepper_points(
     amontons_stepper *stepper,
     int n_points,    /* as `amontons_new_stepper` gave it */
     double *points); /* x of all points, y of all, then the lengths and the areas that belong to each (4m) */
 
-/* Gives a stepper up. */
+/* Frees a stepper. */
 void amontons_free_stepper(amontons_stepper *stepper);
 
 #ifdef __cplusplus

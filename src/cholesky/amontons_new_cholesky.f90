@@ -27,7 +27,7 @@ module amontons_new_cholesky
       procedure, public :: schur_factor => band_schur_factor
    end type band_cholesky_t
 
-   !> Kinds of factorizations, as a deck writes them; the first stands for the quicker one of band and multifrontal on
+   !> Kinds of factorizations, as a deck writes them; the first means the quicker one of band and multifrontal on
    !> one rank, for distributed on several; the last is the former word for multifrontal.
    character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'multifrontal', 'sparse', &
       'distributed', 'substructured']

@@ -2,7 +2,7 @@
 !> single keys that replace values of a deck, as a command line gives them: `contact(2).friction=0.3`.
 !>
 !> The form is that of Fortran namelists, `&mesh kind = 'rectangle'  cells = 32, 10 /`, with comments from `!` on. It is
-!> stricter where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing stands
+!> stricter where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing is
 !> between the groups, and a number is finite. `&end` closes a group as `/` does.
 !>
 !> Reading never fails once the file is open: faults of form, of type and of meaning are collected in the deck, and
@@ -142,7 +142,7 @@ contains
       call self%contents%faults%add(self%line_of(group, key), sentence)
    end subroutine deck_fault
 
-   !> Whether a recorded fault makes the meaning of a key unknown: its value is faulty, or it may stand behind a fault
+   !> Whether a recorded fault makes the meaning of a key unknown: its value is faulty, or it may be behind a fault
    !> of form.
    pure logical function hides_meaning(contents, group, key)
       type(deck_contents_t), intent(in) :: contents !! groups, assignments and values of the deck

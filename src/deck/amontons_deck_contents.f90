@@ -482,7 +482,7 @@ contains
       end do
    end subroutine skip_blanks
 
-   !> Completes the token of a quoted text, which closes on its own line; a doubled quote inside stands for one.
+   !> Completes the token of a quoted text, which closes on its own line; a doubled quote inside means one.
    pure subroutine find_closing_quote(text, token)
       character(*), intent(in) :: text !! the deck's text
       type(deck_token_t), intent(inout) :: token !! the token, its first position known

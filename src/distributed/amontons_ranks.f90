@@ -249,7 +249,7 @@ contains
    subroutine gather_columns(columns, place, whole)
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the columns of this rank
       integer, allocatable, intent(inout) :: place(:) !! indices of the columns in the whole
-      real(dp), intent(inout) :: whole(:, :) !! those of the whole; of no use but on rank 0
+      real(dp), intent(inout) :: whole(:, :) !! the columns of the whole; not used on ranks other than 0
       type(channel_t) :: channel
       real(dp), allocatable :: received(:, :)
       integer, allocatable :: to(:)

@@ -9,7 +9,7 @@
 !> `mprgp` is modified proportioning with reduced gradient projections (Dostal, Optimal Quadratic Programming
 !> Algorithms, 2009, chapter 5), with nothing but products. Conjugate gradients run on the components off their bounds;
 !> where a step would leave the box, it ends on the face it meets and a projected gradient step of fixed length follows;
-!> where the gradient of the components held by their bounds outweighs that of the others, these are let go. The
+!> where the gradient of the components held by their bounds outweighs that of the others, these are released. The
 !> variables are scaled to a unit diagonal, so that no unit matters.
 !>
 !> In space the tangential forces of a point lie in a disc. Newton's steps are then those on the face that a step down

@@ -530,7 +530,7 @@ contains
       call move_alloc(gram, condensation%stiffness)
    end subroutine new_row_condensation
 
-   !> The condensed load p of a load q [F].
+   !> Condenses a load q on the displacements v to the load p = G^-1 C M^-1 q on the means w = C v [F].
    pure function row_condensation_condense(self, load) result(condensed)
       class(row_condensation_t), intent(in) :: self !! the condensation
       real(dp), intent(in) :: load(:) !! q (n) [F]

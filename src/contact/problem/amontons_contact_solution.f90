@@ -163,7 +163,7 @@ contains
       self%residual = other%residual
    end subroutine contact_solution_take_better
 
-   !> Prepends the record of the solution that this one started from.
+   !> Puts the iterations of the solution that this one started from before its own.
    pure subroutine contact_solution_prepend(self, first)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_solution_t), intent(in) :: first !! the one that it started from

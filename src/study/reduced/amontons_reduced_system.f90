@@ -343,7 +343,7 @@ contains
    pure subroutine reduced_system_set_free_displacement(self, problem, force)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      real(dp), intent(in) :: force(:) !! lambda, in the units above (2m)
+      real(dp), intent(in) :: force(:) !! lambda, in the units of the contact problem (n)
 
       problem%free_displacement = self%by_component(self%q/self%length_unit())
       if (self%asymmetry > 0.0_dp) problem%free_displacement = problem%free_displacement &
@@ -408,7 +408,7 @@ contains
       self%u = self%u + self%q
    end subroutine reduced_system_set_solution
 
-   !> Makes a reduced problem from arrays, of the plane or of space. The unknowns of a contact stand together, the
+   !> Makes a reduced problem from arrays, of the plane or of space. The unknowns of a contact are adjacent, the
    !> normal one first.
    pure subroutine new_dense_system(system, w, q, friction, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem

@@ -266,8 +266,8 @@ contains
       end do
    end subroutine sweep_statistics_add_warnings
 
-   !> The common outcome of the cases in a word: one without an answer determines it, no equilibrium only if no case has
-   !> one.
+   !> The outcome of a sweep in a word: that of a case without an answer, if there is one; no equilibrium only if no
+   !> case has an equilibrium.
    pure function sweep_statistics_outcome(self) result(word)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: word
