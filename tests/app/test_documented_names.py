@@ -33,10 +33,11 @@ DECKS = {
 }
 DECKS["walked"] = DECKS["history"] + "&accuracy refinements = 2 /\n"
 # What newcomers look for by name, whether there is such a thing or not.
-SEARCHED = ("adhesion", "bolt", "creep", "cyclic symmetry", "dovetail", "dynamics", "frictional heat",
-            "gasket", "impact", "interference", "large sliding", "macOS", "orthotropic", "plasticity",
-            "preload", "press fit", "pull-out", "reaction", "roughness", "rubber", "seal", "shrink fit",
-            "submodel", "thermal contact", "three dimensions", "torque", "vibration", "wear", "Windows")
+SEARCHED = ("3D", "adhesion", "bolt", "buckling", "coupling", "creep", "cyclic symmetry", "damping",
+            "dovetail", "dynamics", "frictional heat", "gasket", "hyperelastic", "impact", "interference",
+            "large sliding", "macOS", "orthotropic", "plasticity", "preload", "press fit", "pull-out",
+            "reaction", "restart", "roughness", "rubber", "seal", "shrink fit", "submodel", "thermal contact",
+            "three dimensions", "torque", "vibration", "wear", "Windows")
 
 # A row of a table: names, what a grid has them on, the unit.
 ROW = re.compile(r"^\| (`[^|]*`) \| (?:(?:nodes|cells)[^|]*\| )?([^|`]*?) ?\| ", re.MULTILINE)
