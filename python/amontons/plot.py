@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, Optional, Union
 
@@ -31,10 +32,11 @@ BODY_PANELS = {"body": draw_body, "detail": draw_detail}
 PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
 HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
 INCH = 25.4  # mm
+LETTERS = 6.5  # of a label below a panel, for each inch of the figure
 SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140), "steps": (240, 80)}  # mm
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
          "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "savefig.dpi": 200,
-         "svg.fonttype": "none", "pdf.fonttype": 42}
+         "axes.formatter.use_mathtext": True, "svg.fonttype": "none", "pdf.fonttype": 42}
 
 
 def plain(text: str) -> str:
@@ -65,8 +67,8 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
                 draw_detail(axes[name], case, field, points_of(zone), scale)
             elif name == "history":
                 draw_history(axes[name], case)
-        draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown,
-                  abscissa_label(case, abscissa, shown, sets))
+        label = textwrap.fill(abscissa_label(case, abscissa, shown, sets), int(LETTERS * size[0]))
+        draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown, label)
     return drawn
 
 
