@@ -134,8 +134,9 @@ class DeckResult(Case):
 
     @property
     def displacement(self) -> Array:
-        """Displacements of the nodes (n_nodes, 2)."""
-        return self.mesh.point_data["displacement"][:, :2]
+        """Displacements of the nodes (n_nodes, 2); of a twisted body also around the axis (n_nodes, 3)."""
+        twists = any(material.get("twist") == ".true." for material in self.groups("material"))
+        return self.mesh.point_data["displacement"][:, :3 if twists else 2]
 
     @property
     def stress(self) -> Array:

@@ -153,6 +153,16 @@ class Decks(ProgramTest):
         self.assertIn("friction of 2.5", found[0])
         self.assertIn("friction of 2.8", found[1])
 
+    def test_twisted_bodies_have_displacements_around_the_axis(self):
+        shaft = {"mesh": {"size": (1.0, 4.0), "cells": (2, 8)},
+                 "material": {"young": 100.0, "poisson": 0.25, "hypothesis": "axisymmetric", "twist": True},
+                 "support": [{"set": "bottom", "uy": 0.0, "turn": 0.0}, {"set": "left", "ux": 0.0},
+                             {"set": "top", "turn": 0.01}]}
+        for output in (None, self.directory / "out"):
+            result = amontons.solve_deck(shaft, output)
+            # A shaft twists in proportion to its length, its nodes by their radius.
+            np.testing.assert_allclose(result.displacement[:, 2], 0.01*result.nodes.prod(axis=1)/4.0, atol=1e-15)
+
     def test_fields_are_arrays(self):
         for output in (None, self.directory / "out"):
             result = amontons.solve_deck(TEXT, output)
