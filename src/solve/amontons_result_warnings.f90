@@ -172,7 +172,7 @@ contains
       end associate
    end subroutine add_no_contact
 
-   !> Warns of pairs that slide so far that points no longer face the positions which they faced initially.
+   !> Warns of pairs that slide so far in the plane that points no longer face the positions which they faced initially.
    pure subroutine add_far_slips(warnings, zone, displacement, status)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -185,7 +185,7 @@ contains
 
       if (.not. any(zone%pairs%is_set())) return
       at_points = zone%rows%displacement(displacement)
-      associate (slip => tangential_norm(at_points(zone%n_points + 1:), zone%n_points))
+      associate (slip => abs(at_points(zone%n_points + 1:2*zone%n_points)))
          do set = 1, size(zone%pairs)
             if (.not. any(zone%set == set .and. status /= open_point) .or. .not. zone%pairs(set)%is_set()) cycle
             p = maxloc(slip, dim=1, mask=zone%set == set .and. status /= open_point)

@@ -182,6 +182,22 @@ class Preload(ProgramTest):
                                    + float(row["rigid_head_force_y"]), delta=1e-9)
         self.assertGreater(float(rows[-1]["rigid_head_force_y"]), 1.0)
 
+    def test_end_of_a_free_preload_that_nothing_holds(self):
+        # The upper half moves along the bolt; the floor holds the lower one.
+        body = BAR.format(element="quad4", across=3, poisson=0.3, guide="").replace(
+            "name = 'foot'  set = 'a.bottom'  uy = 0.0", "name = 'foot'  set = 'a.left'  ux = 0.0") + (
+            "&load name = 'press'  set = 'b.top'  pressure = {} /\n&contact set = 'a.bottom' /\n")
+        history = "&history times = 0.0, 1.0, 2.0 /\n&steps load = 'press'  factor = 0.0, 1.0, 1.0 /\n"
+        free = "the body is free to move along the preload on one side of it"
+        loose = f"{free}: nothing holds it; add a support or a contact set\n"
+        for keys, steps, message in (
+                ("force = 1.0", "", f"no equilibrium: contact and friction cannot balance the loads; {free}; add a "),
+                ("force = 1.0", history, loose),
+                ("force = 1.0  lock_time = 1.0", history, loose)):
+            self.write("case.nml", body.format(4.0) + PRELOAD.format(keys) + steps)
+            run = self.run_program("case.nml", status=2)
+            self.assertTrue(run.stderr.startswith(f"case.nml: {message}"), run.stderr)
+
     def test_refused(self):
         bar = BAR.format(element="quad4", across=2, poisson=0.0, guide="ux = 0.0")
         top = "&support set = 'b.top'  ux = 0.0  uy = 0.0 /\n"

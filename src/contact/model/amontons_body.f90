@@ -681,12 +681,13 @@ contains
          thermal_strain)
    end subroutine body_internal_forces
 
-   !> Refuses a body with a piece that neither supports nor contact points hold, and pieces that contact holds only to
-   !> each other.
+   !> Refuses a body with a piece that neither supports nor contact points hold, as one at the end of a free preload, and
+   !> pieces that contact holds only to each other.
    subroutine check_held(body, error)
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
       logical :: may_touch(body%mesh%n_nodes)
+      real(dp), allocatable :: travel(:, :), amounts(:, :)
       integer :: i
 
       may_touch = .false.
@@ -699,9 +700,16 @@ contains
             return
          end associate
       end do
-      if (size(body%common_motions, 2) > 0 .and. any(body%zone%pairs%is_set())) call new_error(error, &
-         no_equilibrium, 'nothing holds the bodies together against a common motion: '// &
-         largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
+      if (size(body%common_motions, 2) == 0) return
+      if (any(body%zone%pairs%is_set())) then
+         call new_error(error, no_equilibrium, 'nothing holds the bodies together against a common motion: '// &
+            largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
+      else
+         ! The contact points may be at rest while nodes of their sets move: cells have means.
+         call find_travel(travel, amounts, contact_motions(body))
+         if (size(amounts, 2) > 0) call new_error(error, no_equilibrium, largest_motion(body%motions, &
+            matmul(body%common_motions, amounts(:, 1)))//': nothing holds it; add a support or a contact set')
+      end if
    end subroutine check_held
 
    !> Extends the error of a failed factorization by the free motion, or by the condition of the stiffness and its
