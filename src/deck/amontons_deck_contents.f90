@@ -327,8 +327,8 @@ contains
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
             ! Records a word in the place of a value.
             if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
-               call refuse_value_token(contents, assignment, "expected a number or quoted text, or '=' after a key", &
-                  token)
+               call refuse_value_token(contents, assignment, 'expected a number, .true., .false. or quoted '// &
+                  "text, or '=' after a key", token)
             else if (.not. assignment%is_faulty) then
                call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
                   column_text(contents%text, token%first))

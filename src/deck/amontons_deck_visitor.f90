@@ -21,7 +21,7 @@ module amontons_deck_visitor
    implicit none (type, external)
    private
 
-   public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t
+   public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t, names_text
 
    !> Largest number of values in a list.
    integer, parameter, public :: most_values = 1000000
@@ -40,6 +40,7 @@ module amontons_deck_visitor
       character(6) :: unit = '' !! unit of its values
       character(70) :: default = '' !! the default, in Markdown; empty for the initial value of the variable
       character(48) :: also = '' !! its names in other programs, separated by blanks
+      character(24) :: hint = '' !! what else may have been meant by a text that it cannot be
       real(dp) :: above = -huge(1.0_dp) !! its numbers are larger than this
       real(dp) :: at_least = -huge(1.0_dp) !! its numbers are not smaller than this
       real(dp) :: below = huge(1.0_dp) !! its numbers are smaller than this
@@ -592,7 +593,7 @@ contains
       call self%find(key, 'quoted text', source, is_given)
       if (source(1) == 0) return
       if (.not. self%deck%contents%values(source(1))%is_text) then
-         call refuse_value(self%deck%contents, self%place, key%name, source(1), 'quoted text')
+         call refuse_value(self%deck%contents, self%place, key%name, source(1), expected_text(key, choices))
          return
       end if
       text = unquoted_value(self%deck%contents, source(1))
@@ -623,7 +624,7 @@ contains
       word = lower_case(bare_value(self%deck%contents, source(1)))
       value = any(word == [character(6) :: '.true.', 'true', 't'])
       if (.not. (value .or. any(word == [character(7) :: '.false.', 'false', 'f']))) call refuse_value( &
-         self%deck%contents, self%place, key%name, source(1), 'a '//noun)
+         self%deck%contents, self%place, key%name, source(1), '.true. or .false.')
    end subroutine visitor_flag
 
    !> Visits a key that has one or more words of a list.
@@ -642,7 +643,7 @@ contains
       do i = 1, size(source)
          if (source(i) == 0) cycle
          if (.not. self%deck%contents%values(source(i))%is_text) then
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'quoted text')
+            call refuse_value(self%deck%contents, self%place, key%name, source(i), expected_text(key, choices))
             return
          end if
          text = unquoted_value(self%deck%contents, source(i))
@@ -691,6 +692,28 @@ contains
       call self%deck%fault(self%place, key%name, sentence)
    end subroutine visitor_judge
 
+   !> What a key with a text can be, for messages.
+   pure function expected_text(key, choices) result(text)
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
+      character(:), allocatable :: text
+
+      text = 'quoted text'
+      if (present(choices)) text = 'one of '//joined(choices, "'", "'")
+      if (key%hint /= '') text = text//' ('//trim(key%hint)//')'
+   end function expected_text
+
+   !> The names there are, for messages on a name that is not among them.
+   pure function names_text(noun, names) result(text)
+      character(*), intent(in) :: noun !! noun for the names
+      character(*), intent(in) :: names !! the names, each with ', ' before it
+      character(:), allocatable :: text
+
+      text = 'none'
+      if (len(names) > 0) text = names(3:)
+      text = ' ('//noun//': '//text//')'
+   end function names_text
+
    !> Records that a text is none of the words that a key accepts.
    subroutine refuse_word(self, key, text, choices)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
@@ -701,8 +724,8 @@ contains
 
       near = nearest_word(lower_case(text), choices)
       if (near /= '') near = "; did you mean '"//near//"'?"
-      call self%deck%fault(self%place, key%name, trim(key%name)//': expected one of '// &
-         joined(choices, "'", "'")//', found '//excerpt(quoted(text))//near)
+      call self%deck%fault(self%place, key%name, trim(key%name)//': expected '//expected_text(key, choices)// &
+         ', found '//excerpt(quoted(text))//near)
       call mark_faulty(self%deck%contents, self%place, key%name)
    end subroutine refuse_word
 

@@ -231,6 +231,8 @@ contains
          fretting_names, has_fretting)
       history%has_fretting = fretting == fretting_names(2)
       call visitor%close_group()
+      if (.not. allocated(history%probe_origin)) history%probe_origin = ''
+      call visitor%locate('probe', history%probe_origin)
       if (sweep%is_given()) sweep%fields_every = fields_every
       if (history%is_given) history%fields_every = fields_every
       call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
@@ -441,6 +443,7 @@ contains
       character(*), parameter :: meanings(3) = [character(37) :: 'displacement of the point along x', &
          'displacement of the point along y', 'rotation in radians, counterclockwise']
       character, parameter :: units(3) = ['L', 'L', ' ']
+      character(25), parameter :: others(3) = [character(25) :: 'u x', 'v y', 'rotation angle theta rz']
       logical :: has_name, has_force, has_moment, is_driven(3)
       integer :: k
 
@@ -456,8 +459,8 @@ contains
       call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
          default='the middle of the set', also='center node reference'), motion%rigid%point, motion%rigid%has_point)
       do k = 1, size(rigid_components)
-         call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true.), &
-            motion%displacement(k), motion%is_held(k))
+         call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true., &
+            also=others(k)), motion%displacement(k), motion%is_held(k))
       end do
       call visitor%reals(key_t('force', 'force on the point along x and y', 'F', default='none', &
          also='f fx fy'), drive%force, has_force)
@@ -589,10 +592,11 @@ contains
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
          also='elset'), load%region, has_region)
       ! Describes the keys of a load on sides.
-      has_total = load%target == load_on_sides .and. any(abs(load%total_force) > 0.0_dp)
-      has = load%target == load_on_sides .and. .not. any(abs([load%total_force, load%traction_theta, load%torque]) &
-         > 0.0_dp)
+      has_total = any(abs(load%total_force) > 0.0_dp)
+      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
       slopes = reshape(load%traction_slope, [4])
+      has = load%target == load_on_sides .and. (.not. any([has_total, has_twist]) .or. &
+         any(abs([load%traction, slopes, load%pressure, load%pressure_slope]) > 0.0_dp))
       call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
          also='t trac stress shear'), load%traction, has(1))
       call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
@@ -604,7 +608,6 @@ contains
          'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
          has_total)
       load%traction_slope = reshape(slopes, [2, 2])
-      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
       call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
          'F/L²', default='`0.0`'), load%traction_theta, has_twist(1))
       call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
@@ -730,8 +733,8 @@ contains
          ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), &
          contact%pairing%search, has_search)
       call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
-         ' bodies face each other', default="`'mesh'`", is_shared=.true., also='adjust'), contact%pairing%gap, &
-         gap_names, has_gap)
+         ' bodies face each other', default="`'mesh'`", is_shared=.true., also='adjust', &
+         hint='a distance is extra_gap'), contact%pairing%gap, gap_names, has_gap)
       is_pair = contact%pairing%is_pair()
       ! Describes the keys of a rigid obstacle and of the gap to it.
       has_kind = .not. is_pair

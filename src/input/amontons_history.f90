@@ -5,7 +5,7 @@
 module amontons_history
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, names_text
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_motion, load_t
    use amontons_text, only: to_text
@@ -70,6 +70,7 @@ module amontons_history
       character(:), allocatable :: start !! file of such states, of which one is the start; empty or not allocated: rest
       integer :: start_step = 0 !! the step of the state; 0 for the last one
       real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
+      character(:), allocatable :: probe_origin !! where they were specified, for messages: 'deck.nml:12: '
    contains
       procedure :: cycle_ends => history_cycle_ends
       procedure :: has_start => history_has_start
@@ -479,35 +480,28 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      character(:), allocatable :: thing, missing
+      character(55), parameter :: missing(4) = [character(55) :: 'no &load, force or moment has the name', &
+         'no &support with a prescribed displacement has the name', &
+         'no &contact with a rigid obstacle has the name or set', 'no &contact has the name or set']
+      character(:), allocatable :: thing, names
       integer :: i, k
       logical :: is_same, are_known, has_target
 
       associate (last => steps(size(steps)))
          thing = trim(moved_things(last%target))
-         ! Names in which a fault was found are not known.
-         select case (last%target)
-         case (stepped_load)
-            are_known = all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
-               visitor%deck%knows('preload', 'name')])
-            missing = 'no &load, force or moment has the name'
-            ! Rigid sets and preloads are among the loads, those without a force, too.
-            has_target = any([(loads(i)%name == last%name .and. (loads(i)%target /= load_on_motion .or. &
-               any(abs([loads(i)%force, loads(i)%moment]) > 0.0_dp)), i=1, size(loads))])
-         case (stepped_support)
-            are_known = all([visitor%deck%knows('support', 'name'), visitor%deck%knows('rigid', 'name'), &
-               visitor%deck%knows('preload', 'name')])
-            missing = 'no &support with a prescribed displacement has the name'
-            has_target = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
-         case default
+         ! Names in which a fault was found are not known. A rigid set or preload with any fault is not among the loads.
+         if (last%target <= stepped_support) then
+            are_known = all([visitor%deck%knows(thing, 'name'), visitor%deck%knows('rigid', 'name'), &
+               visitor%deck%knows('preload', 'name'), &
+               count(loads%target == load_on_motion) == visitor%deck%count_groups('rigid') + &
+               visitor%deck%count_groups('preload')])
+         else
             are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
-            missing = 'no &contact has the name or set'
-            if (last%target == stepped_obstacle) missing = 'no &contact with a rigid obstacle has the name or set'
-            has_target = any([(last%acts_on(contacts(i)) .and. (last%target == stepped_friction .or. &
-               .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
-         end select
+         end if
          if (.not. are_known) return
-         call visitor%require(has_target, thing, missing//" '"//last%name//"'")
+         call find_targets(last, loads, supports, contacts, names, has_target)
+         call visitor%require(has_target, thing, trim(missing(last%target))//" '"//last%name//"'"// &
+            names_text('there are', names))
          do k = 1, size(steps) - 1
             if (steps(k)%name == last%name .and. steps(k)%target + last%target == stepped_load + stepped_support) then
                steps([k, size(steps)])%has_twin = .true.
@@ -518,5 +512,49 @@ contains
          end do
       end associate
    end subroutine check_name
+
+   !> Finds the names of what a change of its kind may have for a target, and whether its own is among them.
+   subroutine find_targets(change, loads, supports, contacts, names, has_target)
+      type(steps_t), intent(in) :: change !! the change
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      character(:), allocatable, intent(out) :: names !! the names, each with ', ' before it
+      logical, intent(out) :: has_target !! whether that of the change is one of them
+      integer :: i
+
+      names = ''
+      has_target = .false.
+      select case (change%target)
+      case (stepped_load)
+         do i = 1, size(loads)
+            ! Rigid sets and preloads are among the loads, those without a force, too.
+            if (loads(i)%target == load_on_motion .and. all(abs([loads(i)%force, loads(i)%moment]) <= 0.0_dp)) cycle
+            call take(loads(i)%name)
+         end do
+      case (stepped_support)
+         do i = 1, size(supports)
+            if (any(supports(i)%is_held)) call take(supports(i)%name)
+         end do
+      case default
+         do i = 1, size(contacts)
+            if (change%target == stepped_obstacle .and. contacts(i)%pairing%is_pair()) cycle
+            call take(contacts(i)%name)
+            call take(contacts(i)%set)
+         end do
+      end select
+
+   contains
+
+      !> Takes a name, if there is one.
+      subroutine take(name)
+         character(:), allocatable, intent(in) :: name !! the name
+
+         if (.not. is_filled(name)) return
+         if (index(names//', ', ', '//name//', ') == 0) names = names//', '//name
+         has_target = has_target .or. name == change%name
+      end subroutine take
+
+   end subroutine find_targets
 
 end module amontons_history

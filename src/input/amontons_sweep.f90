@@ -5,7 +5,7 @@
 !> others are combined in full, the last one varying fastest. Cases are numbered from 1.
 module amontons_sweep
    use amontons_contact_set, only: contact_t
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, most_values
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, most_values, names_text
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_t
    use amontons_text, only: to_text
@@ -293,7 +293,7 @@ contains
                      contacts(i)%set//"' comes from a table; use friction_factor, which multiplies it")
                end do
                call visitor%require(is_found, 'contact', trim(quantity_names(axis%target))//' needs a &contact'// &
-                  repeat(" with the set '"//axis%name//"'", min(1, len(axis%name)))//list('sets', names))
+                  repeat(" with the set '"//axis%name//"'", min(1, len(axis%name)))//names_text('sets', names))
             end if
          else if (all([visitor%deck%knows('load', 'name'), visitor%deck%knows('rigid', 'name'), &
                visitor%deck%knows('preload', 'name')])) then
@@ -303,7 +303,7 @@ contains
             end do
             call visitor%require(any([(len(loads(i)%name) > 0 .and. loads(i)%name == axis%name, &
                i=1, size(loads))]), 'load', &
-               "no load has the name '"//axis%name//"'"//list('named loads', names))
+               "no load has the name '"//axis%name//"'"//names_text('named loads', names))
          end if
       end associate
       ! Checks a quantity against those before it: nothing varies twice, and what is paired has as many values.
@@ -322,16 +322,5 @@ contains
          'a paired &sweep needs as many values as the one before: expected '//to_text(size(axes(n - 1)%values))// &
          ', found '//to_text(size(axes(n)%values)))
    end subroutine check_axis
-
-   !> The existing names, for the end of a message.
-   pure function list(noun, names) result(text)
-      character(*), intent(in) :: noun !! noun for the names
-      character(*), intent(in) :: names !! the names, each with ', ' before it
-      character(:), allocatable :: text
-
-      text = 'none'
-      if (len(names) > 0) text = names(3:)
-      text = ' ('//noun//': '//text//')'
-   end function list
 
 end module amontons_sweep

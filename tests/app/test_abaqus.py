@@ -298,7 +298,7 @@ class Abaqus(ProgramTest):
                                "use is only for kind = 'file'"),
                               (USE.format("'load'"),
                                "use: expected one of 'materials', 'supports', 'loads', found 'load'"),
-                              (USE.format("3"), "use: expected quoted text, found 3")):
+                              (USE.format("3"), "use: expected one of 'materials', 'supports', 'loads', found 3")):
             run = self.run_program("--check", self.write("deck.nml", deck + PLAIN_MATERIAL.format("plane stress", 1)
                                                          + CONTACT), status=1)
             self.assertIn(message, run.stderr)

@@ -75,6 +75,22 @@ class Twist(ProgramTest):
         self.assertNotIn("without friction", (self.directory/"case.lst").read_text(encoding="utf-8"))
         self.assertLess(float(corner["tangential_force_theta"]), -0.5)
 
+    def test_effective_deck_keeps_what_one_load_has_along_and_around_the_axis(self):
+        # 2.0 on 3 pi, and around the axis 0.1 times 2/3 pi (2^3 - 1^3), or 3.0 in all.
+        for keys, torque in (("traction = 0.0, -2.0  traction_theta = 0.1", 1.4*math.pi/3.0),
+                             ("pressure = 2.0  torque = 3.0", 3.0)):
+            deck = CLUTCH.replace("pressure = 2.0", "pressure = 0.0").replace("torque = 6.0", keys)
+            once = self.solve_and_verify(deck + DISC).summary["key_results"]
+            self.assertAlmostEqual(once["reaction_y_lower.bottom"], 6.0*math.pi, delta=1e-9)
+            self.assertAlmostEqual(once["reaction_torque_lower.bottom"], -torque, delta=1e-9)
+
+    def test_slip_around_the_axis_leaves_partners_facing_each_other(self):
+        # The sides are a sixth and a quarter of 1.0 long.
+        turned = CLUTCH.replace("&load name = 'turn'  set = 'upper.top'  torque = 6.0",
+                                "&support set = 'upper.top'  turn = 0.4")
+        run = self.run_program(self.write("case.nml", turned + DISC))
+        self.assertNotIn("half a side", run.stdout)
+
     def test_history_reverses(self):
         extremes = self.solve_and_verify(CLUTCH + DISC + TO_AND_FRO).summary["load_history"]
         with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:

@@ -681,7 +681,7 @@ contains
          thermal_strain)
    end subroutine body_internal_forces
 
-   !> Refuses a body with a piece that neither supports nor contact points hold, as one at the end of a free preload, and
+   !> Refuses a body with a piece that neither supports nor contact points hold, or the loose end of a free preload, and
    !> pieces that contact holds only to each other.
    subroutine check_held(body, error)
       type(body_t), intent(in) :: body !! the body

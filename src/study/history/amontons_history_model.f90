@@ -334,8 +334,8 @@ contains
          associate (position => history%probes(2*i - 1:2*i))
             nodes(i) = body%mesh%nearest_node(position)
             if (nodes(i) > 0) cycle
-            call new_error(error, input_refused, 'probe: no node at the point '//to_text(position(1))//', '// &
-               to_text(position(2)))
+            call new_error(error, input_refused, history%probe_origin//'probe: no node at the point '// &
+               to_text(position(1))//', '//to_text(position(2)))
             return
          end associate
       end do
