@@ -371,7 +371,7 @@ contains
    !=vtu `gap`, `slip` | nodes | L | as in the table; 0 at nodes that are no contact points; nodes of cells of constant
    !=   multipliers have the mean of their cells, here and below
    !=vtu `contact_pressure`, `contact_shear`, `shear_bound` | nodes | F/L² | as in the table; 0 at other nodes
-   !=vtu `status` | nodes | | 1 to 4, see [Statuses](#statuses); 0 at other nodes
+   !=vtu `status` | nodes | | 1 to 5, see [Statuses](#statuses); 0 at other nodes
    !=vtu `nodal_stress` | nodes, 6 components | F/L² | stress xx, yy, zz, xy, yz, xz: what the elements around the node
    !=   say there, on the mean; tension positive; zz follows from the hypothesis. Between two materials the mean of both
    !=   sides

@@ -32,6 +32,11 @@ DECKS = {
                      "  fretting = 'parameters'"),
 }
 DECKS["walked"] = DECKS["history"] + "&accuracy refinements = 2 /\n"
+DECKS["twisted"] = block(
+    "support name = 'turned'  set = 'top'  ux = 0.0  uy = -0.01  turn = 0.001", CONTACT + "  wear = 1e-5",
+    "history times = 0.0, 1.0, 2.0  substeps = 2", "steps support = 'turned'  factor = 0.0, 1.0, 0.5",
+    "output probe = 4.0, 2.0  points_every = 2  states_every = 2  fields_every = 2",
+    material="young = 100.0  poisson = 0.25  hypothesis = 'axisymmetric'  twist = .true.")
 # What newcomers look for by name, whether there is such a thing or not.
 SEARCHED = ("3D", "adhesion", "bolt", "buckling", "coupling", "creep", "cyclic symmetry", "damping",
             "dovetail", "dynamics", "frictional heat", "gasket", "hyperelastic", "impact", "interference",

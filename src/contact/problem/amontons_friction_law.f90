@@ -36,6 +36,7 @@ module amontons_friction_law
    !=statuses `stick` | pressed on the obstacle, not slipping | 2
    !=statuses `slip+` | pressed on the obstacle, slipping along $+t$, friction at its bound | 3
    !=statuses `slip-` | pressed on the obstacle, slipping along $-t$, friction at its bound | 4
+   !=statuses `slip` | of a twisted body: slipping along any direction of the surface, friction at its bound | 5
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(slip_point) = [character(5) :: 'open', 'stick', 'slip+', 'slip-', 'slip']
 
