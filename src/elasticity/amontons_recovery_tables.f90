@@ -61,7 +61,7 @@ module amontons_recovery_tables
    !> multiple of the identity.
    type :: frame_t
       real(dp) :: center(2) = 0.0_dp !! mean of the points that are spread [L]
-      real(dp) :: scale(2, 2) = 0.0_dp !! what the distance from there is multiplied by [1/L]
+      real(dp) :: scale(2, 2) = 0.0_dp !! distance from the center to coordinates of the polynomial [1/L]
       integer :: n_terms = 1 !! terms of the polynomial
    end type frame_t
 

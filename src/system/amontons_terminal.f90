@@ -82,7 +82,7 @@ module amontons_terminal
    !> Wall-clock time spent in each phase.
    type :: timings_t
       real(dp) :: seconds(size(phase_names)) = 0.0_dp !! time of each phase [s]
-      real(dp), private :: last = 0.0_dp !! until when the time is booked [s]
+      real(dp), private :: last = 0.0_dp !! time up to which the phases are measured [s]
       integer, private :: phase = phase_read !! the phase under way
    contains
       procedure :: begin => timings_begin

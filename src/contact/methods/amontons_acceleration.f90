@@ -25,7 +25,8 @@ module amontons_acceleration
       integer :: depth = 0 !! most differences looked back on; 0 for no acceleration
       integer :: n_kept = 0 !! number of images kept
       real(dp), allocatable, private :: image(:, :) !! images with what they carry, oldest first (n, depth + 1)
-      real(dp), allocatable, private :: step(:, :) !! steps that led to them, without what they carry (k, depth + 1)
+      real(dp), allocatable, private :: step(:, :)
+         !! steps that led to these images, without what the images carry (k, depth + 1)
    contains
       procedure :: extrapolate => acceleration_extrapolate
       procedure :: forget => acceleration_forget

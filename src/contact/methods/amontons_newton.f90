@@ -63,7 +63,7 @@ module amontons_newton
    !> The active sets since the residual last decreased.
    type :: visited_sets_t
       private
-      integer(int64), allocatable :: key(:) !! a number for each of them
+      integer(int64), allocatable :: key(:) !! a number computed from each active set, to recognize it
       real(dp) :: residual = huge(1.0_dp) !! the least residual so far [-]
    contains
       procedure :: add => visited_sets_add

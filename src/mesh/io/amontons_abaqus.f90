@@ -48,10 +48,10 @@ module amontons_abaqus
    type :: ignored_keywords_t
       private
       integer :: n = 0 !! number of keywords
-      integer :: n_named = 0 !! number of different ones
-      character(:), allocatable :: keys !! the different ones in small letters, each between line ends
-      character(:), allocatable :: names !! the same as messages name them, ', ' before each
-      character(:), allocatable :: warned !! those of them that matter
+      integer :: n_named = 0 !! number of different keywords
+      character(:), allocatable :: keys !! the different keywords in small letters, each between line ends
+      character(:), allocatable :: names !! these keywords as messages name them, each after ', '
+      character(:), allocatable :: warned !! those that carry physics, of which a warning is given
       logical :: is_readable(size(use_names)) = .false. !! whether some of them could be read
    contains
       procedure :: add => ignored_keywords_add

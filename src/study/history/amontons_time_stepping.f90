@@ -62,7 +62,7 @@ module amontons_time_stepping
    !> The record of the present cycle and the numbers of the last complete one.
    type :: cycle_record_t
       logical :: is_finished = .false. !! whether the last step ended a cycle
-      real(dp) :: numbers(n_cycle_numbers) = 0.0_dp !! that cycle, in the order of `cycle_numbers`
+      real(dp) :: numbers(n_cycle_numbers) = 0.0_dp !! the last complete cycle, in the order of `cycle_numbers`
       type(fretting_t) :: fretting !! stresses and slips of the cycle so far
       logical, private :: is_begun = .false. !! whether the beginning of the cycle was seen
       logical, private :: has_before = .false. !! whether the cycle before was seen from beginning to end
@@ -101,7 +101,7 @@ module amontons_time_stepping
       logical :: is_ended = .false. !! whether all times are reached, or a step could not be taken
       character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
       integer :: outcome = outcome_solved !! outcome of the last step, accepted or not
-      integer :: fault_kind = 0 !! the kind of the error that it is; 0 for a step that does not converge
+      integer :: fault_kind = 0 !! exit status of that error; 0 for a step that does not converge
       real(dp) :: fault_time = 0.0_dp !! the time that the step would have led to [-]
       logical :: is_jump = .false. !! whether the energies of the last step do not balance
       integer, private :: tick = 0 !! progress towards the next planned time, in smallest steps
