@@ -17,7 +17,7 @@ import shutil
 import unittest
 from pathlib import Path
 
-from harness import ProgramTest
+from harness import PROGRAM, ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
 MESSAGE = re.compile(r"^\| `([^`\n]+)` <!-- (raised by|in): (.*?)(?:; status (\d))? --> \| ", re.MULTILINE)
@@ -99,6 +99,18 @@ class Guide(ProgramTest):
                     continue
                 # Another version of Gmsh makes another mesh, and residuals are rounding: any number stands for another.
                 self.assertEqual(*(NUMBER.sub("#", text) for text in (printed.stdout + printed.stderr, shown)))
+
+    def test_groups_in_the_pages_have_known_keys_and_values_in_range(self):
+        # What an excerpt leaves out, a deck lacks; some show one group in several ways.
+        lacking = re.compile("needs |is given in line|no load has the name|cannot read this file")
+        n_found = 0
+        for page in (ROOT / "README.md", *sorted((ROOT / "doc").glob("*.md"))):
+            for block in re.findall(r"^```(?:fortran)?\n([&!].*?)^```", page.read_text(encoding="utf-8"),
+                                    re.DOTALL | re.MULTILINE):
+                n_found += 1
+                run = self.run_command([PROGRAM, "--check", self.write("excerpt.nml", block)], status=None)
+                self.assertEqual([line for line in run.stderr.splitlines() if not lacking.search(line)], [], block)
+        self.assertGreater(n_found, 15)
 
     @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
     def test_example_works(self):
