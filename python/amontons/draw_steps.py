@@ -106,7 +106,7 @@ def edges(places: Array, at_end: bool = False) -> Array:
     return np.concatenate([[places[0]], middle, [places[-1]]])
 
 
-def draw_taken(axes: Canvas, case: Case) -> None:
+def draw_wear_or_dissipation(axes: Canvas, case: Case) -> None:
     """The worn depth of each point of the contact line; without wear what friction took there, over its length."""
     table, history, largest = case.table("contact"), case.table("history"), 0.0
     wears = "max_wear_depth" in history[0]

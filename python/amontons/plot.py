@@ -24,7 +24,7 @@ from amontons.commands import Parser
 from amontons.draw_body import FIELD, draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
                                 draw_history, has_detail, points_of, stretches)
-from amontons.draw_steps import draw_loop, draw_taken, draw_zones
+from amontons.draw_steps import draw_loop, draw_wear_or_dissipation, draw_zones
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 
 FORMATS = ("png", "svg", "pdf")
@@ -32,7 +32,7 @@ BODY_PANELS = {"body": draw_body, "detail": draw_detail}
 PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
 HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
 INCH = 25.4  # mm
-LETTERS = 6.5  # of a label below a panel, for each inch of the figure
+LABEL_LETTERS = 6.5  # of a label below a panel, for each inch of the figure
 SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140), "steps": (240, 80)}  # mm
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
          "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "savefig.dpi": 200,
@@ -67,7 +67,7 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
                 draw_detail(axes[name], case, field, points_of(zone), scale)
             elif name == "history":
                 draw_history(axes[name], case)
-        label = textwrap.fill(abscissa_label(case, abscissa, shown, sets), int(LETTERS * size[0]))
+        label = textwrap.fill(abscissa_label(case, abscissa, shown, sets), int(LABEL_LETTERS * size[0]))
         draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown, label)
     return drawn
 
@@ -150,7 +150,7 @@ def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Seq
                                    layout="constrained", width_ratios=[1.1, 1.3, 1])
         draw_loop(axes[0], case, loop)
         draw_zones(axes[1], case)
-        draw_taken(axes[2], case)
+        draw_wear_or_dissipation(axes[2], case)
         drawn.suptitle(plain(case.heading))
     return drawn
 

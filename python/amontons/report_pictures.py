@@ -11,7 +11,7 @@ from amontons.cases import Case, dimension_of
 from amontons.draw_body import FIELD, Field, draw_scene, draw_zone, magnification, magnification_at, moved_field
 from amontons.draw_line import (LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone, draw_history,
                                 has_detail, points_of, stretches)
-from amontons.draw_steps import draw_loop, draw_taken, draw_zones
+from amontons.draw_steps import draw_loop, draw_wear_or_dissipation, draw_zones
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 from amontons.raster import cell_image, color_numbers, palette
 from amontons.svg_axes import SvgAxes, legend
@@ -82,7 +82,7 @@ def _body(case: Case, name: str, label: str) -> Iterator[str]:
         image, _ = _image(axes, f"{name}di", moved_field(case, factor, FIELD))
         yield _picture(f"{name}d", f"{label}: closed zone", height, image, axes.lines(f"{name}dc"), axes.frame())
     if case.has_steps and sets:
-        for number, draw in enumerate((draw_loop, draw_zones, draw_taken)):
+        for number, draw in enumerate((draw_loop, draw_zones, draw_wear_or_dissipation)):
             axes, = _axes(2.8, (1.0,), **ALONE)
             draw(axes, case)
             yield _plot(axes, 2.8, f"{name}t{number}", f"{label}: load history")

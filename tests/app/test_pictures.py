@@ -143,6 +143,18 @@ class Pictures(ProgramTest):
             for text in shown:
                 self.assertIn(text, drawn)
 
+    def test_long_labels_are_wrapped(self):
+        floor, wall = (CONTACT + "  name = 'the floor below the block'",
+                       "contact set = 'left'  normal = 1.0, 0.0  name = 'the wall beside the block'")
+        self.write("case.nml", block(PRESSURE, floor, wall, "load set = 'right'  traction = -0.5, 0.0"))
+        self.run_program("--quiet", "--output", "out", "case.nml")
+        label = "length along the contact line: the floor below the block, the wall beside the block"
+        for size, is_whole in (("120x80", False), ("400x120", True)):
+            self.script("plot", "out/case", "--format", "svg", "--size", size)
+            drawn = (self.directory / "out" / "case.svg").read_text(encoding="utf-8")
+            self.assertEqual(label in drawn, is_whole, size)
+            self.assertIn("beside the block", drawn)
+
     def test_orthotropic_bodies_are_drawn(self):
         wood = "young = 80.0, 20.0, 20.0  poisson = 0.3, 0.3, 0.3  shear = 10.0"
         self.write("wood.nml", block(SUPPORT, PRESSURE, CONTACT, material=wood))
