@@ -56,6 +56,25 @@ class Rounding(Verification):
 &load set = 'top'  traction = 0.0, -66.04000839524298 /
 """)
 
+    def test_rounding_errors_of_forces_do_no_work(self):
+        # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
+        self.summary_of("""&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /
+&material young = 1883.0935900197949  poisson = 0.45  hypothesis = 'plane strain' /
+&contact set = 'right'  friction = 0.1  point = -13.505250821276592, 3.1567275239723736  normal = -1.0, 0.0 /
+&contact set = 'left'  friction = 0.3  point = -19.59692976188971, 3.1567275239723736  normal = 1.0, 0.0 /
+&load set = 'left'  traction = -0.6834169764053899, 0.0 /
+""")
+
+    def test_a_large_radius_has_an_angle_from_one_node_to_the_next(self):
+        # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex lies between two nodes, 2e-12
+        # higher than these; the body yields by 5e-12.
+        self.summary_of("""&mesh size = 10.0, 1.0  cells = 5, 2 /
+&material young = 2.0e11  poisson = 0.0 /
+&load set = 'top'  pressure = 1.0 /
+&support set = 'left'  ux = 0.0 /
+&contact set = 'bottom'  friction = 0.3  obstacle = 'parabola'  radius = 3.0e11  point = 5.0, 0.0 /
+""")
+
     def test_a_body_that_is_released_is_at_rest(self):
         results = self.summary_of(STACK)["key_results"]
         self.assertEqual((results["max_contact_pressure"], results["max_displacement"]), (0.0, 0.0))

@@ -47,6 +47,7 @@ module amontons_obstacle
       real(dp) :: way = 0.0_dp !! the way to it along the line, negative behind the start [L]
       real(dp) :: cosine = 0.0_dp
          !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
+      real(dp) :: sine = 0.0_dp !! of this angle, without sign [-]
    end type crossing_t
 
    !> Number of segments in a bounding box: long lines are compared box by box first.
@@ -74,7 +75,7 @@ contains
          crossings = polyline_crossings(self%line, x, e)
       case ('plane')
          allocate (crossings(0))
-         if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
+         if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
       case default
          allocate (crossings(0))
       end select
@@ -97,7 +98,8 @@ contains
          to_start = line(:, i) - x
          place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
          if (place < -rounding .or. place > 1.0_dp + rounding) cycle
-         crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along))]
+         crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along), &
+            abs(dot_product(e, along))/norm2(along))]
       end do
    end function polyline_crossings
 
@@ -220,11 +222,12 @@ contains
       pure type(crossing_t) function zero_crossing(way, slope) result(crossing)
          real(dp), intent(in) :: way !! the way to it, in `length` [-]
          real(dp), intent(in) :: slope !! slope there [-]
-         real(dp) :: place(2)
+         real(dp) :: place(2), gradient(2)
 
          place = start + way*e
-         crossing = crossing_t(length*way, &
-            -slope*sign(1.0_dp, radius)/norm2([2.0_dp*place(1), height + 2.0_dp*c*place(2)]))
+         gradient = [2.0_dp*place(1), height + 2.0_dp*c*place(2)]
+         crossing = crossing_t(length*way, -slope*sign(1.0_dp, radius)/norm2(gradient), &
+            abs(cross_product(e, gradient))/norm2(gradient))
       end function zero_crossing
 
    end function conic_crossings
@@ -232,13 +235,14 @@ contains
    !> The gap from a point along a direction. In free space it is the distance to the first position ahead where the
    !> line enters; inside it is minus the distance back to the position where the line entered last. A line that does
    !> not enter, or enters at too small a cosine, has no gap. Beyond the end of a polyline no point is inside.
-   pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine)
+   pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine, angle)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
       real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
       real(dp), intent(out) :: gap !! the gap [L]
       logical, intent(out) :: is_met !! whether there is one
       real(dp), intent(out) :: cosine !! of the angle between the direction and the way into the surface there [-]
+      real(dp), intent(out), optional :: angle !! this angle, whose cosine loses the digits of small ones [-]
       type(crossing_t), allocatable :: crossings(:)
       integer :: found
 
@@ -250,6 +254,7 @@ contains
       if (found > 0) then
          gap = crossings(found)%way
          cosine = crossings(found)%cosine
+         if (present(angle)) angle = atan2(crossings(found)%sine, cosine)
       end if
       is_met = cosine >= steepest_cosine
    end subroutine obstacle_measure

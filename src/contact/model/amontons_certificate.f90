@@ -172,9 +172,9 @@ contains
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
             - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
          ! If a load acts on nodes that a support moves, both do work that causes no strain. Heat causes strain without
-         ! work of forces.
-         work = max(sums%internal_size, certificate%strain_energy, sums%external_size)
-         if (least_scale > 0.0_dp) work = max(work, least_scale*norm2(displacement))
+         ! work of forces. And loads that contact bears where they act leave their rounding errors to do work.
+         work = max(sums%internal_size, certificate%strain_energy, sums%external_size, &
+            max(rounding_share*force_size, least_scale)*norm2(displacement))
          certificate%energy = energy_violation(body, internal, load_case%force + contact, reaction, displacement, &
             sums%internal_work - sums%external_work - sums%support_work, work)
          certificate%duality_gap = relative(certificate%duality_gap, work)

@@ -631,7 +631,7 @@ contains
       logical, intent(in) :: has_middle !! whether the side has a node in its middle
       ! 30 degrees off the obstacle's normal, as warnings have it.
       real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
-      real(dp) :: gap, cosine, angle
+      real(dp) :: gap, cosine, turn, angle
       logical :: is_met, is_steep
       integer :: beside(2), i
 
@@ -641,10 +641,10 @@ contains
       angle = 0.0_dp
       is_steep = .false.
       do i = 1, 2
-         call contact%obstacle%measure(side(:, beside(i)), normal, gap, is_met, cosine)
+         call contact%obstacle%measure(side(:, beside(i)), normal, gap, is_met, cosine, turn)
          if (.not. is_met) cycle
          is_steep = is_steep .or. cosine < smallest_cosine
-         angle = angle + acos(min(1.0_dp, cosine))
+         angle = angle + turn
          depth = max(depth, dot_product(moved(:, beside(i)) - side(:, beside(i)), normal) - gap)
       end do
       if (is_steep) angle = 0.0_dp
