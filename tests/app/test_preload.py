@@ -220,6 +220,18 @@ class Preload(ProgramTest):
                 run = self.run_program("--quiet", self.write("case.nml", text), status=status)
                 self.assertIn(words, run.stderr)
 
+    def test_a_side_that_only_the_preload_holds_is_refused_before_the_factorization(self):
+        # The loads balance the force of the bolt: the stiffness is singular, as rounding may hide, in the case, in a sweep
+        # and in steps that lock the bolt.
+        text = (BAR.format(element="quad4", across=2, poisson=0.0, guide="ux = 0.0")
+                + "&load name = 'pull'  set = 'b.top'  pressure = -1.0 /\n"
+                "&contact set = 'a.right'  normal = -1.0, 0.0  point = 1.0, 0.0 /\n")
+        for study in (PRELOAD.format("force = 1.0"),
+                      PRELOAD.format("force = 1.0") + "&sweep load = 'pull'  factor = 0.5, 1.0 /\n",
+                      PRELOAD.format("force = 1.0  lock_time = 1.0") + "&history times = 0.0, 1.0, 2.0 /\n"):
+            run = self.run_program("--quiet", self.write("case.nml", text + study), status=2)
+            self.assertIn("free to move along the preload on one side of it: nothing holds it", run.stderr)
+
     def test_nothing_is_left_to_compute(self):
         text = """&mesh size = 1.0, 1.0  cells = 1, 1 /
 &material young = 1.0  poisson = 0.3 /

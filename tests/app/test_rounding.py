@@ -56,14 +56,33 @@ class Rounding(Verification):
 &load set = 'top'  traction = 0.0, -66.04000839524298 /
 """)
 
+    def test_rounding_errors_of_gaps_are_small_against_what_the_load_would_press_in(self):
+        # As above, with a softer block that hangs on the body: its walls touch it but for the last digit of coordinates.
+        self.summary_of("""&mesh name = 'a'  size = 5.438889330190927, 5.276733176869928  cells = 6, 2  element = 'quad8'
+   origin = 0.8301042122816042, 0.0 /
+&mesh name = 'b'  size = 5.438889330190927, 5.14973502369773  cells = 3, 2  element = 'quad8'
+   origin = 0.8301042122816042, 5.276733176869928 /
+&material region = 'a'  young = 4233.07689220171  poisson = 0.3  hypothesis = 'plane strain' /
+&material region = 'b'  young = 269758.97575519606  poisson = 0.45  hypothesis = 'plane strain' /
+&tie set = 'b.bottom'  to = 'a.top' /
+&contact set = 'b.right'  friction = 0.1  point = 6.268993542472531, 7.851600688718793  normal = -1.0, 0.0 /
+&contact set = 'a.left'  friction = 1.2  point = 0.8301042122816042, 2.638366588434964  normal = 1.0, 0.0 /
+&contact set = 'a.bottom'  friction = 1.2  normal = 0.0, 1.0 /
+&contact set = 'a.right'  point = 6.268993542472531, 2.638366588434964  normal = -1.0, 0.0 /
+&contact set = 'b.top'  friction = 0.6  point = 3.5495488773770676, 10.426468200567658  normal = 0.0, -1.0 /
+&load set = 'b.top'  pressure = -16.416221203088742 /
+""")
+
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
-        self.summary_of("""&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /
+        deck = """&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /
 &material young = 1883.0935900197949  poisson = 0.45  hypothesis = 'plane strain' /
 &contact set = 'right'  friction = 0.1  point = -13.505250821276592, 3.1567275239723736  normal = -1.0, 0.0 /
 &contact set = 'left'  friction = 0.3  point = -19.59692976188971, 3.1567275239723736  normal = 1.0, 0.0 /
 &load set = 'left'  traction = -0.6834169764053899, 0.0 /
-""")
+"""
+        self.summary_of(deck)
+        self.summary_of(deck + "&history times = 1.0 /")
 
     def test_a_large_radius_has_an_angle_from_one_node_to_the_next(self):
         # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex lies between two nodes, 2e-12

@@ -91,6 +91,20 @@ class Twist(ProgramTest):
         run = self.run_program(self.write("case.nml", turned + DISC))
         self.assertNotIn("half a side", run.stdout)
 
+    def test_slip_bounds_that_hold_open_points(self):
+        # All points but the outermost one are lifted off a hollow floor, and slip bounds act on them, too: after Newton's
+        # first steps nothing leads on from where these ended.
+        self.solve("""
+&mesh size = 6.91, 5.85  cells = 6, 4  origin = 2.5, 0.0  element = 'tri6' /
+&material young = 900.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /
+&contact set = 'bottom'  obstacle = 'parabola'  radius = -288.4  point = 2.5, 0.0  friction = 0.3  slip_bound = 1.21
+   extra_gap = -0.001 /
+&contact set = 'right'  normal = -1.0, 0.0  point = 9.41, 0.0  friction = 0.1  extra_gap = 0.001 /
+&load set = 'top'  pressure = 0.38 /
+&load set = 'right'  traction = -0.39, -0.02 /
+&load set = 'top'  torque = 700.0 /
+""")
+
     def test_history_reverses(self):
         extremes = self.solve_and_verify(CLUTCH + DISC + TO_AND_FRO).summary["load_history"]
         with open(self.directory/"case.history.csv", newline="", encoding="utf-8") as file:

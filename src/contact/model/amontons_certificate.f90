@@ -308,7 +308,6 @@ contains
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
       real(dp) :: at_points(body%zone%n_rows), depth, place(2)
-      real(dp), parameter :: least_strain = 1.0e-10_dp
       integer :: m, deepest, set
 
       m = body%zone%n_points
@@ -316,9 +315,10 @@ contains
       distance = load_case%gap - at_points(:m)
       where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
       slip = merge(0.0_dp, at_points(m + 1:) - load_case%anchor, body%zone%is_slip_fixed)
-      ! Loads on the contact points themselves strain nothing: what is left then is rounding.
-      certificate%length_scale = max(maxval(abs(displacement)), &
-         least_strain*maxval(maxval(body%mesh%coordinates, 2) - minval(body%mesh%coordinates, 2)))
+      ! Loads on the contact points themselves strain nothing: what is left then is rounding. They would press other
+      ! points about so far into the stiffest part of the body.
+      certificate%length_scale = max(maxval(abs(displacement)), certificate%force_scale &
+         /maxval(body%zone%area/body%zone%weight)/maxval(body%materials%list%young(1)))
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, certificate%length_scale)
