@@ -510,7 +510,7 @@ contains
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
       ! Stiffness over the largest of the points; the last springs bear what is left of a load 1e-8 above its limit.
       ! Matrices of more points are left alone: they take minutes.
-      real(dp), parameter :: weak(5) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
+      real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
       integer, parameter :: most_points = 2000
       ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
       real(dp), parameter :: negligible = 1.0e-3_dp

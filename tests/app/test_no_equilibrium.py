@@ -168,7 +168,8 @@ class NoEquilibrium(ProgramTest):
         # wedged apart far enough, friction would bear any load; that of the right wall bears 0.3, and more only where
         # the body tilts against the left one.
         for cells, excess, status in (("4, 4", -1e-9, 0), ("4, 4", 1e-8, 2), ("4, 4", 1e-7, 2), ("4, 4", 1e-3, 2),
-                                      ("4, 4", 0.1, 2), ("4, 4", 10.0, 2), ("4, 4", 100.0, 2), ("7, 5", 0.01, 0), ("7, 5", 0.05, 2),
+                                      ("4, 4", 0.1, 2), ("4, 4", 10.0, 2), ("4, 4", 100.0, 2), ("7, 5", 0.01, 0),
+                                      ("7, 5", 0.05, 2),
                                       # Far away rounding leaves more than the tolerance of the residual.
                                       ("4, 4  element = 'tri6'", 1.0, 2)):
             text = block(f"load name = 'lift'  body_force = 1.0, {0.3*(1.0 + excess)!r}", CONTACT,

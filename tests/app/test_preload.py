@@ -221,8 +221,8 @@ class Preload(ProgramTest):
                 self.assertIn(words, run.stderr)
 
     def test_a_side_that_only_the_preload_holds_is_refused_before_the_factorization(self):
-        # The loads balance the force of the bolt: the stiffness is singular, as rounding may hide, in the case, in a sweep
-        # and in steps that lock the bolt.
+        # The loads balance the force of the bolt. The stiffness is singular, as rounding may hide: in the case, in a
+        # sweep and in steps that lock the bolt.
         text = (BAR.format(element="quad4", across=2, poisson=0.0, guide="ux = 0.0")
                 + "&load name = 'pull'  set = 'b.top'  pressure = -1.0 /\n"
                 "&contact set = 'a.right'  normal = -1.0, 0.0  point = 1.0, 0.0 /\n")

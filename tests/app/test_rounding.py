@@ -57,9 +57,9 @@ class Rounding(Verification):
 """)
 
     def test_rounding_errors_of_gaps_are_small_against_what_the_load_would_press_in(self):
-        # As above, with a softer block that hangs on the body: its walls touch it but for the last digit of coordinates.
-        self.summary_of("""&mesh name = 'a'  size = 5.438889330190927, 5.276733176869928  cells = 6, 2  element = 'quad8'
-   origin = 0.8301042122816042, 0.0 /
+        # As above, with a softer block that hangs on the body: walls touch it but for the last digit.
+        self.summary_of("""&mesh name = 'a'  size = 5.438889330190927, 5.276733176869928  cells = 6, 2
+   element = 'quad8'  origin = 0.8301042122816042, 0.0 /
 &mesh name = 'b'  size = 5.438889330190927, 5.14973502369773  cells = 3, 2  element = 'quad8'
    origin = 0.8301042122816042, 5.276733176869928 /
 &material region = 'a'  young = 4233.07689220171  poisson = 0.3  hypothesis = 'plane strain' /
@@ -85,7 +85,7 @@ class Rounding(Verification):
         self.summary_of(deck + "&history times = 1.0 /")
 
     def test_a_large_radius_has_an_angle_from_one_node_to_the_next(self):
-        # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex lies between two nodes, 2e-12
+        # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex between two nodes is 2e-12
         # higher than these; the body yields by 5e-12.
         self.summary_of("""&mesh size = 10.0, 1.0  cells = 5, 2 /
 &material young = 2.0e11  poisson = 0.0 /

@@ -92,8 +92,8 @@ class Twist(ProgramTest):
         self.assertNotIn("half a side", run.stdout)
 
     def test_slip_bounds_that_hold_open_points(self):
-        # All points but the outermost one are lifted off a hollow floor, and slip bounds act on them, too: after Newton's
-        # first steps nothing leads on from where these ended.
+        # All points but the outermost one are lifted off a hollow floor, and slip bounds act on them, too. After
+        # Newton's first steps nothing leads on from where these ended.
         self.solve("""
 &mesh size = 6.91, 5.85  cells = 6, 4  origin = 2.5, 0.0  element = 'tri6' /
 &material young = 900.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /

@@ -114,10 +114,10 @@ contains
    end subroutine newton_after_springs
 
    !> Alternates many Newton steps with sweeps from the best pair so far, four times as many in each round, until the
-   !> iterations are used up. Lemke's pivoting, where it is fast, is tried once, otherwise the splitting; both start from
-   !> rest, since nothing may lead on from the best pair. Where a line is too long for the sweeps, there is one round with
-   !> each regularization, followed by Newton from rest without a limit: fronts that pass the edges of a profile one by
-   !> one need many steps.
+   !> iterations are used up. Lemke's pivoting, where it is fast, is tried once, otherwise the splitting. Both start
+   !> from rest, since nothing may lead on from the best pair. Where a line is too long for the sweeps, there is one
+   !> round with each regularization, followed by Newton from rest without a limit: fronts that pass the edges of
+   !> a profile one by one need many steps.
    subroutine alternate_methods(stages, problem)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(in) :: problem !! the problem
