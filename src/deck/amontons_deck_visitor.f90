@@ -590,7 +590,7 @@ contains
       integer :: source(1)
 
       call set_default(value, choices)
-      call self%find(key, 'quoted text', source, is_given)
+      call self%find(key, expected_text(key), source, is_given)
       if (source(1) == 0) return
       if (.not. self%deck%contents%values(source(1))%is_text) then
          call refuse_value(self%deck%contents, self%place, key%name, source(1), expected_text(key, choices))

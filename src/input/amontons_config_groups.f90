@@ -455,7 +455,8 @@ contains
          ' moment as a load, along with others of the name; results have it', is_filled=.true., is_required=.true., &
          is_free=.true., also='label'), motion%name, has_name)
       call visitor%text(key_t('set', 'the boundary or node set that moves as a rigid body; several are separated by'// &
-         " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface'), motion%set)
+         " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface', &
+         hint="several sets: 'A, B'"), motion%set)
       call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
          default='the middle of the set', also='center node reference'), motion%rigid%point, motion%rigid%has_point)
       do k = 1, size(rigid_components)

@@ -311,8 +311,8 @@ contains
 
    !=key_results `max_contact_pressure` | F/L² | largest contact pressure of a contact point
    !=key_results `max_contact_shear` | F/L² | largest magnitude of the contact shear
-   !=key_results `max_slip` | L | largest magnitude of the slip of a closed point; points that a support holds
-   !=   tangentially are left out
+   !=key_results `max_slip` | L | largest magnitude of the slip of a closed point, without what a support prescribes;
+   !=   points that a support holds tangentially are left out
    !=key_results `max_von_mises` | F/L² | largest `nodal_von_mises` of `NAME.vtu`; of sweeps with [`key_results =
    !=   'all'`](decks.md#output)
    !=key_results `max_displacement` | L | largest magnitude of the displacement of a node; of sweeps likewise

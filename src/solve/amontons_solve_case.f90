@@ -336,8 +336,10 @@ contains
       integer :: m
 
       m = body%zone%n_points
+      ! What supports prescribe counts as no slip: displacements of a solution lack it, those of a grid do not.
       slip = result%solution%displacement(m + 1:)
       if (allocated(result%load_case%anchor)) slip = slip - result%load_case%anchor
+      where (body%zone%is_slip_fixed) slip = 0.0_dp
       associate (solution => result%solution)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)
@@ -352,6 +354,7 @@ contains
          ! The slip since rest, as `contact_columns` has it.
          slip = solution%displacement(m + 1:)
          if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
+         where (body%zone%is_slip_fixed) slip = 0.0_dp
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck)]

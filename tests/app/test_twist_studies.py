@@ -75,6 +75,17 @@ class Twist(ProgramTest):
         self.assertNotIn("without friction", (self.directory/"case.lst").read_text(encoding="utf-8"))
         self.assertLess(float(corner["tangential_force_theta"]), -0.5)
 
+    def test_slip_that_a_support_prescribes_is_none_of_the_largest(self):
+        # The corner of the ring is turned by 1e-3; friction moves the others by less.
+        result = self.solve_and_verify(
+            "&mesh size = 4.0, 2.0  cells = 8, 4  origin = 1.0, 0.0 /\n"
+            "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /\n"
+            "&support set = 'left'  turn = 1e-3 /\n&load set = 'top'  pressure = 1.0 /\n"
+            "&contact set = 'bottom'  friction = 0.3 /\n")
+        with open(self.directory/"case.contact.csv", newline="", encoding="utf-8") as file:
+            self.assertEqual(float(next(csv.DictReader(file))["slip_theta"]), 1e-3)
+        self.assertLess(result.summary["key_results"]["max_slip"], 5e-4)
+
     def test_effective_deck_keeps_what_one_load_has_along_and_around_the_axis(self):
         # 2.0 on 3 pi, and around the axis 0.1 times 2/3 pi (2^3 - 1^3), or 3.0 in all.
         for keys, torque in (("traction = 0.0, -2.0  traction_theta = 0.1", 1.4*math.pi/3.0),
