@@ -83,6 +83,18 @@ class Rounding(Verification):
 """
         self.summary_of(deck)
         self.summary_of(deck + "&history times = 1.0 /")
+        # A torque on the side that slip bounds hold: all points are at rest.
+        self.summary_of("""&mesh name = 'a'  size = 3.7044931809484467, 2.449450655932392  cells = 4, 4 /
+&mesh name = 'b'  size = 3.7044931809484467, 1.878608688269873  cells = 4, 2  origin = 0.0, 2.449450655932392 /
+&material young = 6762.678955122956  poisson = 0.45  hypothesis = 'axisymmetric'  twist = .true. /
+&support set = 'a.left'  ux = 0.0 /
+&support set = 'b.left'  ux = 0.0 /
+&contact set = 'a.bottom'  friction = 1.0 /
+&contact set = 'b.bottom'  against = 'a.top'  friction = 0.3  slip_bound = 0.001401447244887221 /
+&contact set = 'b.right'  slip_bound = 0.09530137774414543  normal = -1.0, 0.0  point = 3.7044931809484467, 0.0 /
+&load set = 'b.right'  torque = 8.47386002693587 /
+&history times = 1.0 /
+""")
 
     def test_a_large_radius_has_an_angle_from_one_node_to_the_next(self):
         # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex between two nodes is 2e-12
