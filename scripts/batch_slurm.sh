@@ -4,7 +4,7 @@
 # Usage: sbatch --array=1-$(ls FOLDER/*.nml | wc -l) batch_slurm.sh FOLDER OUTPUT [PROGRAM-OPTION...]
 # Edit the lines below for your cluster. AMONTONS names the program; without it, it must be in the PATH. LAUNCHER starts
 # it on several ranks, e.g. 'srun --mpi=pmix'; without it, mpiexec does. What one rank needs, as
-# `mpiexec -n RANKS amontons --check` tells, must be below cpus-per-task times mem-per-cpu.
+# `mpiexec -n RANKS amontons --check` shows, must be below cpus-per-task times mem-per-cpu.
 #SBATCH --job-name=amontons
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=2

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Converts a reduced problem between FCLIB's HDF5 and the text that amontons --reduced reads; the first bytes of SOURCE
-# tell which it is. Usage: fclib.sh [--solution TABLE] SOURCE TARGET
+# show which it is. Usage: fclib.sh [--solution TABLE] SOURCE TARGET
 #   TABLE    NAME.contact.csv of amontons --reduced: its forces go to /solution of the FCLIB file
 set -euo pipefail
 scripts=$(dirname "$(realpath "${BASH_SOURCE[0]}")")

@@ -543,7 +543,7 @@ contains
             if (.not. any([(config%history%steps(k)%target == stepped_load .and. config%history%steps(k)%name &
                == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
          end do
-         if (n > 0) note = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
+         if (n > 0) note = labeled('Note', counted(n, 'load')//' without &steps, in full from the first time on')
          text = text//note
          if (len(stepping%fault) > 0) text = text//labeled('INCOMPLETE', stepping%fault)
          text = text//labeled('Steps', to_text(stepping%n_steps)//', row by row in '//config%name//'.history.csv')
