@@ -23,8 +23,9 @@ target_compile_options(amontons_flags INTERFACE
   "$<$<AND:${_flang},$<CONFIG:Release>>:-O2>"
   "$<$<AND:${_gfortran},${_checked}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
 
-# No source needs a preprocessor, and that of flang 19 writes every backslash twice.
-if(CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang")
+# No source needs a preprocessor, which takes its time for each, and that of flang 19 writes every backslash twice. A
+# release by gfortran is preprocessed for the sake of names, see below.
+if(CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang" OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
   set(CMAKE_Fortran_PREPROCESS OFF)
 endif()
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Configures (when needed) and builds a preset of CMakePresets.json, all of it or some targets. Shows how far it is on
-# standard error; the rest is in build/PRESET.log and shown if it fails. The preset mpi has the Debian packages it needs
-# installed first. Usage: build.sh PRESET [TARGET...]
+# standard error; the rest is in build/PRESET.log and shown if it fails. The presets with MPI have the Debian packages
+# that they need installed first. Usage: build.sh PRESET [TARGET...]
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 preset=${1:?usage: build.sh PRESET [TARGET...]}
 shift
-[[ $preset != mpi ]] || scripts/setup.sh build mpi
+[[ $preset != mpi && $preset != contracted ]] || scripts/setup.sh build mpi
 folder=build/$preset
 log=build/$preset.log
 mkdir -p build

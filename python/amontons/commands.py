@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,8 @@ class Parser(argparse.ArgumentParser):
 
 def run(word: str, arguments: Sequence[str]) -> NoReturn:
     """Runs a module of the package as a command."""
+    # Where the home folder cannot be written to, Matplotlib takes a temporary one, and says so at length.
+    logging.getLogger("matplotlib").addFilter(lambda record: "a temporary c" not in record.msg)
     try:
         module = importlib.import_module(f"amontons.{word}")
     except ModuleNotFoundError as error:

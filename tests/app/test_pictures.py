@@ -51,6 +51,12 @@ class Pictures(ProgramTest):
         self.assertEqual((folder / "two.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         self.assertTrue(ElementTree.parse(folder / "two.svg").getroot().tag.endswith("svg"))
 
+    def test_a_home_folder_that_cannot_be_written_to_is_no_news(self):
+        homeless = ["env", "-u", "MPLCONFIGDIR", "-u", "XDG_CONFIG_HOME", "-u", "XDG_CACHE_HOME", "HOME=/dev/null"]
+        run = self.run_command([*homeless, "PYTHONPATH=" + str(ROOT / "python"), sys.executable, "-B", "-m", "amontons",
+                                "plot", "some results/two"])
+        self.assertEqual(run.stderr, "")
+
     def test_a_folder_is_drawn_case_by_case(self):
         self.script("plot", "some results")
         self.assertEqual(len(list((self.directory / "some results").glob("*.png"))), 2)

@@ -4,6 +4,7 @@ Ranks add up in another order and factorize by another program, so results agree
 kind, not to the last bit.
 """
 import csv
+import itertools
 import os
 import random
 import re
@@ -25,8 +26,10 @@ NUMBER = re.compile(r"-?[0-9.]+(e[-+]?[0-9]+)?")
 NOTHING_TO_SPREAD = {"jenkins", "moving_floor", "one_point", "one_point_body", "step_size"}
 # Columns of a sweep that tell of the way to an answer, not of the answer.
 WAYS = ("iterations", "residual")
-# Root may run MPI only where it says so, and each rank has one thread.
-os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1")
+# Root may run MPI only where it says so, and each rank has one thread. Ranks that wait leave the cores to other tests,
+# also where they are no more than the cores.
+os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1",
+                  OMPI_MCA_mpi_yield_when_idle="1")
 
 
 def launched(ranks, *arguments):
@@ -233,16 +236,18 @@ class Refusals(RanksTest):
         self.assertEqual(ended, {0, 3})
 
     def test_singular_stiffness_is_refused_or_marked(self):
-        # Which of them depends on the signs that rounding gives to the last pivots.
-        for height in (1e14, 1e16):
+        # Which of them depends on the signs that rounding gives to the last pivots. No equilibrium is no verdict on it.
+        for height, ranks in itertools.product((1e10, 1e12, 1e14, 1e16), (2, 3)):
             deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 1.0, {height}  cells = 8, 4"))
-            run = self.run_command(launched(3, "--quiet", "--output", "out", *SPREAD, deck), None)
+            run = self.run_command(launched(ranks, "--quiet", "--output", "out", *SPREAD, deck), None)
             if run.returncode == 2:
-                self.assert_refused(run, 2, r"^case\.nml: the stiffness is singular to rounding: the distributed "
-                                    r"factorization met a pivot that is not positive\n$")
+                self.assert_refused(run, 2, r"^case\.nml: the stiffness is singular to rounding: (the distributed "
+                                    r"factorization met a pivot that is not positive|its condition number is about "
+                                    r"\de\d\d; element 1 is 2e1\d times as long as wide)\n$")
             else:
                 self.assertEqual(run.returncode, 4, run.stderr)
                 self.assertIn("the stiffness is ill-conditioned", (self.directory / "out/case.lst").read_text("utf-8"))
+                shutil.rmtree(self.directory / "out")
 
 
 class Kills(RanksTest):

@@ -592,8 +592,8 @@ contains
             heading('Fretting, last cycle (largest of all points)')//quantities_text(fretting(2:), config%units))
          if (size(extremes) > 0) call result%last%study_listing%add(heading('Extremes of the steps')// &
             quantities_text(extremes, config%units), [spread(0.0_dp, 1, 3), extremes%scale], is_by_line=.true.)
-         call result%last%study_listing%add( &
-            heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)'))
+         call result%last%study_listing%add(heading('Last step')// &
+            '  Everything below; max. slip and slips since rest, on the obstacle; stick and slip of the step'//newline)
       end associate
       call result%last%study_members%add(history_members(config, result, [energies, extremes]), &
          [spread(energy, 1, size(energies)), extremes%scale, 0.0_dp])
