@@ -69,6 +69,7 @@ module amontons_history
       integer :: states_every = 0 !! likewise for the table of saved states
       character(:), allocatable :: start !! file of such states, of which one is the start; empty or not allocated: rest
       integer :: start_step = 0 !! the step of the state; 0 for the last one
+      character(:), allocatable :: start_origin !! where it was specified, for messages: 'deck.nml:12: '
       real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
       character(:), allocatable :: probe_origin !! where they were specified, for messages: 'deck.nml:12: '
    contains
@@ -329,6 +330,8 @@ contains
       call visitor%whole(key_t('start_step', 'with `start`: the step of the state', default='the last in the file', &
          at_least=1.0_dp), history%start_step, has_start_step)
       call visitor%close_group()
+      if (.not. allocated(history%start_origin)) history%start_origin = ''
+      call visitor%locate('start', history%start_origin)
       history%is_given = has_times
       if (.not. visitor%is_judging()) return
       call visitor%require(visitor%deck%count_groups('sweep') == 0, '', &

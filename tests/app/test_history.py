@@ -284,7 +284,7 @@ class History(HistoryTest):
                  "deck.nml: expected states of a history, as NAME.states.csv has them"),
                 (started.replace("bar.states.csv", "nothing.csv"), "nothing.csv: cannot read this file: No such")):
             run = self.walk(text, status=1)
-            self.assertIn(message, run.stderr)
+            self.assertRegex(run.stderr, f"^deck.nml:[0-9]+: .*{re.escape(message)}")
 
     def test_start_that_is_not_in_equilibrium_with_the_deck_is_refused(self):
         self.walk(BAR + "&output states_every = 1 /\n")

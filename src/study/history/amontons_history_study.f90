@@ -123,6 +123,7 @@ contains
       key = '! Amontons '//version//', a history under way; contact problem '// &
          model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
       call start_history(result, cache, model, start, error)
+      if (allocated(error)) error%message = config%history%start_origin//error%message
       if (allocated(error)) return
       if (allocated(start)) key = key//comma_separated(start)//newline
       call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
