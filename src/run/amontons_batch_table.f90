@@ -16,7 +16,7 @@ module amontons_batch_table
    use amontons_quantity, only: quantity_t, value_of
    use amontons_report, only: member_value
    use amontons_study, only: outcome_t, word_no_equilibrium, word_not_certified, word_not_converged, word_solved
-   use amontons_system, only: absolute_path, make_directory, remove_empty_directories
+   use amontons_system, only: absolute_path, make_directory
    use amontons_text, only: newline, put_text, read_real, replaced, scientific, to_text
    use amontons_version, only: version
    implicit none (type, external)
@@ -105,7 +105,6 @@ contains
       call write_text_file(file, directory//'/batch.csv', header()//text, error)
       if (.not. allocated(error)) call file%commit(error)
       call lock%release()
-      call remove_empty_directories()
    end subroutine update_batch_table
 
    !=batch.csv `deck`, `case` | | name of the deck as it was given, and of its case; the case is empty where the deck

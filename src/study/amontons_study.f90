@@ -12,7 +12,6 @@ module amontons_study
    use amontons_result, only: certificate_limit, result_t, solution_word, status_not_converged, word_no_equilibrium, &
       word_not_certified, word_not_converged, word_numerical_failure, word_solved
    use amontons_solve_case, only: cache_t
-   use amontons_system, only: remove_empty_directories
    use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
    private
@@ -243,7 +242,6 @@ contains
       call outcome%begin(study%config%file, study%config%name)
       call refuse_options(study%config, options, error)
       if (.not. allocated(error)) call study%solve(cache, options, monitor, outcome, error)
-      call remove_empty_directories()
       call conclude(outcome, error)
    end subroutine solve_study
 

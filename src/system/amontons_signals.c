@@ -1,4 +1,4 @@
-/* Signals, and the temporary files and empty directories that none of them leaves behind. */
+/* Signals, and the temporary files that none of them leaves behind. */
 #define _XOPEN_SOURCE 700
 #define _DEFAULT_SOURCE
 
@@ -11,22 +11,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 void amontons_abandon_line(void);
 
-/* A file that is to be removed if a signal ends the process, or a directory that is to be removed if it stays empty.
-   Nodes are used again and never freed, so that a handler can walk over them at any time. */
+/* A file that is to be removed if a signal ends the process. Nodes are used again and never freed, so that a handler
+   can walk over them at any time. */
 typedef struct temporary {
     struct temporary *next;
     atomic_flag is_taken;
-    _Atomic(char *) maker; /* `this_thread` of the one that made the directory; of a file NULL */
     char path[PATH_MAX];
 } temporary_t;
 
 static _Atomic(temporary_t *) temporaries;
-static _Thread_local char this_thread;
 
 /* How many threads are between a hold and its release; `dying` once a handler has begun to remove files. */
 static atomic_int holders;
@@ -52,29 +49,12 @@ void amontons_release_signals(void)
         raise(atomic_load(&pending));
 }
 
-/* Removes the empty ones of the directories that a thread made, or all threads: the inner ones before the outer. */
-static void remove_empty(const char *thread)
-{
-    int is_removed;
-    do {
-        is_removed = 0;
-        for (temporary_t *node = atomic_load(&temporaries); node; node = node->next) {
-            const char *maker = atomic_load(&node->maker);
-            if (maker && (!thread || maker == thread) && node->path[0] && rmdir(node->path) == 0) {
-                node->path[0] = '\0';
-                is_removed = 1;
-            }
-        }
-    } while (is_removed);
-}
-
-/* What a process takes away before it ends: its temporary files and empty directories, its line on the terminal. */
+/* What a process takes away before it ends: its temporary files, its line on the terminal. */
 static void clear_up(void)
 {
     for (temporary_t *file = atomic_load(&temporaries); file; file = file->next)
-        if (!atomic_load(&file->maker) && file->path[0])
+        if (file->path[0])
             unlink(file->path);
-    remove_empty(NULL);
     amontons_abandon_line();
 }
 
@@ -129,40 +109,11 @@ static temporary_t *take_node(void)
     return node;
 }
 
-/* Forgets a file or a directory. */
+/* Forgets a file. */
 static void drop_node(temporary_t *node)
 {
     node->path[0] = '\0';
-    atomic_store(&node->maker, NULL);
     atomic_flag_clear(&node->is_taken);
-}
-
-/* Makes a directory, to be removed if it stays empty. Returns 0 or the system's error number. */
-int amontons_make_last_directory(const char *path)
-{
-    temporary_t *node = take_node();
-    if (!node)
-        return ENOMEM;
-    amontons_hold_signals();
-    int code = mkdir(path, 0777) == 0 ? 0 : errno;
-    if (code == 0) {
-        snprintf(node->path, sizeof node->path, "%s", path);
-        atomic_store(&node->maker, &this_thread);
-    } else
-        drop_node(node);
-    amontons_release_signals();
-    return code;
-}
-
-/* Removes the directories that this thread has made since the last call and that are empty. The others stay. */
-void amontons_remove_empty_directories(void)
-{
-    amontons_hold_signals();
-    remove_empty(&this_thread);
-    for (temporary_t *node = atomic_load(&temporaries); node; node = node->next)
-        if (atomic_load(&node->maker) == &this_thread)
-            drop_node(node);
-    amontons_release_signals();
 }
 
 /* Makes an empty file beside another, under a name that nobody could foresee and that nothing had before: a link laid

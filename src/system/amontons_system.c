@@ -17,8 +17,6 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-int amontons_make_last_directory(const char *path);
-
 /* Makes a directory and its parents. Returns 0 when it exists afterwards, the system's error number otherwise. */
 int amontons_make_directory(const char *path)
 {
@@ -33,13 +31,13 @@ int amontons_make_directory(const char *path)
             continue;
         memcpy(parent, path, i);
         parent[i] = '\0';
-        int code = amontons_make_last_directory(parent);
-        if (code != 0 && code != EEXIST)
-            return code;
+        if (mkdir(parent, 0777) != 0 && errno != EEXIST)
+            return errno;
     }
-    int code = amontons_make_last_directory(path);
-    if (code != EEXIST)
-        return code;
+    if (mkdir(path, 0777) == 0)
+        return 0;
+    if (errno != EEXIST)
+        return errno;
     struct stat status;
     if (stat(path, &status) != 0)
         return errno;

@@ -11,8 +11,7 @@ module amontons_system
 
    public :: absolute_path, action, append_to_file, available_memory_mb, checksum_t, cut_file, error_text, &
       file_checksum, file_name_t, list_directory, make_directory, path_action, peak_memory_mb, remove_directory, &
-      remove_empty_directories, remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, &
-      text_checksum, wall_seconds
+      remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, text_checksum, wall_seconds
 
    !> Name of a file.
    type :: file_name_t
@@ -53,8 +52,6 @@ module amontons_system
    procedure(action), bind(c, name='amontons_return_large_arrays') :: return_large_arrays
    !> Returns freed memory to the system.
    procedure(action), bind(c, name='amontons_return_memory') :: return_memory
-   !> Removes the directories that this thread has made since the last call and that are empty.
-   procedure(action), bind(c, name='amontons_remove_empty_directories') :: remove_empty_directories
 
    ! allow(assumed-size): see above
    interface

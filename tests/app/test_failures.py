@@ -189,25 +189,6 @@ class SystemFailure(ProgramTest):
             self.assertRegex(run.stderr, r"^case\.nml: disk/case\.[a-z.]+: cannot write this file: No space left on ")
 
     @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
-    def test_directories_that_get_no_file_are_removed(self):
-        pressure = "load name = 'p'  set = 'top'  pressure = 1.0"
-        self.write("case.nml", block(SUPPORT, pressure, CONTACT))
-        self.write("sweep.nml", block(SUPPORT, pressure, CONTACT, "sweep load = 'p'  factor = 1.0, 2.0"))
-        self.write("cycle.nml", block(SUPPORT, pressure, CONTACT, "history times = 0.0, 1.0",
-                                      "steps load = 'p'  factor = 0.0, 1.0", "output fields_every = 1"))
-        # Room for directories alone: the root, old, old/new, old/new/results, and that of a history's fields.
-        for decks, n_made in ((["case.nml"], 2), (["case.nml"], 1), (["sweep.nml"], 2), (["cycle.nml"], 3),
-                              (["cycle.nml"], 2), (["case.nml", "sweep.nml", "cycle.nml"], 2)):
-            with self.subTest(decks=decks, n_made=n_made):
-                (self.directory / "disk").mkdir(exist_ok=True)
-                run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
-                    mount -t tmpfs -o nr_inodes={n_made + 2} none disk && mkdir disk/old || exit
-                    "$0" --output disk/old/new/results "$@"; status=$?; find disk; exit $status""",
-                                        PROGRAM, *decks], 3)
-                self.assertIn("No space left on device", run.stderr)
-                self.assertEqual(run.stdout.splitlines()[-2:], ["disk", "disk/old"])
-
-    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
     def test_file_system_that_is_read_only(self):
         (self.directory / "disk").mkdir()
         for output, sentence in (("disk", "case.lst: cannot write this file"),

@@ -85,24 +85,6 @@ class Signals(ProgramTest):
             self.assertTrue(found in (old, new), f"{number}: {sorted(found)}")
             self.assertIn(run.returncode, (0, -number))
 
-    def test_signal_leaves_no_empty_directory(self):
-        choice = random.Random(1752)
-        new = self.solved(1.0, 48)
-        n_removed = 0
-        # Until a signal has met a directory without complete files, however late the signals come.
-        while n_removed == 0:
-            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "new/results", "case.nml"], cwd=self.directory)
-            self.addCleanup(run.kill)
-            while run.poll() is None and not (self.directory / "new/results").exists():
-                time.sleep(0.0002)
-            time.sleep(10.0**choice.uniform(-5.0, -2.3))
-            run.terminate()
-            if run.wait(self.timeout) != 0 and not (self.directory / "new").exists():
-                n_removed += 1
-                continue
-            self.assertTrue(self.found("new/results") == new)
-            shutil.rmtree(self.directory / "new")
-
     def test_signals_that_only_end_a_write_leave_the_program_alone(self):
         # And a child that ended, a window that changed, a stop that goes on again.
         expected = self.solved(1.0, 48)
