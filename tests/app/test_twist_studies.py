@@ -86,6 +86,16 @@ class Twist(ProgramTest):
             self.assertEqual(float(next(csv.DictReader(file))["slip_theta"]), 1e-3)
         self.assertLess(result.summary["key_results"]["max_slip"], 5e-4)
 
+    def test_state_that_touches_without_a_force(self):
+        # A given bound holds the ring against the torque before anything presses it down.
+        self.solve_and_verify(
+            "&mesh size = 3.0, 2.0  cells = 10, 2  origin = 0.5, 0.0  element = 'tri3' /\n"
+            "&material young = 1000.0  poisson = 0.45  hypothesis = 'axisymmetric'  twist = .true. /\n"
+            "&contact set = 'bottom'  gap_slope = 1e-4, 0.0  friction = 0.1  slip_bound = 0.05 /\n"
+            "&rigid name = 'top'  set = 'top'  force = 0.0, -70.0 /\n&load set = 'right'  torque = 0.3 /\n"
+            "&history times = 0.0, 1.0  substeps = 2 /\n&steps load = 'top'  factor = 0.0, 1.0 /\n"
+            "&output states_every = 1 /\n")
+
     def test_effective_deck_keeps_what_one_load_has_along_and_around_the_axis(self):
         # 2.0 on 3 pi, and around the axis 0.1 times 2/3 pi (2^3 - 1^3), or 3.0 in all.
         for keys, torque in (("traction = 0.0, -2.0  traction_theta = 0.1", 1.4*math.pi/3.0),
