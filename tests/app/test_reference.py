@@ -135,18 +135,21 @@ class Reference(ProgramTest):
     def test_words_are_those_of_the_reader(self):
         for key in self.keys:
             faults = self.faults(f"&{key.group} {key.name} = 'zzzzzzzz' /\n&zzzzzzzz /")
-            words = re.search(rf"{key.name}: expected one of (.*), found", faults)
+            # A list of words may end with a hint at another key, in parentheses.
+            words = re.search(rf"{key.name}: expected one of (.*?)(?: \(.*\))?, found", faults)
             self.assertEqual(words[1].split(", ") if words else [], key.words, key.name)
 
     def test_number_and_type_of_values_are_those_of_the_reader(self):
         for key in self.keys:
             if key.is_list:
-                value, fault = ("1", f"{key.name}: expected {key.noun}, found 1") if key.words else (
+                value, fault = ("1", f"{key.name}: expected one of {', '.join(key.words)}, found 1") if key.words else (
                     "'x'", f"{key.name}: expected a {key.noun}, found 'x'")
             else:
                 value, fault = f"{key.n_values + 1}*1", f"{key.name}: expected {key.n_values} {key.noun}" \
                     f"{'s' if key.n_values > 1 else ''}, found {key.n_values + 1}"
-            self.assertIn(fault, self.faults(f"&{key.group} {key.name} = {value} /"))
+            # Hints stand in parentheses.
+            faults = re.sub(r" \([^)]*\), found", ", found", self.faults(f"&{key.group} {key.name} = {value} /"))
+            self.assertIn(fault, faults)
 
     def test_ranges_are_those_of_the_reader(self):
         for key in self.keys:

@@ -66,7 +66,7 @@ class Left(Rerun):
         self.solve_into_results(sweep(1))
         before = self.found()
         self.solve_into_results(SINGLE.replace("friction = 0.3", "friction = -0.3"), status=1)
-        self.solve_into_results(block(SUPPORT), status=2)
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1.0, 1e12  cells = 8, 4"), status=2)
         self.assertEqual(self.found(), before)
         self.assertEqual(self.verify(), "case_0: verified\n")
 
