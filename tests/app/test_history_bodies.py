@@ -213,7 +213,8 @@ class Bodies(HistoryTest):
         self.walk(UNLOADED[0])
         # Rounding may leave some 1e-16 of the forces before, 1134 in all.
         self.assertLess(max(abs(float(row["normal_force"])) for row in self.table("body.contact.csv")), 1e-15*1134.0)
-        self.assertLess(abs(self.summary("body")["load_history"]["strain_energy"]), 1e-20)
+        # The same of the energies, 5.04 before, where the bodies have moved: with the kernels of some processors.
+        self.assertLess(abs(self.summary("body")["load_history"]["strain_energy"]), 1e-15*5.04)
 
 
 if __name__ == "__main__":
