@@ -686,6 +686,8 @@ contains
    subroutine check_held(body, error)
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
+      ! Of displacements in a motion that moves the body by about 1: a slender body moves its end by little as it turns.
+      real(dp), parameter :: rounding = 1.0e-13_dp
       logical :: may_touch(body%mesh%n_nodes)
       real(dp), allocatable :: travel(:, :), amounts(:, :)
       integer :: i
@@ -706,9 +708,13 @@ contains
             largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
       else
          ! The contact points may be at rest while nodes of their sets move: cells have means.
-         call find_travel(travel, amounts, contact_motions(body))
-         if (size(amounts, 2) > 0) call new_error(error, no_equilibrium, largest_motion(body%motions, &
-            matmul(body%common_motions, amounts(:, 1)))//': nothing holds it; add a support or a contact set')
+         associate (at_nodes => contact_motions(body))
+            call find_travel(travel, amounts, at_nodes)
+            if (size(amounts, 2) == 0) return
+            if (maxval(abs(matmul(at_nodes, amounts(:, 1)))) <= rounding) call new_error(error, no_equilibrium, &
+               largest_motion(body%motions, matmul(body%common_motions, amounts(:, 1)))// &
+               ': nothing holds it; add a support or a contact set')
+         end associate
       end if
    end subroutine check_held
 
