@@ -37,8 +37,9 @@ END_PROCEDURE = re.compile(r"end\s*(subroutine|function|procedure)\b")
 STOP_OR_PRINT = re.compile(
     r"(?:^(?:\d+\s+)?|\)\s*)(?:(?:error\s*)?stop\b(?!\s*[=(%])|print\b\s*[*'\"(\w]|call\s+(?:exit|abort)\b)"
     r"|\bwrite\s*\(\s*(?:[^()]*\bunit\s*=\s*)?(?:\*|[06]\s*[,)]|output_unit|error_unit)")
-# gfortran 14 checks the bounds of a(:, findloc(...)) before findloc has run.
-SEARCH_IN_SECTION = re.compile(r"\([^()]*:[^()]*,\s*(?:find|min|max)loc\s*\(", re.IGNORECASE)
+# gfortran 14 checks the bounds of a(:, findloc(...)) before findloc has run, and those of x => a(:, size(...)) likewise.
+SEARCH_IN_SECTION = re.compile(
+    r"\([^()]*:[^()]*,\s*(?:find|min|max)loc\s*\(|=>\s*\w+\([^()]*:[^()]*,\s*size\s*\(", re.IGNORECASE)
 USE = re.compile(r"(?:use\b[^:]*(?:::)?\s*\w+\s*,\s*only\s*:|import\s*::)(?P<names>.*)")
 # A component, a binding or the name of an argument in a call: not what an import or a procedure of that name is.
 OTHER_NAME = re.compile(r"%\s*\w+|(?<=[(,])\s*\w+\s*=(?![=>])")
@@ -267,7 +268,7 @@ def faults_of_file(path, root=ROOT):
     yield from length_faults(statements)
     for s in statements:
         if SEARCH_IN_SECTION.search(s.code):
-            yield s.first, "the result of findloc, minloc, maxloc beside a section: give it a name first"
+            yield s.first, "the result of findloc, minloc, maxloc, size beside a section: give it a name first"
     if relative.parts[0] == "src":
         yield from comment_faults(statements)
         yield from import_faults(statements, lines)

@@ -68,8 +68,9 @@ class Sources(CheckerTest):
                                  "value = 1 + &\n   2; stop", "text = 'it goes on &\n   &here'; stop")
 
     def test_search_beside_a_section_is_found(self):
-        for body in ("x = a(:, findloc(b, .true., 1))", "x = a(1:2, &\n   minloc(b, 1))"):
-            fault = "the result of findloc, minloc, maxloc beside a section: give it a name first"
+        for body in ("x = a(:, findloc(b, .true., 1))", "x = a(1:2, &\n   minloc(b, 1))",
+                     "associate (x => a(:, size(a, 2)))"):
+            fault = "the result of findloc, minloc, maxloc, size beside a section: give it a name first"
             self.assert_refused(body, (14, fault), body=body)
         self.assert_refused("named first", body="i = findloc(b, .true., 1); x = a(:, i); y = f(a(:), maxval(b))")
 

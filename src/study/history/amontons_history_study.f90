@@ -853,10 +853,12 @@ contains
       type(history_t), intent(in) :: history !! the history
       real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
       type(quantity_t), allocatable :: list(:)
+      integer :: n
 
+      n = size(cycles, 2)
       allocate (list(0))
-      if (size(cycles, 2) == 0) return
-      associate (last => cycles(:, size(cycles, 2)))
+      if (n == 0) return
+      associate (last => cycles(:, n))
          list = [quantity_t('cycle_dissipation', 'Dissipation of cycle', last(7), dimension='F L')]
          if (history%has_fretting) list = [list, &
             quantity_t('max_ruiz_1', 'Ruiz 1', last(n_plain_numbers + 1), dimension='F/L'), &
