@@ -7,6 +7,7 @@ import argparse
 import importlib
 import logging
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,7 +26,7 @@ class Parser(argparse.ArgumentParser):
 def run(word: str, arguments: Sequence[str]) -> NoReturn:
     """Runs a module of the package as a command."""
     # Where the home folder cannot be written to, Matplotlib takes a temporary one, and says so at length.
-    logging.getLogger("matplotlib").addFilter(lambda record: "a temporary c" not in record.msg)
+    logging.getLogger("matplotlib").addFilter(lambda record: not re.search("a temporary c|mkdir -p failed", record.msg))
     try:
         module = importlib.import_module(f"amontons.{word}")
     except ModuleNotFoundError as error:
