@@ -70,7 +70,7 @@ module amontons_error
 
 contains
 
-   !> Makes an error from its exit status and its message.
+   !> Makes an error from its kind and its message.
    pure subroutine new_error(error, kind, message)
       type(error_t), allocatable, intent(out) :: error !! the error, allocated on return
       integer, intent(in) :: kind !! `input_refused`, `numerical_failure`, `no_equilibrium` or `system_failure`

@@ -374,8 +374,9 @@ contains
          do i = 0, zone%n_tangents
             scale = max(scale, maxval(abs(force(i*m + 1:i*m + m))/area)*extent)
          end do
-         list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(slip, m), 0.0_dp, &
-            status /= open_point .and. .not. zone%is_shear_fixed), zone%position, scale, 'L')
+         ! What supports prescribe counts as no slip.
+         list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(merge(0.0_dp, slip, zone%is_slip_fixed), m), &
+            0.0_dp, status /= open_point .and. .not. zone%is_shear_fixed), zone%position, scale, 'L')
       end associate
    end function contact_peaks
 

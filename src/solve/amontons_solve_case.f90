@@ -354,7 +354,6 @@ contains
          ! The slip since rest, as `contact_columns` has it.
          slip = solution%displacement(m + 1:)
          if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
-         where (body%zone%is_slip_fixed) slip = 0.0_dp
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck)]

@@ -317,8 +317,10 @@ contains
       slip = merge(0.0_dp, at_points(m + 1:) - load_case%anchor, body%zone%is_slip_fixed)
       ! Loads on the contact points themselves strain nothing: what is left then is rounding. They would press other
       ! points about so far into the stiffest part of the body.
-      certificate%length_scale = max(maxval(abs(displacement)), certificate%force_scale &
-         /maxval(body%zone%area/body%zone%weight)/maxval(body%materials%list%young(1)))
+      associate (list => body%materials%list)
+         certificate%length_scale = max(maxval(abs(displacement)), certificate%force_scale &
+            /maxval(body%zone%area/body%zone%weight)/maxval([list%young(1), list%young(2), list%young(3)]))
+      end associate
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, certificate%length_scale)

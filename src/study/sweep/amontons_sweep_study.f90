@@ -47,7 +47,7 @@ module amontons_sweep_study
    public :: n_documents, new_sweep_summary, sweep_documents, sweep_result_t, sweep_study_t
 
    !> What the summary and the screen say of a sweep without any equilibrium.
-   character(*), parameter :: no_equilibrium = &
+   character(*), parameter :: nothing_balances = &
       'no case has an equilibrium: contact and friction cannot balance the loads of any'
 
    !> The result of a sweep. Its rows and its fields are in files.
@@ -421,7 +421,7 @@ contains
          if (text == word_solved) text = solution_word(.true., certificate%largest() <= limit)
          call add_head(summary, config, config%method%method, text, certified%warnings)
          if (statistics%outcome() == word_no_equilibrium) call summary%add(member('message', &
-            json_string(no_equilibrium)))
+            json_string(nothing_balances)))
          call summary%add(member('iterations', to_text(statistics%n_iterations)))
          ! Counts of the cases, and how fast they were solved.
          text = '"cases": '//to_text(statistics%n_cases)
@@ -533,7 +533,7 @@ contains
             call outcome%lack(word_not_converged, to_text(n(outcome_not_converged))//' of '// &
                to_text(statistics%n_cases)//' cases of the sweep did not converge')
          else if (statistics%outcome() == word_no_equilibrium) then
-            call outcome%lack(word_no_equilibrium, no_equilibrium)
+            call outcome%lack(word_no_equilibrium, nothing_balances)
          else
             call outcome%judge(.true., statistics%residual, result%certified%certificate%largest(), &
                self%config%method%tolerance)
