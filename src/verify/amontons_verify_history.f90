@@ -115,7 +115,7 @@ contains
          if (case%faults%n == n_faults) call repeat_steps(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
-         call new_step_result(step, cache, again%model, stepping, again%result%reached, error)
+         call new_step_result(step, cache, again%model, stepping, error)
          ! not raised: the numbers of the step were finite
          if (allocated(error)) return
          call again%result%record_certificate(step%certificate%largest())
@@ -208,7 +208,7 @@ contains
             ! The run certified this step, like those with grids.
             if (result%last_warned(end_of_set) == number .and. &
                .not. is_shown(number, again%model%history%fields_every)) then
-               call new_step_result(step, cache, again%model, result%stepping, result%reached, error)
+               call new_step_result(step, cache, again%model, result%stepping, error)
                ! not raised: the numbers of the step were finite
                if (allocated(error)) return
                call again%result%record_certificate(step%certificate%largest())
@@ -345,15 +345,17 @@ contains
          ! What touches without a force may be open.
          states_agree = (is_hovering .or. (all(found%solution%status == computed%solution%status) .and. &
             first_disagreement(found%solution%displacement, computed%solution%displacement, length) == 0)) .and. &
-            first_disagreement(found%solution%force, computed%solution%force, force) == 0 .and. &
+            first_disagreement([found%solution%force, found%carried_force], &
+            [computed%solution%force, computed%carried_force], force) == 0 .and. &
             first_disagreement(found%instant%anchor, computed%instant%anchor, length) == 0 .and. &
             first_disagreement(found%accumulated_slip, computed%accumulated_slip, length) == 0 .and. &
             first_disagreement(found%dissipation, computed%dissipation, energy) == 0 .and. &
             first_disagreement(found%worn, computed%worn, force*length) == 0 .and. &
             first_disagreement([found%wear_depth, found%instant%added_gap], [computed%wear_depth, &
             computed%instant%added_gap], maxval(again%model%wear)*force*length) == 0 .and. &
-            first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy], &
-            [computed%load_work, computed%support_work, computed%obstacle_work, computed%strain_energy], energy) == 0
+            first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy, &
+            found%carried_energy], [computed%load_work, computed%support_work, computed%obstacle_work, &
+            computed%strain_energy, computed%carried_energy], energy) == 0
       end associate
    end function states_agree
 
@@ -399,7 +401,7 @@ contains
 
       if (.not. is_shown(again%result%stepping%n_steps, again%model%history%fields_every)) return
       step%wants_error_estimate = case%config%accuracy%wants_estimate()
-      call new_step_result(step, cache, again%model, again%result%stepping, again%result%reached, error)
+      call new_step_result(step, cache, again%model, again%result%stepping, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return
       call again%result%record_certificate(step%certificate%largest())

@@ -208,6 +208,21 @@ class Bodies(HistoryTest):
                 self.walk(deck)
                 self.assertEqual(self.run_program("--verify", "out").stdout, "body: verified\n")
 
+    def test_a_state_knows_what_was_carried_before(self):
+        for number, deck in enumerate(UNLOADED):
+            self.walk(deck.replace("fields_every", "states_every"))
+            shutil.copy(self.results / "body.states.csv", self.directory)
+            rows, states = self.text("body.history.csv").splitlines(), self.text("body.states.csv").splitlines()
+            for step in range(1, len(rows) - 1):
+                with self.subTest(number, step=step):
+                    self.walk(deck.replace("&history", f"&history start = 'body.states.csv'  start_step = {step} ")
+                              .replace("fields_every", "states_every"))
+                    self.assertEqual(self.run_program("--verify", "out").stdout, "body: verified\n")
+                    self.assertEqual(self.text("body.history.csv").splitlines(), [rows[0], *rows[step + 1:]])
+                    self.assertEqual(self.text("body.states.csv").splitlines(), [states[0], *states[step + 1:]])
+                    # Of energies that are rounding nothing is missing, not only less than 1e-8 of them.
+                    self.assertLess(self.summary("body")["load_history"]["energy_identities"], 1e-10)
+
     def test_unloaded_body_has_no_forces_and_no_strain(self):
         # Nothing is left of the solution with loads but where it has moved the bodies to.
         self.walk(UNLOADED[0])

@@ -158,7 +158,8 @@ contains
                call tables(i)%add('status', number_alone)
             case (of_states)
                call tables(i)%add('step,steps_given_up,iterations,length,noted,'//history%name// &
-                  ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
+                  ',work_loads,work_supports,work_obstacles,carried_force,carried_energy,residual,iterations_step', &
+                  number_alone)
                do k = 1, size(body%lockable)
                   call tables(i)%add('lock_'//to_text(k), number_alone)
                end do

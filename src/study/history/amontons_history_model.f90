@@ -85,7 +85,7 @@ module amontons_history_model
    end type instant_t
 
    !> Number of numbers of a saved state in addition to those of its contact points and locks.
-   integer, parameter :: n_single = 6
+   integer, parameter :: n_single = 8
    !> Numbers of each contact point in a saved state: those without direction, and those along normal and tangents.
    integer, parameter :: n_scalars = 6, n_normals = 2, n_tangentials = 3
 
@@ -104,6 +104,8 @@ module amontons_history_model
       real(dp), allocatable :: named(:) !! forces by name, in the order of `named_quantities` [F]
       real(dp), allocatable :: lock(:) !! where each motion that can be locked was locked; huge before that [L]
       real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
+      real(dp) :: carried_force = 0.0_dp !! largest sum of the normal forces in all steps [F]
+      real(dp) :: carried_energy = 0.0_dp !! largest strain energy in all steps [F L]
       real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
       real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
       real(dp) :: obstacle_work = 0.0_dp !! work of the moving obstacles in all steps [F L]
@@ -491,6 +493,8 @@ contains
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
       after%accumulated_slip = before%accumulated_slip + tangential_norm(after%slip, m)
       call complete(after, model, problem)
+      after%carried_force = max(before%carried_force, sum(after%solution%force(:m)))
+      after%carried_energy = max(before%carried_energy, after%strain_energy)
       call add_works(after, model, problem, before)
    end subroutine take_step
 
@@ -539,6 +543,8 @@ contains
       call archive%pass(state%load_work)
       call archive%pass(state%support_work)
       call archive%pass(state%obstacle_work)
+      call archive%pass(state%carried_force)
+      call archive%pass(state%carried_energy)
       call archive%pass(state%solution%residual)
       call archive%pass(state%solution%n_iterations)
       call archive%pass(state%lock)
@@ -609,7 +615,7 @@ contains
       type(step_state_t), intent(in) :: before !! the state before it
       ! Rounding error of energies that cancel each other, over these. For a body that moves as a whole they are the
       ! energies of single nodes with this displacement: the elements of a slender body are far stiffer than its contact
-      ! points.
+      ! points. It is the share of the forces before that unloading leaves, too, and of energies its square.
       real(dp), parameter :: rounding_share = 1.0e-5_dp
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
@@ -655,8 +661,8 @@ contains
          before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
          - before%solution%displacement(:m))
       ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
-      energies = max(rounding*maxval([problem%matrix%augmentation, 0.0_dp])*max(0.0_dp, &
-         maxval(abs(after%solution%displacement)), problem%prescribed)**2, after%step_dissipation, &
+      energies = max(rounding*max(after%carried_energy, maxval([problem%matrix%augmentation, 0.0_dp])*max( &
+         0.0_dp, maxval(abs(after%solution%displacement)), problem%prescribed)**2), after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
       ! Checks the two identities that hold exactly for a step in equilibrium at both ends. The normal displacements of
@@ -667,10 +673,11 @@ contains
       own_energy = model%energies%strain_energy(problem, change, v_change)
       end_work = model%energies%load_work(after%instant%factor, change, v_change) &
          + dot_product(after%reaction, change)
-      size_of_terms = max(after%strain_energy, before%strain_energy, abs(load_work + support_work), abs(end_work), &
-         dot_product(abs(after%solution%force), abs(whole_change)), rounding_share*model%energies%stiffness &
-         *max(sum(after%solution%displacement**2), sum(before%solution%displacement**2), problem%prescribed**2), &
-         rounding_share*norm2(after%solution%force)*sqrt(max(0.0_dp, after%strain_energy)/model%energies%stiffness))
+      size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
+         abs(load_work + support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
+         rounding_share*model%energies%stiffness*max(sum(after%solution%displacement**2), &
+         sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force) &
+         *sqrt(max(0.0_dp, after%strain_energy)/model%energies%stiffness))
       if (.not. size_of_terms > 0.0_dp) return
       after%imbalance = max(abs(load_work + support_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms

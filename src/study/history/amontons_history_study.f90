@@ -172,7 +172,7 @@ contains
       call read_start(numbers, model%history, error)
       if (allocated(error)) return
       call result%stepping%restore(model, cache%body, cache%problem, numbers, error)
-      if (.not. allocated(error)) call new_step_result(step, cache, model, result%stepping, result%reached, error)
+      if (.not. allocated(error)) call new_step_result(step, cache, model, result%stepping, error)
       if (.not. allocated(error)) then
          associate (certificate => step%certificate)
             violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
@@ -441,7 +441,7 @@ contains
       has_grids = is_shown(result%stepping%n_steps, model%history%fields_every)
       if (.not. (has_grids .or. result%last_warned(end_of_set) == result%stepping%n_steps)) return
       step%wants_error_estimate = result%last%wants_error_estimate
-      call new_step_result(step, cache, model, result%stepping, result%reached, error)
+      call new_step_result(step, cache, model, result%stepping, error)
       if (allocated(error)) return
       call result%record_certificate(step%certificate%largest())
       if (has_grids) call files%add_fields(cache%body, result%stepping%n_steps, &
@@ -449,16 +449,15 @@ contains
    end subroutine certify_step
 
    !> Makes the result of a step: displacements of all nodes, and their certificate.
-   subroutine new_step_result(step, cache, model, stepping, reached, error)
+   subroutine new_step_result(step, cache, model, stepping, error)
       type(result_t), intent(inout) :: step !! gains load case, solution, displacements and certificate
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
-      real(dp), intent(in) :: reached(:, :) !! the times of the deck that were reached, of `history_result_t`
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
 
       call model%solver%loads%load_case(cache%body, stepping%state%instant, step%load_case)
-      step%load_case%carried_force = maxval([0.0_dp, reached(5, :)])
+      step%load_case%carried_force = stepping%state%carried_force
       step%solution = stepping%state%solution
       step%slip_record = stepping%point_record(cache%body)
       call certify(step, cache%body, error)
@@ -484,7 +483,7 @@ contains
       end if
       call result%last%timings%begin(phase_recover)
       associate (state => result%stepping%state)
-         call new_step_result(result%last, cache, model, result%stepping, result%reached, error)
+         call new_step_result(result%last, cache, model, result%stepping, error)
          if (allocated(error)) return
          call result%record_certificate(result%last%certificate%largest())
          call model%solver%loads%pose(cache%body, state%instant, cache%problem)
