@@ -4,28 +4,31 @@ program main
    use, intrinsic :: iso_c_binding, only: c_int
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank
-   use amontons_error, only: error_t, system_failure
+   use amontons_error, only: error_t
    use amontons_messages, only: help_text, print_error, print_reference, version_text
    use amontons_run_decks, only: run_decks, verify_directories
    use amontons_sweep_ranks, only: serve
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
-   use amontons_threads, only: has_blas_room, n_threads, set_threads
+   use amontons_threads, only: n_threads, set_threads
    implicit none (type, external)
 
-   abstract interface
-      !> Ends the process.
-      subroutine exit_with(status) bind(c)
+   interface
+      !> Ends the process without output: `stop` with a status would print it.
+      subroutine c_exit(status) bind(c, name='exit')
          import :: c_int
          implicit none (type, external)
          integer(c_int), value :: status !! exit status
-      end subroutine exit_with
+      end subroutine c_exit
+
+      !> Ends the process with a sentence where the BLAS has no room on some threads.
+      subroutine require_blas_room(n_threads) bind(c, name='amontons_require_blas_room')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: n_threads !! number of threads, at least 1
+      end subroutine require_blas_room
    end interface
 
-   !> Ends the process without output: `stop` with a status would print it.
-   procedure(exit_with), bind(c, name='exit') :: c_exit
-   !> Ends the process without running the exit handlers of its libraries.
-   procedure(exit_with), bind(c, name='quick_exit') :: c_quick_exit
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
    integer :: length, status
@@ -37,11 +40,7 @@ program main
    ! A rank among several has one thread, if nothing else is said; else 0 is what OMP_NUM_THREADS says, or all cores.
    call get_environment_variable('OMP_NUM_THREADS', length=length)
    if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
-   if (.not. has_blas_room()) then
-      ! Threads that OpenBLAS began when it was loaded ask for their memory for ever: nothing may wait for them to end.
-      call print_error('amontons: not enough memory: the BLAS needs 128 MiB of addresses for each thread')
-      call c_quick_exit(int(system_failure, c_int))
-   end if
+   call require_blas_room(1_c_int)
    call set_threads(command_line%n_threads)
    if (rank == 0) then
       status = 0

@@ -38,8 +38,8 @@ void amontons_end_blas_threads(void)
         blas_thread_shutdown_();
 }
 
-/* Bytes of addresses that OpenBLAS takes for the work array of a thread. */
-static const size_t buffer_size = (size_t)129 << 20;
+/* Bytes of addresses that OpenBLAS takes for the work array of a thread, and the system for its stack. */
+static const size_t buffer_size = (size_t)129 << 20, stack_size = (size_t)8 << 20;
 
 /* Returns whether OpenBLAS's work arrays may lack addresses: a limit is set (ulimit -v). */
 static bool is_limited(void)
@@ -59,10 +59,11 @@ static bool has_room(size_t size)
     return true;
 }
 
-/* Returns whether the BLAS can work at all: where OpenBLAS has no room for a work array it asks for it for ever. */
-bool amontons_has_blas_room(void)
+/* Returns whether the BLAS can work on some threads, of which it begins all but one: where OpenBLAS has no room for a
+   work array it asks for it for ever. */
+bool amontons_has_blas_room(int n_threads)
 {
-    return !is_limited() || has_room(buffer_size);
+    return !is_limited() || has_room((size_t)n_threads * (buffer_size + stack_size) - stack_size);
 }
 
 /* Makes OpenBLAS take a work array for each of some threads, which it keeps for good, and returns for how many there

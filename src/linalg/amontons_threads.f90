@@ -1,13 +1,13 @@
 !> The number of threads of the program's own loops, which is limited to one inside foreign libraries; and the BLAS in
 !> use.
 module amontons_threads
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_int, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
       omp_set_max_active_levels, omp_set_num_threads, openmp_version
    implicit none (type, external)
    private
 
-   public :: blas_text, has_blas_room, limit_nested_threads, n_threads, openmp_date, restore_nested_threads, &
+   public :: blas_text, limit_nested_threads, n_threads, openmp_date, restore_nested_threads, &
       set_threads, thread_state_t, use_blas_threads
 
    !> Year and month of the OpenMP standard that the compiler follows.
@@ -40,13 +40,6 @@ module amontons_threads
          implicit none (type, external)
          integer(c_int), value, intent(in) :: n !! number of threads, at least 1
       end subroutine use_blas_threads
-
-      !> Whether a limit on the address space leaves enough for the memory that the BLAS needs on one thread.
-      function has_blas_room() bind(c, name='amontons_has_blas_room') result(has_room)
-         import :: c_bool
-         implicit none (type, external)
-         logical(c_bool) :: has_room
-      end function has_blas_room
 
       !> Makes the BLAS allocate the memory that it needs on each thread; returns the number of threads for which there
       !> is enough.

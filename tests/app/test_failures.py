@@ -75,7 +75,7 @@ class LittleMemory(ProgramTest):
                 (("history times = 0.0, 1.0", "steps load = 'push'  factor = 1.0, 1.1"), r"step 1 \(to 0\.0\): ",
                  "; the history ends at step 0")):
             with self.subTest(study):
-                run = self.run_limited(300000, 1, *study)
+                run = self.run_limited(400000, 1, *study)
                 self.assertRegex(run.stderr, rf"^strip\.nml: {before}{told}{behind}\n$")
                 self.assertEqual(list(self.directory.glob("out/*")), [])
 
@@ -83,7 +83,7 @@ class LittleMemory(ProgramTest):
         # A strip on the band matrix of its contact points: its own arrays are as large as its factor.
         self.write("strip.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 300.0, 1.0  cells = 3000, 2"))
         ended = []
-        for limit in range(150000, 350000, 1000):
+        for limit in range(150000, 500000, 1000):
             run = self.run_command(["bash", "-c", f'ulimit -v {limit}; OMP_NUM_THREADS=1 exec "$@"', "bash", PROGRAM,
                                     "--quiet", "--output", "out", "strip.nml"], None)
             ended.append(run.returncode)
@@ -95,11 +95,19 @@ class LittleMemory(ProgramTest):
 
     @unittest.skipUnless(HAS_OPENBLAS, "another BLAS takes no such memory")
     def test_threads_of_the_blas(self):
+        needed = "amontons: not enough memory: the BLAS needs 128 MiB of addresses for each thread\n"
         for n_threads in (1, 2, 8):
             run = self.run_limited(100000, n_threads)
-            self.assertEqual(run.stderr, "amontons: not enough memory: the BLAS needs 128 MiB of addresses for each "
-                             "thread\n")
+            self.assertEqual(run.stderr, needed)
             self.assertEqual(self.files(), ["strip.nml"])
+            # Whether OpenBLAS takes its memory when it is loaded or later, it never waits for room that is not there.
+            for limit in range(110000, 2000000, 10000):
+                run = self.run_command(["bash", "-c", f'ulimit -v {limit}; OMP_NUM_THREADS={n_threads} exec "$@"',
+                                        "bash", PROGRAM, "--version"], None)
+                self.assertIn((run.returncode, run.stderr), {(0, ""), (3, needed)}, limit)
+                if run.returncode == 0:
+                    break
+            self.assertEqual(run.returncode, 0)
 
 
 class SystemFailure(ProgramTest):
