@@ -31,7 +31,7 @@ MAY_USE = {
               "cholesky", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
     "output": ["solve", *CONTACT, "elasticity", "mesh", "system"],
-    "study": ["solve", "input", "contact/model", "contact/problem"],
+    "study": ["output", "solve", "input", "contact/model", "contact/problem"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],
     "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "elasticity",

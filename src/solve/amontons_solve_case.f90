@@ -8,7 +8,7 @@ module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: around_axis, sum_uncanceled_terms
    use amontons_auto, only: auto_t
-   use amontons_body, only: body_t, check_held, condense_body, new_body
+   use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_certificate, only: new_certificate
    use amontons_condensation, only: condensation_options_t
@@ -42,7 +42,7 @@ module amontons_solve_case
    private
 
    public :: cache_t, certify, condense_case, describe_factor, evaluate, prepare_case, prepare_single_case, &
-      solve_body, solve_case
+      solve_body, solve_case, take_no_equilibrium
 
    !> The contact state at the end of a case, from which the next case of the same body starts.
    type :: state_t
@@ -121,22 +121,29 @@ contains
    end subroutine make_body
 
    !> Makes body and load case of a single case, and checks before the factorization whether its loads have an
-   !> equilibrium, and whether anything holds it.
+   !> equilibrium.
    subroutine prepare_single_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the present body, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
-      type(result_t), intent(out) :: result !! gains the load case, the warnings, and that there is no equilibrium
-      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are invalid
-      type(error_t), allocatable :: lack
+      type(result_t), intent(out) :: result !! gains the load case and the warnings
+      type(error_t), allocatable, intent(out) :: error
+         !! mesh, sets, supports, contacts or loads are invalid, or there is no equilibrium
 
       call prepare_case(cache, config, result, error)
-      if (allocated(error)) return
-      call check_balance(cache%body, result%load_case, lack)
-      if (.not. allocated(lack)) call check_held(cache%body, lack)
-      if (.not. allocated(lack)) return
-      result%outcome = outcome_no_equilibrium
-      result%answer = lack%message
+      if (.not. allocated(error)) call check_balance(cache%body, result%load_case, error)
    end subroutine prepare_single_case
+
+   !> Makes an error that means no equilibrium the outcome of a case: it is an answer and has files.
+   pure subroutine take_no_equilibrium(result, error)
+      type(result_t), intent(inout) :: result !! gains outcome and answer
+      type(error_t), allocatable, intent(inout) :: error !! the error, if there is one; removed if it is an answer
+
+      if (.not. allocated(error)) return
+      if (error%kind /= no_equilibrium) return
+      result%outcome = outcome_no_equilibrium
+      result%answer = error%message
+      deallocate (error)
+   end subroutine take_no_equilibrium
 
    !> Solves a single case. A missing equilibrium is its outcome, not an error.
    subroutine solve_case(cache, config, result, error)
@@ -146,9 +153,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the deck is invalid, or the computation failed numerically
 
       call prepare_single_case(cache, config, result, error)
-      if (allocated(error) .or. result%outcome == outcome_no_equilibrium) return
-      call condense_case(cache, config, result, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call condense_case(cache, config, result, error)
+      call take_no_equilibrium(result, error)
+      if (allocated(error) .or. allocated(result%answer)) return
       ! Starts from where the last case of the same body ended, on a coarser mesh where this one is refined, or from
       ! rest.
       if (cache%is_refining .and. allocated(cache%state)) then

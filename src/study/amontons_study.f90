@@ -3,22 +3,23 @@
 !>
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
-   use amontons_body, only: estimate_body, estimate_t
+   use amontons_body, only: body_t, estimate_body, estimate_t
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure, warning_list_t
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: certificate_limit, result_t, solution_word, status_not_converged, word_no_equilibrium, &
-      word_not_certified, word_not_converged, word_numerical_failure, word_solved
+   use amontons_report, only: study_files_t, write_report
+   use amontons_result, only: certificate_limit, outcome_word, result_t, solution_word, status_not_converged, &
+      word_no_equilibrium, word_not_certified, word_not_converged, word_numerical_failure, word_solved
    use amontons_solve_case, only: cache_t
    use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
    private
 
-   public :: check_study, find_exit_status, method_numbers, outcome_t, report_size, solution_line, solve_study, &
-      study_monitor_t, study_options_t, study_t, word_no_equilibrium, word_not_certified, word_not_converged, &
-      word_solved
+   public :: check_study, find_exit_status, method_numbers, outcome_t, report_answer, report_size, solution_line, &
+      solve_study, study_monitor_t, study_options_t, study_t, word_no_equilibrium, word_not_certified, &
+      word_not_converged, word_solved
 
    !> Exit status of an interrupted study; the same command continues it.
    integer, parameter, public :: status_interrupted = 5
@@ -244,6 +245,21 @@ contains
       if (.not. allocated(error)) call study%solve(cache, options, monitor, outcome, error)
       call conclude(outcome, error)
    end subroutine solve_study
+
+   !> Writes the files of a case without a solution, or of a study without a first one, and sets its outcome.
+   subroutine report_answer(directory, config, body, result, outcome, error, study)
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! its body
+      type(result_t), intent(inout) :: result !! the load case, and why there is no solution
+      type(outcome_t), intent(inout) :: outcome !! gains status, what is lacking, and the warnings
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(study_files_t), intent(in), optional :: study !! the files of a study of several steps
+
+      call outcome%lack(outcome_word(result), result%answer)
+      outcome%warnings = result%warnings
+      call write_report(directory, config, body, result, error, study)
+   end subroutine report_answer
 
    !> Reports the size of the problem for a body that is ready to be condensed.
    subroutine report_size(config, cases, cache, result, outcome, error)

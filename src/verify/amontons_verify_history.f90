@@ -23,7 +23,7 @@ module amontons_verify_history
    use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: end_of_set
-   use amontons_solve_case, only: cache_t
+   use amontons_solve_case, only: cache_t, take_no_equilibrium
    use amontons_text, only: newline, read_reals, to_text
    use amontons_time_stepping, only: new_time_stepping, time_stepping_t
    use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, &
@@ -71,16 +71,20 @@ contains
       if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       call prepare_history(cache, solved, again%model, again%result%last, error)
       if (.not. allocated(error)) call start_history(again%result, cache, again%model, start, error)
+      call take_no_equilibrium(again%result%last, error)
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
          return
       end if
       associate (stepping => again%result%stepping, last => again%result%last)
-         if (len(case%value('', 'message')) > 0) then
+         if (len(case%value('', 'message')) > 0 .and. .not. allocated(last%answer)) then
             call stepping%advance(again%model, cache%body, cache%problem)
             last%is_complete = len(stepping%fault) == 0
             last%outcome = stepping%outcome
-            call verify_answer(case, cache%body, last, stepping%fault)
+            last%answer = stepping%fault
+         end if
+         if (allocated(last%answer)) then
+            call verify_answer(case, cache%body, last)
             return
          end if
          n_faults = case%faults%n

@@ -20,14 +20,14 @@ module amontons_verify_sweep
    use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
-   use amontons_solve_case, only: cache_t, condense_case, evaluate
+   use amontons_solve_case, only: cache_t, condense_case, evaluate, take_no_equilibrium
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
       find_stored_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
    use amontons_sweep_study, only: n_documents, new_sweep_summary, sweep_documents, sweep_result_t
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_verify_case, only: check_grids, check_law, restore_displacement
+   use amontons_verify_case, only: check_grids, check_law, restore_displacement, verify_answer
    use amontons_vtu, only: n_line_points
    implicit none (type, external)
    private
@@ -72,8 +72,12 @@ contains
             call condense_task(again%task, cache%body, cache%problem)
             call again%task%solver%method%prepare(cache%problem, error)
          end if
+         call take_no_equilibrium(certified, error)
          if (allocated(error)) then
             call case%fault('.deck.nml', error%message)
+            return
+         else if (allocated(certified%answer)) then
+            call verify_answer(case, cache%body, certified)
             return
          end if
          certified%condition = case%number('', 'condition')

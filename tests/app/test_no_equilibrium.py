@@ -37,8 +37,15 @@ class NoEquilibrium(ProgramTest):
         self.run_program("--check", "free.nml", status=2 if is_seen_before else 0)
 
     def test_body_that_nothing_holds(self):
-        self.assert_no_equilibrium(block(SUPPORT), "the body is free to translate along (0.0, -1.0): nothing holds it; "
-                                   "add a support or a contact set\n")
+        # Of a case, a sweep and a history the same listing.
+        listings = set()
+        for study in ("", "&sweep load = 'push'  factor = 1.0, 2.0 /\n",
+                      "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n"):
+            self.assert_no_equilibrium(block(SUPPORT, "load name = 'push'  set = 'right'  traction = 1.0, 0.0") + study,
+                                       "the body is free to translate along (0.0, -1.0): nothing holds it; "
+                                       "add a support or a contact set\n")
+            listings.add(self.contents("results")["free.lst"])
+        self.assertEqual(len(listings), 1)
 
     def test_body_lifted_from_the_floor(self):
         self.assert_no_equilibrium(LIFTED, NO_EQUILIBRIUM + "translate along (0.0, 1.0)" + ADVICE)

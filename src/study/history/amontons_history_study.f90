@@ -19,8 +19,8 @@ module amontons_history_study
       refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
-   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case
-   use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case, take_no_equilibrium
+   use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
    use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, lower_case, &
       n_characters, newline, scientific, short_text, to_text, unit_of, with_unit
@@ -476,6 +476,7 @@ contains
       if (result%stepping%n_steps == 0) then
          ! No equilibrium at the first time is an outcome; a misplaced obstacle is an error.
          associate (stepping => result%stepping)
+            result%last%answer = stepping%fault
             if (stepping%fault_kind > 0 .and. stepping%outcome /= outcome_no_equilibrium) call new_error(error, &
                stepping%fault_kind, stepping%fault)
          end associate
@@ -789,7 +790,12 @@ contains
 
       config = self%config
       call solve_on_meshes(cache, config, options%directory, monitor, result, word, error)
+      call take_no_equilibrium(result%last, error)
       if (allocated(error)) return
+      if (allocated(result%last%answer)) then
+         call report_answer(options%directory, config, cache%body, result%last, outcome, error, result%files)
+         return
+      end if
       if (result%is_interrupted) then
          call outcome%interrupt('step '//to_text(result%stepping%n_steps)//word)
          return
@@ -803,11 +809,6 @@ contains
          if (result%stepping%outcome == outcome_numbers) outcome%status = result%stepping%fault_kind
       end if
       outcome%warnings = result%last%warnings
-      if (result%stepping%n_steps == 0) then
-         result%last%answer = outcome%message
-         call write_report(options%directory, config, cache%body, result%last, error, result%files)
-         return
-      end if
       call describe_history(result, config)
       call write_report(options%directory, config, cache%body, result%last, error, result%files)
       if (.not. allocated(error)) call result%checkpoint%remove()

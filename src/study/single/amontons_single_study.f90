@@ -3,18 +3,18 @@
 module amontons_single_study
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
-   use amontons_error, only: error_t, new_error, no_equilibrium
+   use amontons_error, only: error_t
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: closed_text
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
-   use amontons_result, only: judge_meshes, outcome_no_equilibrium, refined_quantities, result_t, word_no_equilibrium
+   use amontons_result, only: judge_meshes, refined_quantities, result_t
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, prepare_single_case, solve_case
-   use amontons_study, only: method_numbers, outcome_t, report_size, solution_line, study_monitor_t, study_options_t, &
-      study_t
+   use amontons_study, only: method_numbers, outcome_t, report_answer, report_size, solution_line, study_monitor_t, &
+      study_options_t, study_t
    use amontons_terminal, only: phase_solve, phase_write
    use amontons_text, only: short_text, with_unit
    use amontons_uniqueness, only: find_all_solutions
@@ -44,8 +44,6 @@ contains
       config = self%config
       config%meshes%n_refinements = config%meshes%n_refinements + config%accuracy%n_refinements
       call prepare_single_case(cache, config, result, error)
-      if (.not. allocated(error) .and. result%outcome == outcome_no_equilibrium) call new_error(error, &
-         no_equilibrium, result%answer)
       if (.not. allocated(error)) call report_size(config, '', cache, result, outcome, error)
    end subroutine single_study_check
 
@@ -98,11 +96,8 @@ contains
       type(reduced_system_t) :: system
 
       if (allocated(error)) return
-      if (result%outcome == outcome_no_equilibrium) then
-         ! This is its answer, not a failure: it has files.
-         call outcome%lack(word_no_equilibrium, result%answer)
-         outcome%warnings = result%warnings
-         call write_report(options%directory, config, cache%body, result, error)
+      if (allocated(result%answer)) then
+         call report_answer(options%directory, config, cache%body, result, outcome, error)
          return
       end if
       if (options%writes_reduced) then

@@ -28,8 +28,8 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, evaluate
-   use amontons_study, only: outcome_t, report_size, study_monitor_t, study_options_t, study_t
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, evaluate, take_no_equilibrium
+   use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
    use amontons_sweep_chunk, only: case_keys, chunk_length, chunk_t, new_case, new_chunk, outcome_labels, &
       prepare_sweep, ranked_quantities, solve_cases, sweep_header, sweep_statistics_t, sweep_task_t
@@ -497,7 +497,12 @@ contains
       integer :: i
 
       call solve_sweep(cache, self%config, options%directory, monitor, result, error)
+      call take_no_equilibrium(result%certified, error)
       if (allocated(error)) return
+      if (allocated(result%certified%answer)) then
+         call report_answer(options%directory, self%config, cache%body, result%certified, outcome, error)
+         return
+      end if
       if (result%is_interrupted) then
          call outcome%interrupt(to_text(result%statistics%n_cases)//' of '// &
             to_text(self%config%sweep%n_cases())//' cases')
