@@ -28,7 +28,7 @@ module amontons_command_line
       type(file_name_t), allocatable :: decks(:) !! names of the decks, in their order
       type(setting_t), allocatable :: settings(:) !! settings that replace values of the decks
       character(:), allocatable :: output !! output directory
-      integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
+      integer :: n_threads = 0 !! number of threads; 0 for the value of OMP_NUM_THREADS, or all cores
       logical, private :: is_given(size(option_names)) = .false. !! whether each option without a value was given
    contains
       procedure :: asks => command_line_asks

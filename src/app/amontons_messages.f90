@@ -70,7 +70,7 @@ contains
       character(*), intent(in) :: text !! the lines
       type(error_t), allocatable :: unheard
 
-      ! Where nobody listens on standard error, the exit status has to say it.
+      ! Where standard error is closed, the exit status alone reports the error.
       call print_line(standard_error, text, unheard)
    end subroutine print_error
 

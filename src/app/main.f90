@@ -37,7 +37,7 @@ program main
    call return_large_arrays()
    call begin_ranks()
    call read_command_line(command_line, error)
-   ! A rank among several has one thread, if nothing else is said; else 0 is what OMP_NUM_THREADS says, or all cores.
+   ! A rank among several has one thread by default; elsewhere 0 stands for the value of OMP_NUM_THREADS, or all cores.
    call get_environment_variable('OMP_NUM_THREADS', length=length)
    if (command_line%n_threads == 0) command_line%n_threads = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
    call require_blas_room(1_c_int)

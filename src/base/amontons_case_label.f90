@@ -29,7 +29,8 @@ contains
       if (present(title)) label%title = title
    end subroutine new_case_label
 
-   !> The effective deck, with all defaults, which is written beside the results; empty if the case has no deck.
+   !> The effective deck, with all defaults, which is written beside the results. A label alone has none: the text is
+   !> empty; a configuration has one.
    function case_label_deck_text(self) result(text)
       class(case_label_t), intent(in) :: self !! the label
       character(:), allocatable :: text

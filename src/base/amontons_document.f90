@@ -22,7 +22,7 @@ module amontons_document
       character(:), allocatable :: text !! the lines, with their ends
       real(dp), allocatable :: scales(:)
          !! scales of the first, second ... number of a line, if larger than these; the last one is for the rest
-      logical :: is_recorded = .false. !! whether only the run that wrote it knows it
+      logical :: is_recorded = .false. !! whether it cannot be computed again from the files
       logical :: is_by_line = .false. !! whether the scales are those of the first, second ... line instead
    end type part_t
 
@@ -217,7 +217,7 @@ contains
    pure subroutine append(document, text, is_recorded)
       class(document_t), intent(inout) :: document !! the document
       character(*), intent(in) :: text !! its lines
-      logical, intent(in) :: is_recorded !! whether only the run that wrote it knows it
+      logical, intent(in) :: is_recorded !! whether it cannot be computed again from the files
 
       if (.not. allocated(document%parts)) allocate (document%parts(16))
       if (document%n == size(document%parts)) document%parts = [document%parts, document%parts]

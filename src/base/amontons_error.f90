@@ -28,7 +28,7 @@ module amontons_error
    type :: error_t
       integer :: kind = system_failure
          !! Whose fault it is: `input_refused`, `numerical_failure`, `no_equilibrium` or `system_failure`.
-      character(:), allocatable :: message !! What, where and what was expected; several faults stand on several lines.
+      character(:), allocatable :: message !! What, where and what was expected; a line for each fault.
    end type error_t
 
    !> Largest number of faults that are kept; further ones are only counted, since such a file is of another kind than
@@ -37,7 +37,7 @@ module amontons_error
 
    !> One fault of a file.
    type :: fault_t
-      integer :: line = 0 !! where, counted from 1; 0 for the whole file, and where the sentence says it
+      integer :: line = 0 !! where, counted from 1; 0 for the whole file, and where the sentence has the line
       character(:), allocatable :: sentence !! the fault, as a sentence
    end type fault_t
 

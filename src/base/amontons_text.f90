@@ -35,7 +35,7 @@ module amontons_text
    !> Largest length of such a text: '-1.2345678901234567e-308'.
    integer, parameter :: longest_decimal = 24
 
-   ! allow(assumed-size, C072): C takes an address and knows no shape
+   ! allow(assumed-size, C072): C takes an address without a shape
    interface
       pure subroutine c_write_decimal(value, text, length) bind(c, name='amontons_write_decimal')
          import :: c_char, c_double, c_int
@@ -309,7 +309,7 @@ contains
    end subroutine read_reals
 
    !> Appends a piece to the used part of a text.
-   ! allow(C072): the text is the caller's, who knows its room
+   ! allow(C072): the text is the caller's, who provides the room
    pure subroutine put_text(text, length, piece)
       character(*), intent(inout) :: text !! the text, with room for the piece
       integer, intent(inout) :: length !! number of characters in use
@@ -320,7 +320,7 @@ contains
    end subroutine put_text
 
    !> Appends an integer to the used part of a text; twenty times as fast as the format `i0` of the runtime library.
-   ! allow(C072): the text is the caller's, who knows its room
+   ! allow(C072): the text is the caller's, who provides the room
    pure subroutine put_integer(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for 11 characters more
       integer, intent(inout) :: length !! number of characters in use
@@ -341,7 +341,7 @@ contains
    end subroutine put_integer
 
    !> Appends numbers to the used part of a text, each after a comma.
-   ! allow(C072): the text is the caller's, who knows its room
+   ! allow(C072): the text is the caller's, who provides the room
    pure subroutine put_decimals(text, length, values)
       character(*), intent(inout) :: text !! the text, with room for 25 characters more for each number
       integer, intent(inout) :: length !! number of characters in use
@@ -538,7 +538,7 @@ contains
    end function xml_escaped
 
    !> Appends a real to the used part of a text: 0.1, 1250.0 or 1.25e-11, valid in JSON and in a namelist.
-   ! allow(C072): the text is the caller's, who knows its room
+   ! allow(C072): the text is the caller's, who provides the room
    pure subroutine put_decimal(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for `longest_decimal` characters more
       integer, intent(inout) :: length !! number of characters in use

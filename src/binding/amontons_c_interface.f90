@@ -64,7 +64,7 @@ contains
    !> Copies a text to the buffer of a C program, truncated if necessary, and terminates it with a null character.
    pure subroutine put_c_text(text, size, c_text)
       character(*), intent(in) :: text !! the text
-      integer(c_int), intent(in) :: size !! the room, zero included; nothing is written if there is none
+      integer(c_int), intent(in) :: size !! size of the buffer, null character included; nothing is written if it is 0
       character(c_char), intent(inout) :: c_text(size) !! takes the text
       integer :: i, length
 
@@ -210,7 +210,7 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(outcome_t), intent(out) :: outcome !! its outcome
-      integer(c_int), intent(out) :: code !! what C is told of it
+      integer(c_int), intent(out) :: code !! the code for the C program
       class(study_t), allocatable :: study
       type(cache_t) :: cache
       type(study_options_t) :: options

@@ -6,9 +6,9 @@
 !> the root, has the Schur variables among its pivots and no row structure. A contribution block is a lower triangle in
 !> panels of columns, each panel full from the first row of its first column on.
 !>
-!> A substitution goes forward from the leaves to the root, backward from it. What a front hands to its parent, a number
-!> for each item of its row structure, waits on a stack: in the order of elimination the children of a front are the
-!> last that have put something there. Large subtrees, on threads of their own, have stacks of their own.
+!> A substitution goes forward from the leaves to the root, backward from it. A front passes a number for each item of
+!> its row structure to its parent on a stack: in the order of elimination the children of a front are the last that
+!> have put something there. Large subtrees, on threads of their own, have stacks of their own.
 !>
 !> Sums run in the order of the fronts, so results do not depend on the number of threads.
 module amontons_multifrontal

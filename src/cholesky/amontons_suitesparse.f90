@@ -54,7 +54,7 @@ module amontons_suitesparse
 
    integer(c_int), parameter :: done = 0, not_positive_definite = 1
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       subroutine c_suitesparse_text(text, size) bind(c, name='amontons_suitesparse_text')
          import :: c_char, c_int

@@ -244,7 +244,7 @@ contains
       class(deck_t), intent(inout) :: self !! the deck, gains the faults
       character(*), intent(in) :: known_names(:) !! names of all groups a deck may have, in lower case, blank padded
       character(*), intent(in) :: also(:) !! names of each in other programs, separated by blanks
-      character(*), intent(in) :: repeatable_names(:) !! those of them that may stand more than once
+      character(*), intent(in) :: repeatable_names(:) !! those of them that may occur more than once
       integer :: i, first_line(size(known_names)), known
 
       first_line = 0
@@ -303,7 +303,7 @@ contains
          return
       end if
       value = trim(adjustl(text(equals + 1:)))
-      ! Whether a value stands in quotes, or looks like numbers.
+      ! Whether a value is in quotes, or looks like numbers.
       is_literal = scan(value(:min(1, len(value))), '''"') > 0 .or. &
          (verify(value, digits//'+-.,* eEdD') == 0 .and. scan(value(:min(1, len(value))), digits//'+-.') > 0)
       if (.not. is_literal) value = quoted(value)
@@ -332,7 +332,7 @@ contains
 
    !> Replaces values of a deck by those of settings, or inserts them. Line numbers do not change.
    subroutine apply_settings(deck, settings)
-      type(deck_t), intent(inout) :: deck !! the deck; gains a fault where a setting says not which group it means
+      type(deck_t), intent(inout) :: deck !! the deck; gains a fault where a setting does not name its group
       type(setting_t), intent(in) :: settings(:) !! the settings
       character(:), allocatable :: file, text
       logical :: is_clear(size(settings))

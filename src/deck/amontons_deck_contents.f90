@@ -36,7 +36,7 @@ module amontons_deck_contents
       character :: kind = end_token !! one of the kinds above, or the punctuation mark itself: one of `/=,()*`
       integer :: first = 1 !! position of its first character in the text
       integer :: last = 0 !! position of its last character in the text
-      integer :: line = 1 !! line it stands on
+      integer :: line = 1 !! its line
       integer :: slash_line = 0 !! line of a comment before it that ends in '/', 0 for none
    end type deck_token_t
 
@@ -54,9 +54,9 @@ module amontons_deck_contents
    type :: deck_value_t
       integer :: first = 1 !! position of its first character in the text, the quote of a quoted text
       integer :: last = 0 !! position of its last character in the text
-      integer :: line = 0 !! line it stands on
+      integer :: line = 0 !! its line
       integer :: n_times = 1 !! its repeat count: 2 for `2*0.0`
-      logical :: is_text = .false. !! whether it stands in quotes
+      logical :: is_text = .false. !! whether it is in quotes
    end type deck_value_t
 
    !> A key and the values given to it.
@@ -140,7 +140,7 @@ contains
             group%is_malformed = contents%faults%n > n_faults
             ! Behind a fault of form, the rest of the group may be the next one, its name spoiled.
             contents%hides_groups = contents%hides_groups .or. group%is_malformed
-            ! A full list doubles its length: what stands in the second half means nothing yet.
+            ! A full list doubles its length; the second half is overwritten later.
             if (contents%n_groups == size(contents%groups)) contents%groups = [contents%groups, contents%groups]
             contents%n_groups = contents%n_groups + 1
             contents%groups(contents%n_groups) = group
@@ -627,7 +627,7 @@ contains
       character(*), intent(in) :: word !! the other word
       character(*), intent(in) :: words(:) !! the words known
       character(:), allocatable :: alike
-      ! A shorter beginning says little.
+      ! Shorter beginnings are shared by many words.
       integer, parameter :: shortest = 4
       integer :: i
 
@@ -759,7 +759,7 @@ contains
    !> A quoted value without its quotes, the doubled ones inside made single.
    pure function unquoted_value(contents, value) result(text)
       type(deck_contents_t), intent(in) :: contents !! the deck
-      integer, intent(in) :: value !! index of the value, one that stands in quotes
+      integer, intent(in) :: value !! index of the value, which is in quotes
       character(:), allocatable :: text, raw
       integer :: i, length
 
@@ -792,7 +792,7 @@ contains
    subroutine mark_faulty(contents, group, key)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       integer, intent(in) :: group !! the group
-      character(*), intent(in) :: key !! name of the key, which stands in the group
+      character(*), intent(in) :: key !! name of the key, which the group has
 
       contents%assignments(find_key(contents, group, key))%is_faulty = .true.
    end subroutine mark_faulty

@@ -29,7 +29,7 @@ module amontons_deck_visitor
    !> A group of a deck.
    type :: group_t
       character(8) :: name = '' !! its name
-      logical :: is_repeatable = .false. !! whether it may stand more than once
+      logical :: is_repeatable = .false. !! whether it may occur more than once
       logical :: is_shared = .false. !! whether decks that share a factorization agree in all its keys
    end type group_t
 
@@ -538,7 +538,7 @@ contains
       real(dp), intent(inout) :: values(:)
          !! the numbers; those that a deck does not give stay as they are; none for a list of any length
       logical, intent(inout), optional :: is_given
-         !! whether the key is to be written; on return from a reader, whether it stands in the group
+         !! whether the key is to be written; on return from a reader, whether the group has it
       character(:), allocatable :: word, limits
       integer :: source(size(values)), i, whole, wrong, at_exponent, exponent
       real(dp) :: number, mantissa
@@ -660,7 +660,7 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: noun !! noun for a value, for messages
       integer, intent(out) :: source(:) !! which value of the deck each element has, 0 for none
-      logical, intent(inout), optional :: is_given !! whether the key stands in the group
+      logical, intent(inout), optional :: is_given !! whether the group has the key
       logical :: has
 
       self%keys = [self%keys, key]

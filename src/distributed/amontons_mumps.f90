@@ -46,7 +46,7 @@ module amontons_mumps
    procedure(release), bind(c, name='amontons_mumps_free') :: c_mumps_free
    procedure(release), bind(c, name='amontons_mumps_drop_matrix') :: c_mumps_drop_matrix
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       subroutine c_mumps_text(text, size) bind(c, name='amontons_mumps_text')
          import :: c_char, c_int

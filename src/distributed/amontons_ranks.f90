@@ -38,7 +38,7 @@ module amontons_ranks
 
    procedure(action), bind(c, name='amontons_mpi_end') :: mpi_end
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       function mpi_begin(rank, size) bind(c, name='amontons_mpi_begin') result(has_begun)
          import :: c_int

@@ -58,7 +58,7 @@ module amontons_constraints
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
    type :: support_t
-      character(:), allocatable :: name !! its name, by which a load history knows it; empty without one
+      character(:), allocatable :: name !! its name, by which a load history refers to it; empty without one
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
@@ -69,7 +69,7 @@ module amontons_constraints
          !! of `rigid_components` then
       logical :: is_jump = .false. !! whether the first component is the jump of the preload of the same name
       real(dp) :: lock_time = huge(1.0_dp)
-         !! of a rigid set or preload: from which time of a history on what is free stays where it is [-]
+         !! of a rigid set or preload: time of a history from which on its free motions are locked [-]
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: is_driven => support_is_driven
@@ -324,7 +324,7 @@ contains
       type(constraints_t), intent(inout) :: constraints !! the constraints
       real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements, own unknowns (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(support_t), intent(in) :: support !! the set, and what is prescribed of its motion
+      type(support_t), intent(in) :: support !! the set, and the prescribed part of its motion
       integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or has a node of another rigid one
       type(rigid_set_t) :: rigid
@@ -446,7 +446,7 @@ contains
             displacement = support%displacement(component)
             if (component == 6) displacement = displacement*mesh%coordinates(1, nodes(i))
             if (component > 4) then
-               ! On the axis the displacement around it is 0, whatever the supports say of others.
+               ! On the axis the displacement around it is 0, whether or not a support holds it.
                if (constraints%holder(3, nodes(i)) == 0 .and. .not. constraints%is_free(3, nodes(i))) cycle
             end if
             if (constraints%rigid_of(nodes(i)) > 0) then

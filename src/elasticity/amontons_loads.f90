@@ -27,7 +27,7 @@ module amontons_loads
 
    !> A load. Which components are used depends on its target.
    type :: load_t
-      character(:), allocatable :: name !! its name, by which a sweep knows it; empty without one
+      character(:), allocatable :: name !! its name, by which sweeps and histories refer to it; empty without one
       integer :: target = load_on_sides !! sides, nodes, region, temperature or motion
       character(:), allocatable :: set !! name of the boundary set or node set; empty where a point or region counts
       character(:), allocatable :: region !! region of a body force or temperature; empty for the whole body
@@ -91,7 +91,7 @@ contains
          case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
          case default
-            ! A temperature strains the body; it is no force. Where motions are driven the body knows.
+            ! A temperature strains the body and is no force; forces on motions come from `driven_forces`.
             cycle
          end select
          if (.not. allocated(error)) cycle
@@ -176,7 +176,7 @@ contains
    subroutine add_point_forces(forces, mesh, materials, load, error)
       real(dp), intent(inout) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
+      type(materials_t), intent(in) :: materials !! the materials; they record whether it is a body of revolution
       type(load_t), intent(in) :: load !! the load
       type(error_t), allocatable, intent(out) :: error
          !! no such node set, no node at the point, or a force away from the axis of revolution

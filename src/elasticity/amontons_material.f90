@@ -303,7 +303,7 @@ contains
    !> Whether each node lies on the axis of a body of revolution (n_nodes).
    pure function on_axis(mesh, materials)
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
+      type(materials_t), intent(in) :: materials !! the materials; they record whether it is a body of revolution
       logical :: on_axis(mesh%n_nodes)
 
       on_axis = .false.

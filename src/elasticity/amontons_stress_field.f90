@@ -35,7 +35,7 @@ module amontons_stress_field
       real(dp), allocatable :: element(:, :) !! mean stress of each element (4 or 6, n_elements) [F/L^2]
       real(dp), allocatable :: energy_density(:) !! mean strain energy density of each element (n_elements) [F/L^2]
       real(dp), allocatable :: node(:, :)
-         !! stress at each node: the mean of what its elements say; 0 at one without elements (4 or 6, n_nodes) [F/L^2]
+         !! stress at each node: the mean of its elements' values; 0 at one without elements (4 or 6, n_nodes) [F/L^2]
       real(dp), allocatable :: force(:, :)
          !! nodal forces that the stresses amount to; K u - f_th where there are no springs (components, n_nodes) [F]
    end type stress_field_t
@@ -474,7 +474,7 @@ contains
       real(dp), intent(in) :: n_samples !! number of samples, by weight
       type(known_traction_t), intent(in) :: side !! the side
       integer, intent(in) :: place !! 1, 2 or 3: first corner, middle, second corner
-      ! Each equation weighs as much as ten times all samples: it holds to a few percent of what they say against it.
+      ! Each equation weighs as much as ten times all samples: samples that contradict it change it by a few percent.
       real(dp), parameter :: weight = 10.0_dp
       real(dp) :: row(size(right)), direction(2), p(max_terms)
       integer :: i, n

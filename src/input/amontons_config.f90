@@ -91,7 +91,7 @@ contains
    subroutine new_reduced_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
-      type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
+      type(error_t), allocatable, intent(out) :: error !! the name is not valid in a deck
       type(setting_t), intent(in), optional :: settings(:) !! settings that replace values of the deck
       type(deck_visitor_t) :: reader
 
@@ -156,7 +156,7 @@ contains
       type(config_t) :: copy
 
       copy = config
-      ! The mesh file says them again; what it says is part of the body.
+      ! Materials, supports and loads of the mesh file are read again with it.
       if (is_shared_only) copy%n_used = 0
       writer%is_shared_only = is_shared_only
       call describe_config(writer, copy)
@@ -271,7 +271,7 @@ contains
          if (any(model%loads(:model%n_loads)%target == load_by_temperature)) call require_expansion(visitor, 'use')
       end do
       if (is_new) then
-         ! Makes room for what the groups of a deck say of a body, behind what its mesh file says.
+         ! Makes room for the materials, supports and loads of the deck, behind those of its mesh file.
          associate (n_used => config%n_used)
             ! A body without a material gets one whose required keys are reported as missing, unless the file is at
             ! fault.

@@ -54,7 +54,7 @@ module amontons_config_groups
    !> The file of a reduced problem, and what replaces its contents.
    type :: reduced_source_t
       logical :: is_given = .false. !! whether the problem is a reduced one
-      character(:), allocatable :: file !! name of its file, as messages tell it
+      character(:), allocatable :: file !! name of its file, for messages
       character(:), allocatable :: path !! name of its file from the root on
       character(:), allocatable :: origin !! where the file was named, for messages: 'deck.nml:12: '; may be empty
       logical :: has_friction = .false. !! whether `friction` takes the place of the file's coefficients
@@ -73,7 +73,7 @@ module amontons_config_groups
    type(group_t), parameter, public :: preload_group = group_t('preload', is_repeatable=.true., is_shared=.true.)
    !> A rigid set or a preload as a deck describes it.
    type :: driven_set_t
-      type(support_t) :: motion !! the set, and what is prescribed of its motion
+      type(support_t) :: motion !! the set, and the prescribed part of its motion
       type(load_t) :: drive !! the force and the moment that act on it
       type(tie_t) :: tie !! of a preload: the two sides of the cut
    end type driven_set_t
@@ -436,7 +436,7 @@ contains
    !> Describes one `&rigid`: sets that move as a rigid body.
    subroutine describe_rigid(visitor, motion, drive, has)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(support_t), intent(inout) :: motion !! the sets, and what is prescribed of their motion
+      type(support_t), intent(inout) :: motion !! the sets, and the prescribed part of their motion
       type(load_t), intent(inout) :: drive !! the force and the moment that act on them
       logical, intent(in) :: has(3) !! which of the components of `rigid_components` the body has
       character(*), parameter :: forced(3) = [character(6) :: 'force', 'force', 'moment']
@@ -688,7 +688,7 @@ contains
          'give either temperature and temperature_slope, or temperature_table')
    end subroutine describe_temperature
 
-   !> Requires that every `&material` says how it expands, since there are temperatures.
+   !> Requires the key `expansion` of every `&material`, since there are temperatures.
    subroutine require_expansion(visitor, key)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       character(*), intent(in) :: key !! the key that brings the temperatures

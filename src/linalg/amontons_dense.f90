@@ -9,7 +9,7 @@ module amontons_dense
    implicit none (type, external)
    private
 
-   public :: add_product, allocate_matrix, bounded_remainder, cholesky_factor, cholesky_factor_softly, &
+   public :: add_product, allocate_matrix, bounded_remainder, cholesky_factor, cholesky_factor_regularized, &
       cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
       symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve
 
@@ -50,10 +50,10 @@ contains
 
    !> Replaces the lower triangle of a positive semidefinite matrix by the Cholesky factor of A + r D, with the
    !> smallest regularization of 0, 1e-12, 1e-10, ... that makes it positive definite to rounding.
-   pure subroutine cholesky_factor_softly(a, scales, is_soft)
+   pure subroutine cholesky_factor_regularized(a, scales, is_regularized)
       real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix, both triangles (n, n); on return L in the lower one
       real(dp), intent(in) :: scales(:) !! the diagonal D, positive (n)
-      logical, intent(out) :: is_soft !! whether r is not 0
+      logical, intent(out) :: is_regularized !! whether r is not 0
       real(dp), parameter :: least = 1.0e-12_dp, growth = 100.0_dp
       real(dp) :: diagonal(size(scales)), regularization
       integer :: i, info
@@ -62,7 +62,7 @@ contains
       regularization = 0.0_dp
       do
          call cholesky_factor(a, info)
-         is_soft = regularization > 0.0_dp
+         is_regularized = regularization > 0.0_dp
          ! Numbers that are not finite stay so with any regularization.
          if (info == 0 .or. regularization > 1.0_dp) return
          regularization = max(least, growth*regularization)
@@ -72,7 +72,7 @@ contains
             a(i, i) = diagonal(i) + regularization*scales(i)
          end do
       end do
-   end subroutine cholesky_factor_softly
+   end subroutine cholesky_factor_regularized
 
    !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor on all threads: tile by tile of the
    !> diagonal the tiles below it, then the remaining matrix. The result does not depend on the number of threads.
@@ -274,8 +274,8 @@ contains
          is_used(i) = .true.
          factor(i) = merge(longest(i), 0.0_dp, is_full(i))
          is_full(i) = .false.
-         ! Moves the factors to the best approximation by the columns in use; a column whose factor meets a bound on the
-         ! way is given up, and the way goes on from there.
+         ! Moves the factors to the best approximation by the columns in use; where a factor reaches a bound
+         ! first, its column is no longer used, and the move starts again from there.
          do
             full = merge(longest, 0.0_dp, is_full)
             call approximate(unit, vector - matmul(unit, full), is_used, trial, remainder)

@@ -17,7 +17,7 @@ module amontons_sparse_lu
       final :: sparse_lu_free
    end type sparse_lu_t
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       function umfpack_factorize(n, n_entries, row, column, value, numeric) &
          bind(c, name='amontons_umfpack_factorize') result(code)

@@ -21,7 +21,7 @@ module amontons_sparse_matrix
       integer(int64), allocatable :: column_start(:) !! Where column j starts in `row` and `value` (n + 1).
       integer, allocatable :: row(:) !! Row of each stored entry, ascending within a column.
       real(dp), allocatable :: value(:) !! Value of each stored entry.
-      real(dp), allocatable :: place(:, :) !! Where each unknown sits; not allocated where nobody knows (2, n) [L].
+      real(dp), allocatable :: place(:, :) !! Position of each unknown, if positions are known (2, n) [L].
    contains
       procedure :: add_element => sparse_matrix_add_element
       procedure :: diagonal => sparse_matrix_diagonal

@@ -20,7 +20,7 @@ module amontons_threads
       integer(c_int) :: blas_threads = 1 !! Threads inside the BLAS.
    end type thread_state_t
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       subroutine c_blas_text(text, size) bind(c, name='amontons_blas_text')
          import :: c_char, c_int

@@ -50,7 +50,7 @@ module amontons_mesh
       type(warning_list_t) :: files !! names of the files it was read from
       type(warning_list_t) :: warnings !! warnings on the file it was read from
       logical :: has_pieces = .false. !! whether a file that it was read from has pieces that share no nodes
-      character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
+      character(12) :: hypothesis = '' !! the hypothesis of the elements in its file; empty if the file states none
    contains
       procedure :: check => mesh_check
       procedure :: nearest_node => mesh_nearest_node

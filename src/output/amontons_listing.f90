@@ -162,7 +162,7 @@ contains
       end do
       text = text//notes_text(body, load_case, units)
       do i = 1, size(load_case%loads)
-         ! What drives a motion stands with it.
+         ! Loads on motions are listed with the motion.
          if (load_case%loads(i)%target == load_on_motion) cycle
          text = text//labeled('Load', load_text(load_case%loads(i), body%mesh, units))
       end do
@@ -383,7 +383,7 @@ contains
    !> Notes on the positions where a statement holds: one for each or, if there are many, one for all.
    pure function places_text(places, noun, singular, plural, units) result(text)
       real(dp), intent(in) :: places(:, :) !! where they are (2, n) [L]
-      character(*), intent(in) :: noun !! what they are called
+      character(*), intent(in) :: noun !! noun for one of them
       character(*), intent(in) :: singular !! the statement on one of them, with a blank before it
       character(*), intent(in) :: plural !! the statement on all of them, with a blank before it
       character(*), intent(in) :: units !! names of the units of the case

@@ -93,7 +93,7 @@ contains
 
       call self%outputs%append(path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
       if (.not. allocated(error)) return
-      ! Nobody knows the temporary name.
+      ! Users do not know the temporary name.
       error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
    end subroutine manifest_add_written
 
@@ -245,7 +245,7 @@ contains
       type(manifest_t), intent(out) :: manifest !! the manifest; empty if there is a fault
       character(:), allocatable, intent(out) :: text !! the summary; not allocated if it cannot be read
       character(*), intent(in) :: path !! name of the file
-      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      character(:), allocatable, intent(out) :: fault !! how it differs from what was written; empty if it does not
       type(checksum_t) :: checksum
       type(error_t), allocatable :: error
 
@@ -267,7 +267,7 @@ contains
    subroutine read_manifest(manifest, text, fault)
       type(manifest_t), intent(out) :: manifest !! the manifest
       character(*), intent(in) :: text !! the summary, all of its bytes
-      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      character(:), allocatable, intent(out) :: fault !! how it differs from what was written; empty if it does not
       integer :: last
 
       last = index(text, before_checksum, back=.true.) - 1

@@ -126,7 +126,7 @@ contains
       type(quantity_t), intent(in) :: violations(:) !! the violations [-]
       real(dp), intent(in) :: limit !! the limit of all violations [-]
       type(quantity_t), intent(in) :: others(:) !! the other numbers
-      character(*), intent(in), optional :: head !! members that stand before these
+      character(*), intent(in), optional :: head !! members before these
       character(:), allocatable :: text
 
       text = ''

@@ -238,14 +238,14 @@ contains
       real(dp) :: scale, strain
 
       if (has_start_position(solution)) solution%displacement = solution%displacement - motion
-      call solve_from(motion, body, method, problem, solution, error)
+      call solve_relative_to(motion, body, method, problem, solution, error)
       ! If the motion were included, its rounding errors would look like a further motion.
       call fit_travel(travel, body, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
          solution%displacement = solution%displacement - travel
          if (.not. any(abs(problem%load) > 0.0_dp)) solution%force = 0.0_dp
-         call solve_from(motion + travel, body, method, problem, solution, error)
+         call solve_relative_to(motion + travel, body, method, problem, solution, error)
          solution%displacement = solution%displacement + travel
          if (solution%is_converged .or. .not. first%is_converged) then
             call solution%prepend(first)
@@ -291,7 +291,7 @@ contains
 
    !> Solves a contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
    !> strains ties: its product with S is rounding.
-   subroutine solve_from(motion, body, method, problem, solution, error)
+   subroutine solve_relative_to(motion, body, method, problem, solution, error)
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       class(contact_method_t), intent(in) :: method !! the contact method
@@ -308,7 +308,7 @@ contains
          counted%anchor = problem%anchor - motion(problem%n_points + 1:)
       end if
       call solve_components(method, counted, solution, error)
-   end subroutine solve_from
+   end subroutine solve_relative_to
 
    !> Refuses a solution whose numbers are not finite, or whose displacements are so large that their rounding errors
    !> cause forces as large as the loads.
@@ -495,9 +495,9 @@ contains
       end associate
    end subroutine new_spins
 
-   !> Finds a motion that friction cannot hold: the way that a body goes which weak springs hold. They bear what
-   !> friction does not. The weaker they are the farther it goes, until all points slip or open that do so while it
-   !> moves on.
+   !> Finds a motion that friction cannot hold: the displacement of the body under weak springs, which bear the part of
+   !> the loads that friction does not. With weaker springs it moves farther, until every point slips or opens that
+   !> does so in a motion without end.
    subroutine find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
       real(dp), allocatable, intent(out) :: amounts(:)
          !! amounts of the free motions of each piece; not allocated if none is found (motions)
@@ -508,8 +508,8 @@ contains
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
-      ! Stiffness over the largest of the points; the last springs bear what is left of a load 1e-8 above its limit.
-      ! Matrices of more points are left alone: they take minutes.
+      ! Stiffness of the springs over the largest of the points; the weakest ones detect a load 1e-8 above its limit.
+      ! With more points this would take minutes.
       real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
       integer, parameter :: most_points = 2000
       ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
@@ -537,10 +537,10 @@ contains
          call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
          call solve_components(method, held, found, error)
          if (allocated(error) .or. .not. found%residual <= most_residual) return
-         ! Once all slips that does, bodies move on without further strain.
+         ! Once all these points slip, the body moves on as a rigid one: the motion is the difference of two trials.
          amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
          way = matmul(on_round, amounts)
-         ! Far away rounding may leave more than the tolerance.
+         ! Rounding errors of long displacements may be above the tolerance.
          inexact = merge(0.0_dp, far*found%residual*found%force_scale, found%is_converged)
          associate (along => way(:problem%n_points), closes => found%force(:problem%n_points) > 0.0_dp)
             if (all(merge(abs(along), along, closes) <= negligible*maxval(abs(way)) .or. .not. is_in_reach) .and. &

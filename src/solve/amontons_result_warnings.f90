@@ -36,7 +36,7 @@ module amontons_result_warnings
 
    !> Number of these warnings.
    integer, parameter, public :: n_case_warnings = size(case_warning_names)
-   !> Whether each of them says that theory or model are not valid: displacements or strains that are too large, or a
+   !> Whether each of them means that theory or model are not valid: displacements or strains that are too large, or a
    !> set that is too small.
    logical, parameter, public :: is_limit_of_model(n_case_warnings) = [.true., .false., .false., .false., .true., &
       .true.]
@@ -161,8 +161,8 @@ contains
       ! Of points that differ by rounding alone the first.
       p = findloc(gap <= minval(gap) + 1.0e-6_dp*abs(minval(gap)), .true., dim=1)
       associate (travel => max(maxval(abs(displacement)), abs(result%load_case%gap(p))))
-         ! A body that lies on its obstacle without any force touches it, too. One that nothing holds is where rounding
-         ! left it: its gap says nothing.
+         ! A body that lies on its obstacle without any force touches it, too. The position of one that nothing holds is
+         ! rounding, and so is its gap.
          if (gap(p) > epsilon(1.0_dp)*travel .and. all(body%motions%n_free == 0)) then
             call result%warnings%add(sentence//'; the smallest gap is '//result%warnings%number(gap(p), 'L')//' at '// &
                result%warnings%place(body%zone%position(:, p)))

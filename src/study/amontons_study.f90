@@ -85,7 +85,7 @@ module amontons_study
          class(study_t), intent(in) :: self !! the study
          type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
          type(study_options_t), intent(in) :: options !! the options that are not in the deck
-         class(study_monitor_t), intent(inout) :: monitor !! learns how far a study of many cases is, and may stop it
+         class(study_monitor_t), intent(inout) :: monitor !! receives the progress of a study, and may stop it
          type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
          type(error_t), allocatable, intent(out) :: error
             !! the deck is invalid, the computation failed numerically, or a file cannot be written
@@ -236,7 +236,7 @@ contains
       class(study_t), intent(in) :: study !! the study
       type(cache_t), intent(inout) :: cache !! the present body, replaced if the study needs another
       type(study_options_t), intent(in) :: options !! the options that are not in the deck
-      class(study_monitor_t), intent(inout) :: monitor !! learns how far a study of many cases is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! receives the progress of a study, and may stop it
       type(outcome_t), intent(out) :: outcome !! the outcome of the deck
       type(error_t), allocatable :: error
 

@@ -300,7 +300,7 @@ contains
             checksums = checksums//' '//to_text(table%checksum%value())
          end associate
       end do
-      ! The first number stands alone: it says how much is done.
+      ! The first number, which counts what is done, is written as a whole number.
       line = line//to_text(nint(progress%numbers(1)))//' '//comma_separated(progress%numbers(2:progress%n))//checksums
       call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
       self%last_save = wall_seconds()

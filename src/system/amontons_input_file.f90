@@ -27,7 +27,7 @@ module amontons_input_file
 
    procedure(path_action), bind(c, name='amontons_open_input') :: c_open_input
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       subroutine c_close_input(file) bind(c, name='amontons_close_input')
          import :: c_int
@@ -63,7 +63,7 @@ module amontons_input_file
          !! where each piece of the text begins, the line of its file there, and the number of its file (3, pieces)
       integer :: position = 1 !! position of the next character to be read
       logical :: is_binary = .false. !! whether numbers are bytes rather than digits
-      logical :: is_swapped = .false. !! whether the bytes of a number stand in the other order than this machine's
+      logical :: is_swapped = .false. !! whether the bytes of a number have the other order than on this machine
       type(error_t), allocatable :: error !! the first fault, once there is one
    contains
       procedure :: check_count => input_file_check_count

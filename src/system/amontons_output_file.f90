@@ -42,7 +42,7 @@ module amontons_output_file
    procedure(action), bind(c, name='amontons_release_signals') :: release_signals
    procedure(path_action), bind(c, name='amontons_lock_directory') :: c_lock_directory
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       function c_create_temporary(path, text, size) bind(c, name='amontons_create_temporary') result(code)
          import :: c_char, c_int
@@ -77,7 +77,7 @@ module amontons_output_file
 
 contains
 
-   !> Opens a file for writing under a temporary name beside the final one.
+   !> Opens a file for writing, under a temporary name in the folder of the final one.
    subroutine new_output_file(file, path, is_binary, error)
       type(output_file_t), intent(out) :: file !! the open file
       character(*), intent(in) :: path !! final name
@@ -155,7 +155,7 @@ contains
    subroutine give_up(file, reason, error)
       class(output_file_t), intent(inout) :: file !! the file, open or not
       character(*), intent(in) :: reason !! why it cannot be written
-      type(error_t), allocatable, intent(out) :: error !! says it
+      type(error_t), allocatable, intent(out) :: error !! the error, with file and reason
 
       call file%discard()
       call new_error(error, system_failure, file%path//': cannot write this file: '//reason)
@@ -211,7 +211,7 @@ contains
       class(output_file_t), intent(inout) :: self !! the file, open or finished
       integer :: status
 
-      ! Whether or not the unit closes well, what it holds is not wanted.
+      ! The content is not wanted: it does not matter whether closing the unit writes it.
       ! allow(C181): see above
       if (self%is_open) close (self%unit, iostat=status)
       self%is_open = .false.

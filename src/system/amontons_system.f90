@@ -18,7 +18,7 @@ module amontons_system
       character(:), allocatable :: text !! the name
    end type file_name_t
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    abstract interface
       !> An action without arguments.
       subroutine action() bind(c)
@@ -129,7 +129,7 @@ module amontons_system
       procedure, public :: value => checksum_value
    end type checksum_t
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       pure subroutine c_add_to_checksum(remainder, bytes, n_bytes) bind(c, name='amontons_add_to_checksum')
          import :: c_char, c_int32_t, c_int64_t
@@ -216,6 +216,7 @@ contains
       integer :: code
 
       code = int(c_remove(path//c_null_char))
+      ! One that cannot be removed stays: no result depends on it.
       if (code /= 0) return
    end subroutine remove_file
 
@@ -225,6 +226,7 @@ contains
       integer :: code
 
       code = int(c_remove_directory(path//c_null_char))
+      ! One that cannot be removed stays: no result depends on it.
       if (code /= 0) return
    end subroutine remove_directory
 
@@ -310,7 +312,7 @@ contains
 
    !> Adds a text.
    pure subroutine checksum_add_text(self, text)
-      class(checksum_t), intent(inout) :: self !! the checksum of what stands before it
+      class(checksum_t), intent(inout) :: self !! the checksum of the bytes before it
       character(*), intent(in) :: text !! the text
 
       call c_add_to_checksum(self%remainder, text, len(text, c_int64_t))
@@ -319,7 +321,7 @@ contains
 
    !> Adds the bytes of some numbers.
    pure subroutine checksum_add_numbers(self, numbers)
-      class(checksum_t), intent(inout) :: self !! the checksum of what stands before them
+      class(checksum_t), intent(inout) :: self !! the checksum of the bytes before them
       real(dp), intent(in) :: numbers(:) !! the numbers
 
       call self%add_text(transfer(numbers, repeat(' ', size(numbers)*storage_size(numbers)/8)))

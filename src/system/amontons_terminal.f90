@@ -29,7 +29,7 @@ module amontons_terminal
    !> Removes the status line, if there is one, and closes it.
    procedure(action), bind(c, name='amontons_close_line') :: close_status_line
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size): C takes an address without a shape
    interface
       function c_print(file, text, n_bytes) bind(c, name='amontons_print') result(code)
          import :: c_char, c_int, c_long

@@ -451,7 +451,7 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       integer, intent(in) :: n_components !! numbers per point or cell
-      real(dp), intent(in) :: values(:) !! the values that should stand there
+      real(dp), intent(in) :: values(:) !! the expected values
       character(:), allocatable :: bytes
       real(dp), allocatable :: found(:)
       integer :: place
@@ -471,7 +471,7 @@ contains
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section of the array
       character(*), intent(in) :: name !! name of the quantity
-      integer, intent(in) :: values(:) !! the values that should stand there
+      integer, intent(in) :: values(:) !! the expected values
       character(:), allocatable :: bytes
       integer(int32), allocatable :: found(:)
       integer :: place

@@ -331,7 +331,7 @@ contains
          !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      ! Mesh files carry about eight digits; the walls of both go on as one line.
+      ! Mesh files carry about eight digits; the walls of both continue as one line.
       real(dp), parameter :: negligible = 1.0e-6_dp, least_cosine = 0.7_dp
       real(dp) :: normal(2, body%mesh%n_nodes)
       integer, allocatable :: facing(:)

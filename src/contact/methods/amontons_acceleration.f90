@@ -8,7 +8,7 @@
 module amontons_acceleration
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, effort_t
-   use amontons_dense, only: cholesky_factor_softly, cholesky_solve
+   use amontons_dense, only: cholesky_factor_regularized, cholesky_solve
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -22,11 +22,12 @@ module amontons_acceleration
 
    !> The last images and steps of an iteration.
    type :: acceleration_t
-      integer :: depth = 0 !! most differences looked back on; 0 for no acceleration
+      integer :: depth = 0 !! largest number of differences in use; 0 for no acceleration
       integer :: n_kept = 0 !! number of images kept
-      real(dp), allocatable, private :: image(:, :) !! images with what they carry, oldest first (n, depth + 1)
+      real(dp), allocatable, private :: image(:, :)
+         !! images with their dependent quantities, oldest first (n, depth + 1)
       real(dp), allocatable, private :: step(:, :)
-         !! steps that led to these images, without what the images carry (k, depth + 1)
+         !! steps that led to these images, without the dependent quantities (k, depth + 1)
    contains
       procedure :: extrapolate => acceleration_extrapolate
       procedure :: forget => acceleration_forget
@@ -62,12 +63,12 @@ contains
    pure subroutine acceleration_extrapolate(self, point, image, proposal, is_given)
       class(acceleration_t), intent(inout) :: self !! the acceleration
       real(dp), intent(in) :: point(:) !! the point, in one unit (k)
-      real(dp), intent(in) :: image(:) !! its image, and then what it carries (n)
-      real(dp), intent(out) :: proposal(:) !! an image put together from those known (n)
+      real(dp), intent(in) :: image(:) !! its image, followed by quantities that depend linearly on it (n)
+      real(dp), intent(out) :: proposal(:) !! a combination of the images so far (n)
       logical, intent(out) :: is_given !! whether there is a proposal
       real(dp) :: difference(size(point), self%depth), norm(self%depth)
       real(dp), allocatable :: normal(:, :), right(:)
-      logical :: is_soft
+      logical :: is_regularized
       integer :: i, n
 
       is_given = .false.
@@ -95,7 +96,7 @@ contains
       normal = matmul(transpose(difference(:, :n)), difference(:, :n))/ &
          (spread(norm(:n), 1, n)*spread(norm(:n), 2, n))
       right = matmul(self%step(:, n + 1), difference(:, :n))/norm(:n)
-      call cholesky_factor_softly(normal, spread(1.0_dp, 1, n), is_soft)
+      call cholesky_factor_regularized(normal, spread(1.0_dp, 1, n), is_regularized)
       call cholesky_solve(normal, right)
       proposal = image
       do i = 1, n

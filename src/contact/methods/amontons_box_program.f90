@@ -17,7 +17,7 @@
 !> forces on the edges of their discs stay, and the force of the edge, over its radius, adds to the curvature along it.
 module amontons_box_program
    use amontons_contact_solution, only: effort_t
-   use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
+   use amontons_dense, only: allocate_matrix, cholesky_factor_regularized, cholesky_solve
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: cut_to_bound
    use amontons_kinds, only: dp
@@ -86,7 +86,7 @@ contains
       type(symmetric_matrix_t) :: turned
       real(dp), dimension(size(b)) :: rho, gradient, goal, step, hold, move, image
       real(dp) :: axes(2, size(radius)), share, length, slope
-      logical :: is_free(size(b)), is_soft
+      logical :: is_free(size(b)), is_regularized
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
       integer :: i, k, n_trials, first, second
@@ -141,7 +141,7 @@ contains
          do k = 1, size(free)
             block(k, k) = block(k, k) + hold(free(k))
          end do
-         call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
+         call cholesky_factor_regularized(block, 1.0_dp/rho(free), is_regularized)
          call cholesky_solve(block, right)
          step(free) = right
          call effort%factorize(size(free) > 0)
@@ -189,7 +189,7 @@ contains
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share, move(size(x)), image(size(x)), length, slope
-      logical :: is_free(size(b)), was_free(size(b)), is_exact, is_soft
+      logical :: is_free(size(b)), was_free(size(b)), is_exact, is_regularized
       integer :: i, k, n_trials
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
@@ -217,13 +217,13 @@ contains
          if (allocated(error)) return
          call a%fill_block(free + rows(1) - 1, free + rows(1) - 1, block)
          right = -gradient(free)
-         call cholesky_factor_softly(block, 1.0_dp/rho(free), is_soft)
+         call cholesky_factor_regularized(block, 1.0_dp/rho(free), is_regularized)
          call cholesky_solve(block, right)
          step(free) = right
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
-         is_exact = .not. is_soft .and. all(full > lower .and. full < upper .or. .not. is_free)
+         is_exact = .not. is_regularized .and. all(full > lower .and. full < upper .or. .not. is_free)
          was_free = is_free
          if (is_exact) then
             x = full

@@ -101,7 +101,7 @@ module amontons_newton
       logical, allocatable :: is_known(:) !! whether the displacement is known (n)
       real(dp), allocatable :: known(:) !! the known displacements, 0 else (n) [L]
       real(dp), allocatable :: stiffening(:) !! addition to the diagonal (n) [F/L]
-      real(dp), allocatable :: load(:) !! loads, with what goes with the stiffening (n) [F]
+      real(dp), allocatable :: load(:) !! loads, with those of the stiffening (n) [F]
       real(dp), allocatable :: slope(:)
          !! factor of the normal row that is subtracted from a point's tangential one (m) [-]
       real(dp), allocatable :: coupling(:) !! stiffness of a point's slip against its normal displacement (m) [F/L]
@@ -521,7 +521,7 @@ contains
    !> system for a unit right-hand side in this row. A new factorization is asked for instead where it is cheaper:
    !> always for a sparse compliance, and in space, where all slips turn a little.
    subroutine add_changed_rows(self, problem, active_set, regularization, is_updated)
-      class(newton_system_t), intent(inout) :: self !! the system; its error tells where memory ran out
+      class(newton_system_t), intent(inout) :: self !! the system; gains an error where memory ran out
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
@@ -838,7 +838,7 @@ contains
          do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
             point = a%row(k)
             share = 1.0_dp
-            ! The entries of a sliding point's tangential row go where its normal force stands.
+            ! The entries of a sliding point's tangential row are added to the column of its normal force.
             if (place(point) == 0 .and. point > m .and. point <= 2*m) then
                point = point - m
                share = self%base%slip_direction(point)*problem%friction(point)

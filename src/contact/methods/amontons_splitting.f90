@@ -26,7 +26,7 @@ module amontons_splitting
    use amontons_box_program, only: solve_box_program, solve_disc_program
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
-   use amontons_dense, only: allocate_matrix, cholesky_factor_softly, cholesky_solve
+   use amontons_dense, only: allocate_matrix, cholesky_factor_regularized, cholesky_solve
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: bounded, cut_to_bound
    use amontons_kinds, only: dp
@@ -226,7 +226,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the problem is one in space, or memory ran out
       character(*), parameter :: owner = 'the normal or tangential contact forces'
       real(dp), allocatable :: columns(:, :), block(:, :)
-      logical :: is_soft
+      logical :: is_regularized
       integer :: i, m
 
       if (problem%matrix%n_tangents == 2) call new_error(error, input_refused, "variant = '"//trim(variant)// &
@@ -238,7 +238,7 @@ contains
          if (allocated(error)) return
          call a%fill_block(normal, normal, printed%a11_factor)
          associate (rho => a%reciprocal_diagonal())
-            call cholesky_factor_softly(printed%a11_factor, 1.0_dp/rho(:m), is_soft)
+            call cholesky_factor_regularized(printed%a11_factor, 1.0_dp/rho(:m), is_regularized)
          end associate
          call effort%factorize(.true.)
          if (variant /= 'printed') return

@@ -36,7 +36,7 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, check_held, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
+   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
       largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
@@ -340,7 +340,7 @@ contains
 
    end subroutine check_rigid_sets
 
-   !> Makes the jumps of preloads free or prescribed, as the supports of the preloads say, and turns an axis of the
+   !> Makes the jumps of preloads free or prescribed, as in the supports of the preloads, and turns an axis of the
    !> leading nodes along each jump.
    pure subroutine set_preload_jumps(body, supports, ties)
       type(body_t), intent(inout) :: body !! the body, its ties found
@@ -787,7 +787,7 @@ contains
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries
       ! The contact problem: dense matrices, that of the contact points and that of a step for Newton's method; of a
-      ! band the matrix and its factor, both twice, and the factors of a step; and what files say of its points.
+      ! band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
       n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%zone%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
@@ -812,7 +812,7 @@ contains
       logical :: is_fixed(zone%n_rows)
       integer :: axis, i, j, k, p
 
-      ! The contact problem does not know the slip that a support prevents.
+      ! The slip that a support prevents is no unknown of the contact problem.
       is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
       allocate (modes(zone%n_rows, sum(motions%n_free)), source=0.0_dp)
       allocate (is_inside(maxval([0, zone%rows%node])))

@@ -32,7 +32,7 @@ module amontons_certificate
       real(dp) :: internal_work = 0.0_dp !! work of the internal forces [F L]
       real(dp) :: internal_size = 0.0_dp !! sum of its magnitudes [F L]
       real(dp) :: external_work = 0.0_dp !! work of loads and contact forces [F L]
-      real(dp) :: support_work = 0.0_dp !! of the reactions on what they prescribe [F L]
+      real(dp) :: support_work = 0.0_dp !! work of the reactions on the prescribed displacements [F L]
       real(dp) :: external_size = 0.0_dp !! sum of the magnitudes of both [F L]
    end type node_sums_t
 

@@ -364,7 +364,7 @@ contains
             corner(n_corners) = k
          end if
       end do
-      ! The points that stand for corners, and the places on the line that each point stands for.
+      ! The point that represents each corner, and the places on the line that each point represents.
       stand_in = point_of(line%next(corner(:n_corners)))
       do i = 1, n_corners
          if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))

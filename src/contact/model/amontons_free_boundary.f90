@@ -47,7 +47,7 @@ module amontons_free_boundary
    !> The free boundary beyond the ends of all contact sets of a body.
    type :: free_boundary_t
       type(free_node_t), allocatable :: nodes(:) !! its nodes, a corner twice
-      type(set_end_t), allocatable :: ends(:) !! the ends of sets beyond which it goes on
+      type(set_end_t), allocatable :: ends(:) !! the ends of sets beyond which the boundary continues
    contains
       procedure :: lies_outside => free_boundary_lies_outside
       procedure :: penetration => free_boundary_penetration
@@ -124,7 +124,7 @@ contains
          end if
          ! Those beyond the ends of both sets, and those of the slave that face the boundary beyond the master's ends.
          call extend_set(master, contacts(i)%pairing%against, i, .true., outline, body)
-         ! Polygons that stand for curves overlap before any load; so may these.
+         ! Polygons that approximate curves overlap before any load, and these nodes may, too.
          least = 0.0_dp
          if (contacts(i)%pairing%has_mesh_gap()) then
             do p = 1, zone%n_points

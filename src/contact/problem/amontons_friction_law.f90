@@ -7,7 +7,7 @@
 !> (P3); Coulomb's part makes b depend on the solution (its remark 1 on section 1).
 !>
 !> In space slip and lambda_T have two components, and the law says `|lambda_T| <= b`, a disc in the place of the
-!> interval, and `s /= 0 => lambda_T = b s/|s|`. It knows no axes.
+!> interval, and `s /= 0 => lambda_T = b s/|s|`. It does not depend on the axes.
 !>
 !> The problem of a point alone is solved exactly by looking at each status in turn. With the compliance W = [w_nn w_nt;
 !> w_nt w_tt] and the distance and slip c that the point has without its force x, distance and slip are c - W x. W may

@@ -613,7 +613,7 @@ contains
       integer, intent(out) :: n_left !! number of equations and unknowns that are left
       real(dp), intent(in) :: least_pivot !! least pivot
       logical, intent(out) :: is_possible !! false if an equation that is left contradicts itself
-      logical, intent(out) :: is_singular !! whether an equation that is left says nothing, whatever the points to come
+      logical, intent(out) :: is_singular !! whether an equation that is left is empty for any of the points to come
       integer :: at(2), first, row, column, j, i
 
       first = size(rows, 1) - n_equations

@@ -51,7 +51,7 @@ module amontons_abaqus
       integer :: n_named = 0 !! number of different keywords
       character(:), allocatable :: keys !! the different keywords in small letters, each between line ends
       character(:), allocatable :: names !! these keywords as messages name them, each after ', '
-      character(:), allocatable :: warned !! those that carry physics, of which a warning is given
+      character(:), allocatable :: warned !! those that describe physics; they get a warning
       logical :: is_readable(size(use_names)) = .false. !! whether some of them could be read
    contains
       procedure :: add => ignored_keywords_add
@@ -330,7 +330,7 @@ contains
          n = 0
          if (is_there) call take_fields(input, fields, n)
          if (is_engineering .and. n >= n_values - 1) then
-            ! The last one stands on a line of its own.
+            ! The last one has a line of its own.
             call next_data_line(input, is_there)
             if (is_there) call take_fields(input, fields(n_values:), n)
             if (is_there .and. n == 1) n = n_values
@@ -425,7 +425,7 @@ contains
    !> Reads the lines of `*INITIAL CONDITIONS, TYPE=TEMPERATURE` or of `*TEMPERATURE`: nodes and their temperature. If a
    !> node occurs twice, the later line counts.
    pure subroutine read_temperatures(raw, input, keyword, line, is_read)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the temperatures of its nodes
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file; gains the temperatures of its nodes
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! 'initialconditions' or 'temperature'
       character(*), intent(in) :: line !! the keyword line
@@ -553,7 +553,7 @@ contains
 
    !> Reads a keyword with its data lines if the deck uses this part of the model.
    pure subroutine read_model_keyword(raw, input, keyword, line, is_read)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains materials, supports, loads and their sets
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file; gains materials, supports, loads and their sets
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
@@ -693,7 +693,7 @@ contains
       character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
       character(*), intent(in) :: field !! the field of the nodes
       character(*), intent(in) :: label !! number of the line, behind the name of an included file
-      logical, intent(in) :: is_same !! whether the line says the same as that before
+      logical, intent(in) :: is_same !! whether the line has the same content as that before
       character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
       character(:), allocatable, intent(inout) :: set !! becomes the name of the set
       integer :: group, node

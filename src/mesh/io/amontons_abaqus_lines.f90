@@ -96,14 +96,14 @@ contains
       if (.not. is_at_line_end) is_at_line_end = input%text(input%position:input%position) == line_feed
    end function is_at_line_end
 
-   !> Whether a given text begins at the position.
-   pure logical function stands_here(input, text)
+   !> Whether the file continues with a given text at its position.
+   pure logical function continues_with(input, text)
       type(input_file_t), intent(in) :: input !! the file
       character(*), intent(in) :: text !! the text
 
-      stands_here = input%position + len(text) - 1 <= len(input%text)
-      if (stands_here) stands_here = input%text(input%position:input%position + len(text) - 1) == text
-   end function stands_here
+      continues_with = input%position + len(text) - 1 <= len(input%text)
+      if (continues_with) continues_with = input%text(input%position:input%position + len(text) - 1) == text
+   end function continues_with
 
    !> Moves to the next line.
    pure subroutine skip_line(input)
@@ -122,10 +122,10 @@ contains
 
       do
          call input%skip_white()
-         if (.not. stands_here(input, '**')) exit
+         if (.not. continues_with(input, '**')) exit
          call skip_line(input)
       end do
-      is_there = input%position <= len(input%text) .and. .not. stands_here(input, '*') &
+      is_there = input%position <= len(input%text) .and. .not. continues_with(input, '*') &
          .and. .not. allocated(input%error)
    end subroutine next_data_line
 
@@ -146,7 +146,7 @@ contains
          if (.not. is_there) exit
          call skip_line(input)
       end do
-      if (.not. stands_here(input, '*')) return
+      if (.not. continues_with(input, '*')) return
       place = input%position
       input%position = input%position + 1
       call input%take_line(line)
@@ -204,7 +204,7 @@ contains
       logical, intent(out) :: is_there !! whether there is a comma
 
       call input%skip_blanks()
-      is_there = stands_here(input, ',')
+      is_there = continues_with(input, ',')
       if (.not. is_there) return
       input%position = input%position + 1
       call input%skip_blanks()
@@ -218,7 +218,7 @@ contains
 
       first = input%position
       do while (.not. is_at_line_end(input))
-         if (stands_here(input, ',')) exit
+         if (continues_with(input, ',')) exit
          input%position = input%position + 1
       end do
       field = input%text(first:input%position - 1)
@@ -291,7 +291,7 @@ contains
 
    !> Records where the text of a part begins, and skips it.
    pure subroutine start_part(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file so far
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: keyword, more, name
@@ -322,7 +322,7 @@ contains
 
    !> Starts an instance at its keyword line: reads its translation and rotation, and moves to the text of its part.
    pure subroutine start_instance(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file so far
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name, part
@@ -360,7 +360,7 @@ contains
 
    !> Ends an instance, if one has begun: moves its nodes, and gives nodes and elements numbers above all others.
    subroutine end_instance(raw, input, keyword)
-      type(raw_mesh_t), intent(inout) :: raw !! what the file says so far
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file so far
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: keyword !! the keyword that ends it; empty at the end of the file
       integer :: group, node, shift
@@ -622,7 +622,7 @@ contains
    pure subroutine add_members(raw, input, refusal, of_nodes, field, members)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the field
-      character(*), intent(in) :: refusal !! what a message says before the name of a set that is not there
+      character(*), intent(in) :: refusal !! the message on a missing set, up to its name
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
       character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
       type(integer_list_t), intent(inout) :: members !! numbers of the things

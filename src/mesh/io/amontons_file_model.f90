@@ -29,7 +29,7 @@ module amontons_file_model
    !> A material that a file defines, and the section that assigns it to a region.
    type :: file_material_t
       character(longest_name) :: name = '' !! its name
-      character(longest_name) :: region = '' !! region that it fills; empty before a section says it
+      character(longest_name) :: region = '' !! region that it fills; empty until a section names it
       real(dp) :: young(3) = 0.0_dp !! Young's modulus, or those along three axes; 0 if it is not given [F/L^2]
       real(dp) :: poisson(3) = 0.0_dp !! Poisson's ratio, or nu12, nu13, nu23 [-]
       real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
@@ -89,7 +89,7 @@ module amontons_file_model
    !> A named set: of elements, of lines and sides, of nodes.
    type :: raw_group_t
       character(:), allocatable :: name !! its name
-      integer :: n_scope = 0 !! number of characters of the name that tell the instance it belongs to
+      integer :: n_scope = 0 !! number of characters of the name that are the name of its instance
       character(:), allocatable, private :: key !! the name for comparisons, in lower case if the format ignores case
       integer :: place = 0 !! the end of the line that names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
@@ -121,9 +121,9 @@ module amontons_file_model
       integer :: n_groups = 0 !! number of named sets
       integer, allocatable, private :: sorted(:) !! the named sets in the order of their keys, and room for more
       integer, private :: n_members = 0 !! number of things in all of them that are not written out
-      logical :: ignores_case = .false. !! whether capital letters do not tell names apart
+      logical :: ignores_case = .false. !! whether names are compared without regard to case
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
-      character(12) :: hypothesis = '' !! the hypothesis that the elements are of; empty if the file says none
+      character(12) :: hypothesis = '' !! the hypothesis of the elements; empty if the file states none
       type(file_model_t) :: model !! materials, supports and loads
       type(file_part_t), allocatable :: parts(:) !! the parts so far
       type(file_part_t), allocatable :: instances(:) !! the instances of parts so far
@@ -131,7 +131,7 @@ module amontons_file_model
       integer :: place_behind = 0 !! position in the text after the instance whose part is being read; 0 if none is
       character(:), allocatable :: scope
          !! prefix of the names of sets at this position: that of an instance with a point
-      character(:), allocatable :: warning !! what the file says that matters and is not read; not allocated if nothing
+      character(:), allocatable :: warning !! warning on relevant contents that are not read, if there are any
       integer :: n_doubled = 0 !! number of elements that the file gives once more in the same set, which are left out
       integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! repairs and omissions, a line of text for each

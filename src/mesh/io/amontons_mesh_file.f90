@@ -115,7 +115,7 @@ contains
 
       !> Refuses names of sets that the first mesh has as well.
       subroutine refuse_doubles(noun, sets)
-         character(*), intent(in) :: noun !! what they are the names of, 'set' or 'region'
+         character(*), intent(in) :: noun !! kind of thing that they are names of: 'set' or 'region'
          type(named_set_t), intent(in), optional :: sets(:) !! sets of the other mesh; may be not allocated
          logical :: is_double
 

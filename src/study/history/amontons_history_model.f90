@@ -81,7 +81,7 @@ module amontons_history_model
       real(dp) :: time = 0.0_dp !! the time [-]
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
       real(dp), allocatable :: added_gap(:)
-         !! what is added to the gaps: by who takes the steps and, once a step is taken, by what was worn before (m) [L]
+         !! addition to the gaps, given by the caller of a step; after the step with the wear before it (m) [L]
    end type instant_t
 
    !> Number of numbers of a saved state in addition to those of its contact points and locks.

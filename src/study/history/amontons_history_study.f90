@@ -362,7 +362,7 @@ contains
       ! A history that starts at its last time has no steps.
       do i = 1, merge(size(followed), 0, size(result%extremes) > 0)
          do k = 1, 2
-            ! The least pressure, shear and slip of the whole line say nothing.
+            ! The least pressure, shear and slip of a whole line are of no interest.
             if (k == 1 .and. followed(i)%has_place) cycle
             list = [list, quantity_t(lower_case(trim(extreme_words(k)))//'_'//followed(i)%key, &
                trim(extreme_words(k))//' '//lower_case(followed(i)%label(:1))//followed(i)%label(2:), &

@@ -48,7 +48,7 @@ module amontons_sweep_chunk
    !> The stored result of one case.
    type :: case_result_t
       integer :: outcome = outcome_not_converged !! its outcome
-      logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
+      logical :: has_solution = .false. !! whether it has numbers, all of them finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp), allocatable :: scale(:) !! scales of their rounding errors, if larger than the numbers themselves
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]

@@ -46,7 +46,7 @@ module amontons_sweep_study
 
    public :: n_documents, new_sweep_summary, sweep_documents, sweep_result_t, sweep_study_t
 
-   !> What the summary and the screen say of a sweep without any equilibrium.
+   !> Message of summary and screen on a sweep without any equilibrium.
    character(*), parameter :: nothing_balances = &
       'no case has an equilibrium: contact and friction cannot balance the loads of any'
 
