@@ -641,18 +641,13 @@ contains
    !> Number of contact points of each status, as text.
    pure function status_counts(status, dimension) result(text)
       integer, intent(in) :: status(:) !! statuses of the points
-      integer, intent(in), optional :: dimension !! of the problem; 2 if it is not given
+      integer, intent(in) :: dimension !! components of their displacements, 2 or 3
       character(:), allocatable :: text
 
-      if (present(dimension)) then
-         if (dimension == 3) then
-            text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_point))//' slip, '// &
-               to_text(count(status == stick_point))//' stick'
-            return
-         end if
-      end if
-      text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_plus))//' slip+, '// &
-         to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
+      text = to_text(count(status == slip_plus))//' slip+, '//to_text(count(status == slip_minus))//' slip-'
+      if (dimension == 3) text = to_text(count(status == slip_point))//' slip'
+      text = to_text(count(status == open_point))//' open, '//text//', '//to_text(count(status == stick_point))// &
+         ' stick'
    end function status_counts
 
    !> Number of closed contact points, as text.

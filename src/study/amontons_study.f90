@@ -4,6 +4,7 @@
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
    use amontons_body, only: body_t, estimate_body, estimate_t
+   use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure, warning_list_t
@@ -141,15 +142,19 @@ contains
    end subroutine outcome_lack
 
    !> Records whether a solution converged and is certified.
-   pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
+   pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance, condition)
       class(outcome_t), intent(inout) :: self !! the outcome
       logical, intent(in) :: is_converged !! whether the method converged
       real(dp), intent(in) :: residual !! its residual [-]
       real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      real(dp), intent(in) :: condition !! condition number of the stiffness; 0 if it explains no violation [-]
 
       call find_exit_status(is_converged, residual, violation, tolerance, self%status, self%message)
-      if (self%status /= 0) self%word = solution_word(is_converged, .false.)
+      if (self%status == 0) return
+      self%word = solution_word(is_converged, .false.)
+      if (is_converged .and. condition > 0.0_dp) self%message = self%message// &
+         '; the condition number of the stiffness is about '//rounded(condition)
    end subroutine outcome_judge
 
    !> Iterations and residual of a solution, as named numbers.

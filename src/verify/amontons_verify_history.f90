@@ -60,11 +60,8 @@ contains
       type(config_t) :: solved
       type(result_t) :: step
       type(error_t), allocatable :: error
-      integer :: n_faults, n_iterations, i, stated, row, k
-      type(history_table_t), allocatable :: tables(:)
-      character(:), allocatable :: fault, unread
+      integer :: n_faults, n_iterations, stated
       real(dp), allocatable :: start(:)
-      real(dp) :: value, stiffness
 
       ! A case that was spread over ranks is checked on any number of them.
       solved = case%config
@@ -79,9 +76,7 @@ contains
       associate (stepping => again%result%stepping, last => again%result%last)
          if (len(case%value('', 'message')) > 0 .and. .not. allocated(last%answer)) then
             call stepping%advance(again%model, cache%body, cache%problem)
-            last%is_complete = len(stepping%fault) == 0
-            last%outcome = stepping%outcome
-            last%answer = stepping%fault
+            call again%result%record_end()
          end if
          if (allocated(last%answer)) then
             call verify_answer(case, cache%body, last)
@@ -89,33 +84,7 @@ contains
          end if
          n_faults = case%faults%n
          again%entries = ''
-         ! Reads the tables, and finds what their numbers are measured by.
-         call history_tables(tables, again%model, cache%body, size(again%result%stepping%record%saved_numbers()))
-         allocate (again%tables(size(tables)))
-         do i = 1, size(tables)
-            associate (table => again%tables(i))
-               table%history_table_t = tables(i)
-               if (table%content == of_grids) cycle
-               call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
-               table%header = table%header(:len(table%header) - 1)
-               call case%fault(table%ending, fault)
-               if (len(fault) == 0) then
-                  table%largest(number_alone) = 1.0_dp
-                  unread = ''
-                  do row = 1, table%csv%n_rows
-                     do k = 1, size(table%kinds)
-                        if (table%kinds(k) == number_alone) cycle
-                        ! A field that is not a number differs from the computed one.
-                        call table%csv%get_number(row, k, value, unread)
-                        table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
-                     end do
-                  end do
-                  stiffness = sum(cache%problem%matrix%augmentation)
-                  if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), &
-                     table%largest(a_force)/stiffness)
-               end if
-            end associate
-         end do
+         call read_tables(case, again, cache)
          if (case%faults%n == n_faults) call repeat_steps(case, again, cache)
          if (case%faults%n > n_faults) return
          call again%result%add_warnings(cache%body)
@@ -127,8 +96,7 @@ contains
          last%slip_record = step%slip_record
          n_iterations = stepping%n_iterations
          call try_next_step(case, again, cache)
-         last%is_complete = len(stepping%fault) == 0
-         last%outcome = stepping%outcome
+         call again%result%record_end()
          ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
          ! another machine, as far as they can be true.
          associate (result => again%result, stepping => again%result%stepping)
@@ -147,6 +115,44 @@ contains
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium
       end associate
    end subroutine verify_history
+
+   !> Reads the tables of a history, and finds the scales of their numbers.
+   subroutine read_tables(case, again, cache)
+      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
+      type(retrace_t), intent(inout) :: again !! the history where it begins; gains the tables
+      type(cache_t), intent(in) :: cache !! the body
+      type(history_table_t), allocatable :: tables(:)
+      character(:), allocatable :: fault, unread
+      real(dp) :: value, stiffness
+      integer :: i, k, row
+
+      call history_tables(tables, again%model, cache%body, size(again%result%stepping%record%saved_numbers()))
+      allocate (again%tables(size(tables)))
+      do i = 1, size(tables)
+         associate (table => again%tables(i))
+            table%history_table_t = tables(i)
+            if (table%content == of_grids) cycle
+            call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
+            table%header = table%header(:len(table%header) - 1)
+            call case%fault(table%ending, fault)
+            if (len(fault) == 0) then
+               table%largest(number_alone) = 1.0_dp
+               unread = ''
+               do row = 1, table%csv%n_rows
+                  do k = 1, size(table%kinds)
+                     if (table%kinds(k) == number_alone) cycle
+                     ! A field that is not a number differs from the computed one.
+                     call table%csv%get_number(row, k, value, unread)
+                     table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
+                  end do
+               end do
+               stiffness = sum(cache%problem%matrix%augmentation)
+               if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), &
+                  table%largest(a_force)/stiffness)
+            end if
+         end associate
+      end do
+   end subroutine read_tables
 
    !> Takes the steps again, row by row, up to the first one that does not agree.
    subroutine repeat_steps(case, again, cache)

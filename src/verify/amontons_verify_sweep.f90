@@ -76,7 +76,8 @@ contains
          if (allocated(error)) then
             call case%fault('.deck.nml', error%message)
             return
-         else if (allocated(certified%answer)) then
+         end if
+         if (allocated(certified%answer)) then
             call verify_answer(case, cache%body, certified)
             return
          end if

@@ -88,6 +88,8 @@ module amontons_load_family
       logical, allocatable :: is_coefficient(:)
          !! whether the factor of a part is Coulomb's coefficient itself, in the place of the key `friction` (parts)
       logical :: moves_obstacles = .false. !! whether obstacles of members move
+   contains
+      procedure :: add => parting_add
    end type parting_t
 
    !> The parts of a family, and the data that its members share.
@@ -390,6 +392,19 @@ contains
       allocate (parting%driven(0))
       allocate (parting%is_coefficient(1), source=.false.)
    end function one_part
+
+   !> Adds a part, to which some of the loads, supports and contact sets belong.
+   pure subroutine parting_add(self, loads, supports, contacts)
+      class(parting_t), intent(inout) :: self !! the parting
+      logical, intent(in) :: loads(:) !! whether each load belongs to the new part
+      logical, intent(in) :: supports(:) !! whether the displacements that each support prescribes do
+      logical, intent(in) :: contacts(:) !! whether the friction of each contact set does
+
+      self%n_parts = self%n_parts + 1
+      where (loads) self%load = self%n_parts
+      where (supports) self%support = self%n_parts
+      where (contacts) self%friction = self%n_parts
+   end subroutine parting_add
 
    !> Divides a load case into parts; the body need not be condensed.
    subroutine new_load_family(family, body, load_case, parting, error)

@@ -201,25 +201,13 @@ contains
       parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
       allocate (model%part_of(size(config%history%steps)), source=0)
       do i = 1, size(model%part_of)
-         associate (change => config%history%steps(i))
+         associate (change => config%history%steps(i), loads => prepared%loads, supports => prepared%supports, &
+            contacts => prepared%contacts)
             if (change%target == stepped_obstacle) cycle
-            parting%n_parts = parting%n_parts + 1
+            call parting%add([(change%target == stepped_load .and. change%name == loads(k)%name, k=1, size(loads))], &
+               [(change%target == stepped_support .and. change%name == supports(k)%name, k=1, size(supports))], &
+               [(change%target == stepped_friction .and. change%acts_on(contacts(k)), k=1, size(contacts))])
             model%part_of(i) = parting%n_parts
-            do k = 1, size(parting%load)
-               if (change%target == stepped_load .and. change%name == prepared%loads(k)%name) then
-                  parting%load(k) = model%part_of(i)
-               end if
-            end do
-            do k = 1, size(parting%support)
-               if (change%target == stepped_support .and. change%name == prepared%supports(k)%name) then
-                  parting%support(k) = model%part_of(i)
-               end if
-            end do
-            do k = 1, size(parting%friction)
-               if (change%target == stepped_friction .and. change%acts_on(prepared%contacts(k))) then
-                  parting%friction(k) = model%part_of(i)
-               end if
-            end do
          end associate
       end do
       parting%driven = body%lockable

@@ -87,6 +87,7 @@ module amontons_history_study
       procedure :: add_warnings => history_result_add_warnings
       procedure :: error_from_rest => history_result_error_from_rest
       procedure :: record_certificate => history_result_record_certificate
+      procedure :: record_end => history_result_record_end
       procedure :: record_step => history_result_record_step
       procedure, private :: visit => history_result_visit
    end type history_result_t
@@ -135,8 +136,6 @@ contains
          result%n_resumed = result%stepping%n_steps
       end if
       call take_steps(cache, model, files, monitor, result, error)
-      result%last%is_complete = len(result%stepping%fault) == 0
-      result%last%outcome = result%stepping%outcome
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
       ! The tables of changes are among the files that were read.
       do i = 1, size(config%history%steps)
@@ -396,6 +395,15 @@ contains
       self%n_certified = self%n_certified + 1
    end subroutine history_result_record_certificate
 
+   !> Records in the result of the last step how the history ended.
+   pure subroutine history_result_record_end(self)
+      class(history_result_t), intent(inout) :: self !! the history, with its last step
+
+      self%last%is_complete = len(self%stepping%fault) == 0
+      self%last%outcome = self%stepping%outcome
+      if (self%stepping%n_steps == 0) self%last%answer = self%stepping%fault
+   end subroutine history_result_record_end
+
    !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory if those of
    !> the last step are not, which has its own warnings.
    subroutine history_result_add_warnings(self, body)
@@ -473,10 +481,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
+      call result%record_end()
       if (result%stepping%n_steps == 0) then
          ! No equilibrium at the first time is an outcome; a misplaced obstacle is an error.
          associate (stepping => result%stepping)
-            result%last%answer = stepping%fault
             if (stepping%fault_kind > 0 .and. stepping%outcome /= outcome_no_equilibrium) call new_error(error, &
                stepping%fault_kind, stepping%fault)
          end associate
@@ -830,7 +838,7 @@ contains
          resultants(result%last%solution%force, size(result%last%solution%status))]
       outcome%has_grids = result%last%is_complete
       if (result%last%is_complete) call outcome%judge(.true., result%worst(of_residual)%value, &
-         result%last%earlier_violation, self%config%method%tolerance)
+         result%last%earlier_violation, self%config%method%tolerance, result%last%condition)
    end subroutine history_study_solve
 
    !> The energies and works of a history; the error is that of the time stepping.

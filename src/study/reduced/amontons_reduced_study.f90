@@ -315,7 +315,7 @@ contains
       outcome%warnings = result%warnings
       outcome%numbers = method_numbers(result%solution)
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%check%largest(), &
-         self%config%method%tolerance)
+         self%config%method%tolerance, condition=0.0_dp)
       associate (unused => cache, unused_too => monitor)
       end associate
    end subroutine reduced_study_solve

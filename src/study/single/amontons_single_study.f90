@@ -1,7 +1,6 @@
 !> The study of a single case, on its mesh and, if the deck asks for it, on uniformly refined ones: the files are those
 !> of the finest mesh, its key results with observed order, extrapolated value and error bar.
 module amontons_single_study
-   use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_key_results, only: resultants
@@ -120,9 +119,7 @@ contains
          result%solution%force, size(result%solution%status))]
       outcome%has_grids = result%solution%is_converged
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
-         config%method%tolerance)
-      if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
-         outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
+         config%method%tolerance, result%condition)
    end subroutine report_case
 
    !> The line on the result of a case.

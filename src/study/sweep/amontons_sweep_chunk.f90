@@ -429,22 +429,15 @@ contains
       integer :: i, k
 
       parting = one_part(load_case)
-      parting%n_parts = 1 + size(sweep%axes)
-      parting%is_coefficient = [.false., sweep%axes%target == swept_friction]
       do k = 1, size(sweep%axes)
-         associate (axis => sweep%axes(k))
-            do i = 1, size(parting%load)
-               if (axis%target == swept_load .and. axis%name == load_case%loads(i)%name) parting%load(i) = 1 + k
-            end do
-            do i = 1, size(parting%support)
-               if (axis%target == swept_load .and. load_case%supports(i)%is_driven() .and. &
-                  axis%name == load_case%supports(i)%name) parting%support(i) = 1 + k
-            end do
-            do i = 1, size(parting%friction)
-               if (axis%acts_on(load_case%contacts(i)%set)) parting%friction(i) = 1 + k
-            end do
+         associate (axis => sweep%axes(k), loads => load_case%loads, supports => load_case%supports, &
+            contacts => load_case%contacts)
+            call parting%add([(axis%target == swept_load .and. axis%name == loads(i)%name, i=1, size(loads))], &
+               [(axis%target == swept_load .and. supports(i)%is_driven() .and. axis%name == supports(i)%name, &
+               i=1, size(supports))], [(axis%acts_on(contacts(i)%set), i=1, size(contacts))])
          end associate
       end do
+      parting%is_coefficient = [.false., sweep%axes%target == swept_friction]
    end function parting_of
 
    !> Makes the load case of a case of the sweep, condensed if the loads are.

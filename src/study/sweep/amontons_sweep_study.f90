@@ -9,12 +9,10 @@
 module amontons_sweep_study
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint
-   use amontons_conditioning, only: rounded
    use amontons_config, only: config_t, effective_deck
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_document, only: document_t, json_logical, json_number, json_string
-   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: new_error, error_t
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
@@ -28,7 +26,7 @@ module amontons_sweep_study
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, evaluate, take_no_equilibrium
+   use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
    use amontons_sweep_chunk, only: case_keys, chunk_length, chunk_t, new_case, new_chunk, outcome_labels, &
@@ -135,10 +133,7 @@ contains
          if (number > 0) then
             call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
             call solve_cases(task, cache%body, cache%problem, chunk, solutions)
-            certified%solution = solutions(number - chunk%first + 1)
-            call new_case(certified%load_case, task, cache%body, number)
-            certified%wants_error_estimate = task%wants_error_estimate
-            call certify(certified, cache%body, error)
+            call evaluate_case(certified, task, cache%body, number, solutions(number - chunk%first + 1), error)
             if (allocated(error)) return
             call add_conditioning(certified, cache%body)
          end if
@@ -146,6 +141,21 @@ contains
          call certified%timings%begin(phase_write)
       end associate
    end subroutine finish_sweep
+
+   !> Computes the results of a case on the full model, and its certificate.
+   subroutine evaluate_case(result, task, body, number, solution, error)
+      type(result_t), intent(inout) :: result !! gains solution, load case, and what follows
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      type(error_t), allocatable, intent(out) :: error !! numbers of the case are not finite
+
+      result%solution = solution
+      result%wants_error_estimate = task%wants_error_estimate
+      call new_case(result%load_case, task, body, number)
+      call certify(result, body, error)
+   end subroutine evaluate_case
 
    !> Opens the table, with the rows of an earlier run if there are any, and solves batch after batch until all cases
    !> are done or the monitor stops the sweep.
@@ -258,11 +268,8 @@ contains
          do number = chunk%first, chunk%last
             i = number - chunk%first + 1
             if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= outcome_solved) cycle
-            result%solution = solutions(i)
-            result%wants_error_estimate = task%wants_error_estimate
-            call new_case(result%load_case, task, body, number)
-            call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement)
-            call evaluate(result, body)
+            call evaluate_case(result, task, body, number, solutions(i), error)
+            if (allocated(error)) return
             call write_grids(manifest, task%units, stem(:slash), folder//to_text(number), body, result, error)
             if (allocated(error)) return
             entry = case_entries(to_text(number), folder//to_text(number))
@@ -541,9 +548,7 @@ contains
             call outcome%lack(word_no_equilibrium, nothing_balances)
          else
             call outcome%judge(.true., statistics%residual, result%certified%certificate%largest(), &
-               self%config%method%tolerance)
-            if (outcome%status /= 0 .and. result%certified%condition > 0.0_dp) outcome%message = outcome%message// &
-               '; the condition number of the stiffness is about '//rounded(result%certified%condition)
+               self%config%method%tolerance, result%certified%condition)
          end if
       end associate
    end subroutine sweep_study_solve
