@@ -177,19 +177,28 @@ class Problems(SpaceTest):
             self.assertLess(summary["iterations"], 60)
 
     def test_turned_tangents_change_no_number(self):
-        for seed in range(8):
+        # Contacts have scales of their own: in the first and the last problem the first residual within the tolerance
+        # leaves errors of up to 1.5e-9.
+        for seed in range(0, 64, 8):
             w, q, mu = random_problem(6, 100 + seed)
-            angles = [random.Random(seed).uniform(0, 6) for _ in mu]
+            scale = [10.0**random.Random(1000*seed + i//3).uniform(-3, 3) for i in range(len(q))]
+            w = [[value*(a*b) for value, b in zip(row, scale, strict=True)] for row, a in zip(w, scale, strict=True)]
+            q = [value*a for value, a in zip(q, scale, strict=True)]
+            angles = [random.Random(seed + k).uniform(0, 6) for k in range(len(mu))]
             self.write("plain.dat", text_of(w, q, mu))
             self.write("turned.dat", text_of(*turned(w, q, angles), mu))
             self.run_program("--reduced", "plain.dat", "turned.dat")
-            for one, other, angle in zip(self.table("plain"), self.table("turned"), angles, strict=True):
+            plain = self.table("plain")
+            length, force = (max(abs(row[i]) for row in plain for i in columns) for columns in ((1, 2, 3), (4, 5, 6)))
+            size = [length]*3 + [force]*3 + [1.0]*2
+            for one, other, angle in zip(plain, self.table("turned"), angles, strict=True):
                 self.assertEqual(one[-1], other[-1])
                 c, s = math.cos(angle), math.sin(angle)
                 back = [other[1], c*other[2] - s*other[3], s*other[2] + c*other[3], other[4],
                         c*other[5] - s*other[6], s*other[5] + c*other[6], c*other[7] - s*other[8],
                         s*other[7] + c*other[8]]
-                self.assert_close(one[1:9], back, 1e-12)
+                self.assert_close([value/one_of for value, one_of in zip(one[1:9], size)],
+                                  [value/one_of for value, one_of in zip(back, size)], 1e-12)
 
     def test_file_is_written_the_same_again(self):
         shutil.copy(SAMPLES / "columns.dat", self.directory / "case.dat")
