@@ -97,7 +97,7 @@ def cell_text(value: Union[float, str, None]) -> str:
         return html.escape(value)
     if value and abs(value) < 1e-3:
         return scientific(value)
-    return f"{float(f'{value:.5g}'):.10g}".replace("e+", "e")
+    return f"{float(f'{value:.5g}'):.6g}".replace("e+0", "e").replace("e+", "e")
 
 
 def table_of(cases: list[Case], smalls: list[str]) -> str:
@@ -121,8 +121,8 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
     for case, small, found in zip(cases, smalls, numbers):
         name, color = html.escape(case.summary["case"]), verdict_of(case.summary)[0]
         title = html.escape(case.summary.get("title") or "")
-        cells = "".join(f'<td data-label="{html.escape(labels[key])}">{cell_text(found.get(key))}</td>'
-                        for key in shown)
+        cells = "".join(f'<td data-label="{html.escape(labels[key])}"' + ' class="word"' * isinstance(found.get(key), str)
+                        + f">{cell_text(found.get(key))}</td>" for key in shown)
         body += (f'<tr><td><a href="#{name}">{small}</a></td><td class="name"><a href="#{name}">{name}</a>'
                  f'<span class="title">{title}</span></td><td class="mark {color}">{color}</td>{cells}'
                  "<td hidden></td></tr>\n")
@@ -132,17 +132,19 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
     results = [key for key in (*SHOWN, *keys) if key in measured]
     # Cases without a solution have no results.
     over = [key for key in (*common, *inputs) if key in inputs and key in measured] or measured[-1:]
-    data = json.dumps({"labels": labels, "cases": values, "colors": COLORS,
+    data = json.dumps({"labels": labels, "inputs": inputs, "cases": values, "colors": COLORS,
                        "chart": [*over[:1], *results[:1]]}).replace("<", "\\u003c")
     axes = "".join(f'<option value="{html.escape(key)}">{html.escape(labels[key])}</option>' for key in measured)
-    chart = f"""<details class="chart" open><summary>Chart</summary><div class="tools">
+    chart = f"""<details class="chart"{" open" * any(key in inputs for key in over)}><summary>Chart</summary><div class="tools">
 <label>Over <select id="over">{axes}</select></label> <label>draw <select id="drawn">{axes}</select></label></div>
 <svg id="chart" viewBox="0 0 720 360" role="img" aria-label="chart of the cases"></svg></details>
 """ if len(cases) > 1 and results else ""
-    return f"""<div class="tools"><label>Search <input type="search" id="find" placeholder="name, title, value"></label>
+    # Of one case there is nothing to search and sort.
+    return f"""<div class="tools"{" hidden" * (len(cases) < 2)}><label>Search <input type="search" id="find"
+placeholder="bar friction&gt;0.3" title="words of names, titles and values that differ; a key or result with &lt;, &gt; or ="></label>
 <span id="count" role="status"></span><label>Sort by <select id="by">{choice}</select></label>
 <label><input type="checkbox" id="down"> largest first</label></div>
-{chart}<div class="wide"><table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
+{chart}<div class="wide"{" hidden" * (not cases)}><table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
 {body}</tbody></table></div>
 <script type="application/json" id="results">{data}</script>
 """
@@ -232,6 +234,12 @@ def decks_of(folder: Path, outcomes: Sequence[str]) -> list[tuple[str, str]]:
     return [(row["deck"], row["message"]) for row in rows if row["outcome"] in outcomes]
 
 
+def without_deck(message: str, deck: str) -> str:
+    """A message on a deck that is named beside it, with the word line before its line."""
+    rest = message.removeprefix(f"{deck}:")
+    return message if rest == message else "line " * rest[:1].isdigit() + rest.lstrip()
+
+
 def drawn(numbered: tuple[int, str]) -> tuple[list[str], str]:
     """The pictures of a case that is numbered in its page, and the small one."""
     number, path = numbered
@@ -265,8 +273,9 @@ def page_of(folder: Path, paths: list[str]) -> str:
     units = f"Units: {html.escape(units_of(found))}." if units_of(found) else \
         "Lengths, forces and stresses are in the units of the decks."
     others = (("red", "failed: ", failures), ("amber", "", without + replaced))
-    unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
-                       "</span></p>\n" for color, words, some in others for deck, message in some)
+    unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>'
+                       f"{html.escape(without_deck(message, deck))}</span></p>\n"
+                       for color, words, some in others for deck, message in some)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
                      for ending in ("css", "js"))

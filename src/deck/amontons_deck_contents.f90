@@ -145,7 +145,9 @@ contains
             contents%n_groups = contents%n_groups + 1
             contents%groups(contents%n_groups) = group
          else
-            call refuse_token(contents, 'expected a group such as &mesh', cursor%token)
+            next = 'expected a group such as &mesh'
+            if (scan(text(cursor%token%first:cursor%token%first), '#%') > 0) next = next//' (comments begin with !)'
+            call refuse_token(contents, next, cursor%token)
             contents%hides_groups = .true.
             do
                call advance(cursor, text)
@@ -304,6 +306,7 @@ contains
       type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked where its form is faulty
       type(deck_value_t) :: value
       type(deck_token_t) :: count
+      character(:), allocatable :: hint
       logical :: ok, is_joined
 
       if (cursor%ahead%kind == '*') then
@@ -326,12 +329,16 @@ contains
          value%is_text = token%kind == text_token
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
             ! Records a word in the place of a value.
-            if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
-               call refuse_value_token(contents, assignment, 'expected a number, .true., .false. or quoted '// &
-                  "text, or '=' after a key", token)
+            hint = typographic_fault(contents%text(token%first:token%last))
+            if (len(hint) == 0) then
+               ! Where it is not the first part of a path.
+               if (is_name(lower_case(contents%text(token%first:token%last))) .and. .not. (is_touching(cursor) .and. &
+                  cursor%ahead%kind == '/')) hint = " ('"//token_text(contents%text, token)//"')"
+               call refuse_value_token(contents, assignment, 'expected a number, .true., .false. or quoted text'// &
+                  hint//", or '=' after a key", token)
             else if (.not. assignment%is_faulty) then
-               call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
-                  column_text(contents%text, token%first))
+               call contents%faults%add(token%line, excerpt(assignment%key)//': '//hint//column_text(contents%text, &
+                  token%first))
             end if
             assignment%is_faulty = .true.
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
@@ -542,17 +549,23 @@ contains
       if (.not. may_be_value) may_be_value = any(words == lower_case(word))
    end function may_be_value
 
-   !> Whether a word has a quote as word processors write it: the UTF-8 characters U+2018 to U+201F, U+00AB or U+00BB.
-   pure logical function has_typographic_quote(word) result(has)
+   !> What is wrong with a word that has a character as word processors and web pages write it, in UTF-8: quotes (U+2018
+   !> to U+201F, U+00AB, U+00BB), dashes and the minus (U+2010 to U+2015, U+2212), the non-breaking blank (U+00A0).
+   pure function typographic_fault(word) result(fault)
       character(*), intent(in) :: word !! the word
+      character(:), allocatable :: fault
       character(*), parameter :: general = char(226)//char(128), latin = char(194)
-      integer :: code
+      integer, parameter :: first_dash = 144, first_quote = 152, last_quote = 159
+      integer :: code, n_dashes, n_quotes
 
-      has = index(word, latin//char(171)) > 0 .or. index(word, latin//char(187)) > 0
-      do code = 152, 159
-         has = has .or. index(word, general//char(code)) > 0
-      end do
-   end function has_typographic_quote
+      n_dashes = count([(index(word, general//char(code)) > 0, code=first_dash, first_quote - 1)])
+      n_quotes = count([(index(word, general//char(code)) > 0, code=first_quote, last_quote)])
+      fault = ''
+      if (index(word, latin//char(160)) > 0) fault = 'a non-breaking blank; use a plain one'
+      if (n_dashes > 0 .or. index(word, char(226)//char(136)//char(146)) > 0) fault = 'a typographic minus; use -'
+      if (n_quotes > 0 .or. index(word, latin//char(171)) > 0 .or. index(word, latin//char(187)) > 0) fault = &
+         'typographic quotes; use '' or "'
+   end function typographic_fault
 
    !> A token for a message: as written, punctuation in quotes.
    pure function token_text(text, token) result(name)

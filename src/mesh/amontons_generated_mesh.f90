@@ -39,10 +39,11 @@ contains
    !> Refines a mesh several times, dividing every element into four. The nodes keep their numbers, new ones follow
    !> them; element e becomes the elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, node
    !> sets do not change.
-   subroutine refine_mesh(mesh, n_times, error)
+   subroutine refine_mesh(mesh, n_times, error, n_finest)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
       integer, intent(in) :: n_times !! number of uniform refinements
       type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
+      integer, intent(in), optional :: n_finest !! number of refinements that must be possible later on
       ! As many as a generated mesh may have.
       real(dp), parameter :: most_nodes = 2.0_dp**27
       ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
@@ -50,14 +51,16 @@ contains
       type(mesh_t) :: parent, quadratic
       integer, allocatable :: kinds(:)
       real(dp) :: n_nodes, megabytes
-      integer :: i
+      integer :: i, n_most
 
-      n_nodes = mesh%n_nodes*real(n_parts, dp)**n_times
+      n_most = n_times
+      if (present(n_finest)) n_most = max(n_times, n_finest)
+      n_nodes = mesh%n_nodes*real(n_parts, dp)**n_most
       megabytes = 1.0e-6_dp*node_bytes*n_nodes
       if (n_nodes > most_nodes) then
-         call new_error(error, input_refused, 'refined '//to_text(n_times)//' times, the mesh has more nodes than '// &
+         call new_error(error, input_refused, 'refined '//to_text(n_most)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
-      else if (megabytes > available_memory_mb() .and. n_times > 0) then
+      else if (megabytes > available_memory_mb() .and. n_most > 0) then
          call new_error(error, system_failure, 'not enough memory: '//to_text(nint(n_nodes, int64))// &
             ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
             to_text(nint(available_memory_mb(), int64))//' MB are available')

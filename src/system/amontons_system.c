@@ -17,7 +17,35 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-/* Makes a directory and its parents. Returns 0 when it exists afterwards, the system's error number otherwise. */
+/* The directories that this process has made, by their names from the root on. */
+static char **made = NULL;
+static size_t n_made = 0;
+
+/* Removes the directories that this process has made and that are empty: a run that fails leaves none of them. */
+static void remove_empty_directories(void)
+{
+    while (n_made > 0)
+        rmdir(made[--n_made]);
+}
+
+/* Makes a directory, which is noted. Returns 0 or the system's error number. */
+static int make_and_note(const char *path)
+{
+    if (mkdir(path, 0777) != 0)
+        return errno;
+    char **longer = realloc(made, (n_made + 1) * sizeof *made);
+    if (!longer)
+        return 0;
+    if (!made)
+        atexit(remove_empty_directories);
+    made = longer;
+    made[n_made] = realpath(path, NULL);
+    n_made += made[n_made] != NULL;
+    return 0;
+}
+
+/* Makes a directory and its parents; at the end of the process those that are still empty are removed. Returns 0 when it
+   exists afterwards, the system's error number otherwise. */
 int amontons_make_directory(const char *path)
 {
     char parent[PATH_MAX];
@@ -31,13 +59,13 @@ int amontons_make_directory(const char *path)
             continue;
         memcpy(parent, path, i);
         parent[i] = '\0';
-        if (mkdir(parent, 0777) != 0 && errno != EEXIST)
-            return errno;
+        int code = make_and_note(parent);
+        if (code != 0 && code != EEXIST)
+            return code;
     }
-    if (mkdir(path, 0777) == 0)
-        return 0;
-    if (errno != EEXIST)
-        return errno;
+    int code = make_and_note(path);
+    if (code != EEXIST)
+        return code;
     struct stat status;
     if (stat(path, &status) != 0)
         return errno;

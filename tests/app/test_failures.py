@@ -161,6 +161,13 @@ class SystemFailure(ProgramTest):
                 self.assertRegex(run.stderr, r"^case\.nml: \./case\.[a-z.]+: cannot write this file: ")
                 self.assertEqual(self.contents(), before)
 
+    def test_folders_that_stayed_empty_are_removed(self):
+        for folder in ("new", "new/in/another"):
+            run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", "prlimit", "--fsize=100", PROGRAM, "--output",
+                                    folder, "case.nml"], 3)
+            self.assertRegex(run.stderr, rf"^case\.nml: {folder}/case\.[a-z.]+: cannot write this file: ")
+            self.assertFalse((self.directory / "new").exists())
+
     @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
     def test_full_disk(self):
         # A file system of a few pages is filled more and more, until the files no longer find room: each is the first

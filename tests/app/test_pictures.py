@@ -461,6 +461,37 @@ class Pictures(ProgramTest):
             self.assertNotIn("CONSOLE", run.stderr)
 
     @unittest.skipIf(BROWSER is None, "chromium is not installed")
+    def test_a_search_compares_numbers_and_a_chart_of_equal_ones_has_different_ticks(self):
+        for i in range(1, 13):
+            # Pressures of ten digits, which rounding alone distinguishes.
+            self.write(f"bar_{i}.nml", block(SUPPORT, "load set = 'top'  pressure = 7.0e9",
+                                             f"contact name = 'on \"it\"'  set = 'bottom'  friction = {i/10}",
+                                             material="young = 1.0e14  poisson = 0.0"))
+            self.run_program("--quiet", "--output", "found", f"bar_{i}.nml")
+        self.script("report", "found")
+        page = self.directory / "found" / "report.html"
+        probe = """<script>addEventListener('load', () => {
+            const search = document.getElementById('find'), by = document.getElementById('by');
+            const drawn = document.getElementById('drawn');
+            const seen = word => { search.value = word; search.dispatchEvent(new Event('input'));
+               return [...document.querySelectorAll('.cases tbody tr')].filter(row => !row.hidden).length; };
+            const found = ['friction>0.95', 'contact_friction<=0.3', 'friction=0.3', '0.3', '1', 'bar_1', 'green', 'max',
+               'max_contact_pressure>1e6', 'bar_1 friction<1.05'].map(seen).join(' ');
+            seen('');
+            for (const one of by.options) { by.value = one.value; by.dispatchEvent(new Event('change')); }
+            drawn.value = 'max_contact_pressure'; drawn.dispatchEvent(new Event('change'));
+            const ticks = [...document.querySelectorAll('#chart text[text-anchor=end]')].map(one => one.textContent);
+            document.title = [found, new Set(ticks).size === ticks.length, Math.max(...ticks.map(one => one.length)) < 9,
+               ''].join(' | ') })</script>"""
+        page.write_text(page.read_text(encoding="utf-8") + probe, encoding="utf-8")
+        run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
+                              "--enable-logging=stderr", "--window-size=1280,900",
+                              f"--user-data-dir={self.directory / 'profile'}", "--dump-dom", page.as_uri()],
+                             capture_output=True, encoding="utf-8", timeout=300, check=True)
+        self.assertIn("<title>3 3 1 1 4 4 12 0 12 2 | true | true |", run.stdout)
+        self.assertNotIn("CONSOLE", run.stderr)
+
+    @unittest.skipIf(BROWSER is None, "chromium is not installed")
     def test_a_search_finds_rows_that_are_sorted_otherwise_and_long_names_wrap(self):
         # The folder has 10 before 2, the page 2 before 10.
         long = "a_name_without_a_blank_" * 8 + "1"

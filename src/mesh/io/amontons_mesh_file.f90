@@ -25,6 +25,7 @@ module amontons_mesh_file
       type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
       real(dp) :: origin(2) = 0.0_dp !! position of the origin of its own coordinates [L]
       integer :: n_refinements = 0 !! number of uniform refinements
+      integer :: n_finest = 0 !! that of the finest mesh of a study on several ones, which is checked to be possible
       character(:), allocatable :: place !! where it was specified, for messages: 'deck.nml:12: '
    end type mesh_part_t
 
@@ -260,7 +261,7 @@ contains
          notes = notes//more
       end do
       if (allocated(error)) return
-      call refine_mesh(mesh, n_common, error)
+      call refine_mesh(mesh, n_common, error, minval(parts%n_finest))
       if (allocated(error)) error%message = parts(1)%place//error%message
    end subroutine new_mesh
 

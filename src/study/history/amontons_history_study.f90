@@ -750,6 +750,7 @@ contains
       real(dp), allocatable :: values(:, :)
       integer :: level, i
 
+      config%meshes%n_finest = config%meshes%n_refinements + size(done)
       config%accuracy%n_refinements = 0
       mesh = ''
       do level = 1, size(done)

@@ -62,6 +62,7 @@ contains
 
       config = self%config
       n_levels = 1 + self%config%accuracy%n_refinements
+      config%meshes%n_finest = config%meshes%n_refinements + n_levels - 1
       do level = 1, n_levels
          config%meshes%n_refinements = self%config%meshes%n_refinements + level - 1
          call solve_case(cache, config, result, error)
