@@ -31,6 +31,7 @@ shift 2
 program=${AMONTONS:-$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../build/release/bin/amontons}
 command -v parallel >/dev/null || { echo 'batch_parallel.sh: GNU parallel is missing (Debian: parallel)' >&2; exit 3; }
 [[ -x $program ]] || { echo "batch_parallel.sh: no program $program; build it, or set AMONTONS" >&2; exit 3; }
+[[ -d $folder ]] || { echo "batch_parallel.sh: $folder: not a folder" >&2; exit 1; }
 shopt -s nullglob
 decks=("$folder"/*.nml)
 ((${#decks[@]} > 0)) || { echo "batch_parallel.sh: no *.nml in $folder" >&2; exit 1; }

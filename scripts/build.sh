@@ -5,7 +5,8 @@
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
-preset=${1:?usage: build.sh PRESET [TARGET...]}
+(($# > 0)) || { echo 'usage: build.sh PRESET [TARGET...]' >&2; exit 1; }
+preset=$1
 shift
 [[ $preset != mpi && $preset != contracted ]] || scripts/setup.sh build mpi
 folder=build/$preset

@@ -164,6 +164,8 @@ def read_deck(path):
 
 def find_geometry(options, deck):
     """The geometry file, and the order of its elements."""
+    if options.part.suffix == ".nml":
+        raise Fault(f"{options.part}: expected a geometry, PART.geo or -, before the deck")
     meshes = group("mesh").findall(deck)
     if len(meshes) != 1:
         raise Fault(f"{options.deck}: expected one &mesh group, found {len(meshes)}; put all bodies into one geometry")

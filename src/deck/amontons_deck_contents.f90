@@ -306,7 +306,6 @@ contains
       type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked where its form is faulty
       type(deck_value_t) :: value
       type(deck_token_t) :: count
-      character(:), allocatable :: hint
       logical :: ok, is_joined
 
       if (cursor%ahead%kind == '*') then
@@ -328,19 +327,7 @@ contains
          value%line = token%line
          value%is_text = token%kind == text_token
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
-            ! Records a word in the place of a value.
-            hint = typographic_fault(contents%text(token%first:token%last))
-            if (len(hint) == 0) then
-               ! Where it is not the first part of a path.
-               if (is_name(lower_case(contents%text(token%first:token%last))) .and. .not. (is_touching(cursor) .and. &
-                  cursor%ahead%kind == '/')) hint = " ('"//token_text(contents%text, token)//"')"
-               call refuse_value_token(contents, assignment, 'expected a number, .true., .false. or quoted text'// &
-                  hint//", or '=' after a key", token)
-            else if (.not. assignment%is_faulty) then
-               call contents%faults%add(token%line, excerpt(assignment%key)//': '//hint//column_text(contents%text, &
-                  token%first))
-            end if
-            assignment%is_faulty = .true.
+            call refuse_word(cursor, contents, assignment)
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
             call refuse_value_token(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
                ' characters', token)
@@ -354,6 +341,28 @@ contains
       contents%values(contents%n_values) = value
       call advance(cursor, contents%text)
    end subroutine read_value
+
+   !> Records a word in the place of a value, unless the key has a fault already.
+   subroutine refuse_word(cursor, contents, assignment)
+      type(cursor_t), intent(in) :: cursor !! the place, at the word
+      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
+      type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked as faulty
+      character(:), allocatable :: hint, word
+
+      word = contents%text(cursor%token%first:cursor%token%last)
+      hint = typographic_fault(word)
+      if (len(hint) == 0) then
+         ! What is joined to a slash may be the first part of a path.
+         if (is_name(lower_case(word)) .and. .not. (is_touching(cursor) .and. cursor%ahead%kind == '/')) hint = &
+            " ('"//excerpt(word)//"')"
+         call refuse_value_token(contents, assignment, 'expected a number, .true., .false. or quoted text'//hint// &
+            ", or '=' after a key", cursor%token)
+      else if (.not. assignment%is_faulty) then
+         call contents%faults%add(cursor%token%line, excerpt(assignment%key)//': '//hint//column_text(contents%text, &
+            cursor%token%first))
+      end if
+      assignment%is_faulty = .true.
+   end subroutine refuse_word
 
    !> Extends a token to the end of another one, if both are on one line: quotations in messages end with their line.
    pure subroutine extend(token, next)
@@ -555,16 +564,14 @@ contains
       character(*), intent(in) :: word !! the word
       character(:), allocatable :: fault
       character(*), parameter :: general = char(226)//char(128), latin = char(194)
-      integer, parameter :: first_dash = 144, first_quote = 152, last_quote = 159
-      integer :: code, n_dashes, n_quotes
+      integer :: code
 
-      n_dashes = count([(index(word, general//char(code)) > 0, code=first_dash, first_quote - 1)])
-      n_quotes = count([(index(word, general//char(code)) > 0, code=first_quote, last_quote)])
       fault = ''
       if (index(word, latin//char(160)) > 0) fault = 'a non-breaking blank; use a plain one'
-      if (n_dashes > 0 .or. index(word, char(226)//char(136)//char(146)) > 0) fault = 'a typographic minus; use -'
-      if (n_quotes > 0 .or. index(word, latin//char(171)) > 0 .or. index(word, latin//char(187)) > 0) fault = &
-         'typographic quotes; use '' or "'
+      if (any([index(word, char(226)//char(136)//char(146)), (index(word, general//char(code)), code=144, 151)] > 0)) &
+         fault = 'a typographic minus; use -'
+      if (any([index(word, latin//char(171)), index(word, latin//char(187)), (index(word, general//char(code)), &
+         code=152, 159)] > 0)) fault = 'typographic quotes; use '' or "'
    end function typographic_fault
 
    !> A token for a message: as written, punctuation in quotes.

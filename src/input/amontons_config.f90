@@ -52,7 +52,7 @@ module amontons_config
 
    !> Everything that defines a case.
    type, extends(case_label_t) :: config_t
-      type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
+      type(reduced_source_t) :: reduced !! the reduced problem that there is instead of a body, if one is given
       type(mesh_part_t), allocatable :: meshes(:) !! the parts of its mesh, a body each
       integer :: n_used(size(use_names)) = 0
          !! numbers of materials, supports and loads that come from it; they are the first ones

@@ -257,8 +257,8 @@ contains
          default="with a `file` `'reduced'`, else `'body'`"), kind, kind_names, has_kind)
       call visitor%text(key_t('file', "of a reduced problem: name of its file, seen from the deck's folder", &
          is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
-      call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts, in the"// &
-         " place of the file's", default="the file's", at_least=0.0_dp, also='mu'), reduced%friction, &
+      call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts,"// &
+         " instead of the file's", default="the file's", at_least=0.0_dp, also='mu'), reduced%friction, &
          reduced%has_friction)
       call visitor%close_group()
       reduced%file = reduced%path
@@ -727,7 +727,7 @@ contains
       is_pair = contact%pairing%is_pair()
       has_search = contact%pairing%search > 0.0_dp
       has_gap = is_pair
-      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
+      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, instead of'// &
          ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
          also='to master target'), contact%pairing%against, is_pair)
       call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &

@@ -65,7 +65,7 @@ module amontons_sweep
    !> Keys of the values of each quantity.
    type(key_t), parameter :: value_keys(*) = [ &
       key_t(quantity_names(1), 'what the loads of that name are multiplied by', also='value values'), &
-      key_t(quantity_names(2), "Coulomb's coefficient, in the place of the key `friction` of `&contact` (a"// &
+      key_t(quantity_names(2), "Coulomb's coefficient, instead of the key `friction` of `&contact` (a"// &
       ' `friction_slope` stays)', at_least=0.0_dp, also='mu'), &
       key_t(quantity_names(3), 'what the friction of `&contact` is multiplied by, slope and table included', &
       at_least=0.0_dp)]

@@ -44,8 +44,8 @@ static int make_and_note(const char *path)
     return 0;
 }
 
-/* Makes a directory and its parents; at the end of the process those that are still empty are removed. Returns 0 when it
-   exists afterwards, the system's error number otherwise. */
+/* Makes a directory and its parents; at the end of the process those that are still empty are removed. Returns 0 when
+   it exists afterwards, the system's error number otherwise. */
 int amontons_make_directory(const char *path)
 {
     char parent[PATH_MAX];

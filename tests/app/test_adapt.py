@@ -143,6 +143,7 @@ exec '{PROGRAM}' "$@"
         self.write("bare.nml", "&material young = 1.0 /\n")
         self.write("two.nml", "&mesh size = 1.0, 1.0  cells = 2, 2 /\n"*2)
         for arguments, message in ((("none.geo", "part.nml"), "none.geo: no such geometry"),
+                                   (("part.nml", "odd.geo"), "part.nml: expected a geometry, PART.geo or -, before"),
                                    (("fixed.geo", "part.nml"), "fixed.geo: Transfinite fixes the mesh"),
                                    (("odd.geo", "part.nml"), "gmsh cannot mesh odd.geo: "),
                                    (("bare.geo", "part.nml"), "bare.geo: no physical groups"),

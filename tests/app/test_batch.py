@@ -51,6 +51,12 @@ class Batch(ProgramTest):
                              f"'{number}'\n")
 
     @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_a_deck_instead_of_a_folder_is_refused(self):
+        self.write("one.nml", SOUND)
+        for folder, message in (("one.nml", "one.nml: not a folder"), ("none", "none: not a folder")):
+            run = self.run_script("batch_parallel", folder, "out dir", status=1)
+            self.assertEqual(run.stderr, f"batch_parallel.sh: {message}\n")
+
     def test_a_second_run_does_what_is_left(self):
         self.run_script("batch_parallel", "my decks", "out dir")
         before = os.stat(self.directory / "out dir" / "one.lst").st_mtime_ns

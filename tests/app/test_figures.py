@@ -45,7 +45,8 @@ class Numerals(ProgramTest):
     """Numbers in texts of pictures and reports, beside the program's own."""
 
     def test_moduli_in_a_report_have_an_exponent_from_a_million_on(self):
-        self.assertEqual([cell_text(value) for value in (0.0, 0.0123456, 1.0e-8, 205000.0, 7251687.0, 2.1e11, 9999999999.0)],
+        values = (0.0, 0.0123456, 1.0e-8, 205000.0, 7251687.0, 2.1e11, 9999999999.0)
+        self.assertEqual([cell_text(value) for value in values],
                          ["0", "0.012346", "1.0e-8", "205000", "7.2517e6", "2.1e11", "1e10"])
 
     def test_they_have_the_form_of_the_listing(self):

@@ -14,7 +14,7 @@ EFFECTIVITY = (0.8, 1.25)
 # Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
 ROUNDOFF = 1e-4
 # Tables of any rows with more of them are shortened in the page.
-FEW_ROWS = 10
+FEW_ROWS = 9
 # Columns of a line of the page, and headings that a sentence needs no word for.
 WIDTH = 120
 ALL_ELEMENTS = "tri3, quad4, tri6, quad8, quad9"

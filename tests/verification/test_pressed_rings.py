@@ -4,7 +4,7 @@ r"""Two elastic rings with a curved interface.
 A ring lies in another one of the same material without friction and without a gap, radii 0.2, 0.6 and 1, a quarter in
 plane strain; on the outer side acts the pressure $p_0 + T\cos 2\theta$. It is the problem SSNP167 of code_aster's
 manual of validation (V6.03.167: $E = 10^9$, $\nu = 0.2$, $p_0 = 10^7$, $T = 10^6$) but for a free hole in the middle; a
-second load has the traction $T(x, -y)$ in the place of $T\cos 2\theta$. Straight sides of two polygons in one circle
+second load has the traction $T(x, -y)$ instead of $T\cos 2\theta$. Straight sides of two polygons in one circle
 leave gaps and overlaps as large as the displacements: so the gaps are declared to be 0, `gap = 'touching'`; the mean
 pressure is right to $O(h^2)$ even without that.
 
