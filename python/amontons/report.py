@@ -121,8 +121,9 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
     for case, small, found in zip(cases, smalls, numbers):
         name, color = html.escape(case.summary["case"]), verdict_of(case.summary)[0]
         title = html.escape(case.summary.get("title") or "")
-        cells = "".join(f'<td data-label="{html.escape(labels[key])}"' + ' class="word"' * isinstance(found.get(key), str)
-                        + f">{cell_text(found.get(key))}</td>" for key in shown)
+        cells = "".join(f'<td data-label="{html.escape(labels[key])}"'
+                        f'{" class=word" * isinstance(found.get(key), str)}>{cell_text(found.get(key))}</td>'
+                        for key in shown)
         body += (f'<tr><td><a href="#{name}">{small}</a></td><td class="name"><a href="#{name}">{name}</a>'
                  f'<span class="title">{title}</span></td><td class="mark {color}">{color}</td>{cells}'
                  "<td hidden></td></tr>\n")
@@ -135,16 +136,19 @@ def table_of(cases: list[Case], smalls: list[str]) -> str:
     data = json.dumps({"labels": labels, "inputs": inputs, "cases": values, "colors": COLORS,
                        "chart": [*over[:1], *results[:1]]}).replace("<", "\\u003c")
     axes = "".join(f'<option value="{html.escape(key)}">{html.escape(labels[key])}</option>' for key in measured)
-    chart = f"""<details class="chart"{" open" * any(key in inputs for key in over)}><summary>Chart</summary><div class="tools">
+    is_open = " open" * any(key in inputs for key in over)
+    chart = f"""<details class="chart"{is_open}><summary>Chart</summary><div class="tools">
 <label>Over <select id="over">{axes}</select></label> <label>draw <select id="drawn">{axes}</select></label></div>
 <svg id="chart" viewBox="0 0 720 360" role="img" aria-label="chart of the cases"></svg></details>
 """ if len(cases) > 1 and results else ""
     # Of one case there is nothing to search and sort.
     return f"""<div class="tools"{" hidden" * (len(cases) < 2)}><label>Search <input type="search" id="find"
-placeholder="bar friction&gt;0.3" title="words of names, titles and values that differ; a key or result with &lt;, &gt; or ="></label>
+placeholder="bar friction&gt;0.3" title="words of names, titles and values that differ; a number with &lt;, &gt; or =">
+</label>
 <span id="count" role="status"></span><label>Sort by <select id="by">{choice}</select></label>
 <label><input type="checkbox" id="down"> largest first</label></div>
-{chart}<div class="wide"{" hidden" * (not cases)}><table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
+{chart}<div class="wide"{" hidden" * (not cases)}><table class="cases">
+<thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
 {body}</tbody></table></div>
 <script type="application/json" id="results">{data}</script>
 """

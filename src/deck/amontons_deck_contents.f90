@@ -564,14 +564,18 @@ contains
       character(*), intent(in) :: word !! the word
       character(:), allocatable :: fault
       character(*), parameter :: general = char(226)//char(128), latin = char(194)
+      character(*), parameter :: quotes = 'typographic quotes; use '' or "'
       integer :: code
 
       fault = ''
       if (index(word, latin//char(160)) > 0) fault = 'a non-breaking blank; use a plain one'
-      if (any([index(word, char(226)//char(136)//char(146)), (index(word, general//char(code)), code=144, 151)] > 0)) &
+      if (index(word, char(226)//char(136)//char(146)) > 0) fault = 'a typographic minus; use -'
+      if (index(word, latin//char(171)) > 0 .or. index(word, latin//char(187)) > 0) fault = quotes
+      do code = 144, 159
+         if (index(word, general//char(code)) == 0) cycle
          fault = 'a typographic minus; use -'
-      if (any([index(word, latin//char(171)), index(word, latin//char(187)), (index(word, general//char(code)), &
-         code=152, 159)] > 0)) fault = 'typographic quotes; use '' or "'
+         if (code >= 152) fault = quotes
+      end do
    end function typographic_fault
 
    !> A token for a message: as written, punctuation in quotes.
