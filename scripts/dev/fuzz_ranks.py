@@ -37,7 +37,7 @@ WAYS = re.compile(r"iterations|residual|violation|error|status|converged|certif|
 NUMBER = re.compile(r"-?[0-9.]+(e[-+]?[0-9]+)?")
 ELEMENTS = {"quad4": 4, "tri3": 2, "tri6": 1, "quad8": 1, "quad9": 1}
 os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1",
-                  OMPI_MCA_mpi_yield_when_idle="1")
+                  OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_hwloc_base_binding_policy="none")
 
 
 def rectangle(choice, name, size, origin):

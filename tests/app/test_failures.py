@@ -75,7 +75,7 @@ class LittleMemory(ProgramTest):
                 (("history times = 0.0, 1.0", "steps load = 'push'  factor = 1.0, 1.1"), r"step 1 \(to 0\.0\): ",
                  "; the history ends at step 0")):
             with self.subTest(study):
-                run = self.run_limited(400000, 1, *study)
+                run = self.run_limited(450000, 1, *study)
                 self.assertRegex(run.stderr, rf"^strip\.nml: {before}{told}{behind}\n$")
                 self.assertEqual(list(self.directory.glob("out/*")), [])
 
