@@ -13,6 +13,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -33,6 +34,11 @@ HAS_SUITESPARSE = "SuiteSparse  none\n" not in VERSION
 HAS_OPENBLAS = "OpenBLAS" in VERSION
 # The address sanitizer reserves more addresses than any limit allows.
 HAS_SANITIZER = b"__asan_init" in Path(PROGRAM).read_bytes()
+# A shell has its background jobs ignore these, and the program leaves it at that: a test that interrupts it would wait
+# for ever.
+for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, signal.SIG_DFL)
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
            "contact_pressure", "contact_shear", "shear_bound", "status")
 
