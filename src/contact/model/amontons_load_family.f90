@@ -27,8 +27,9 @@ module amontons_load_family
    implicit none (type, external)
    private
 
-   public :: acting_t, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, new_load_family, &
-      obstacle_motion_t, one_part, parting_t, recover_displacement, recover_displacements, set_obstacles
+   public :: acting_t, add_part, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, &
+      new_load_family, obstacle_motion_t, one_part, parting_t, recover_displacement, recover_displacements, &
+      set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction of one case.
    type :: load_case_t
@@ -88,8 +89,6 @@ module amontons_load_family
       logical, allocatable :: is_coefficient(:)
          !! whether the factor of a part is Coulomb's coefficient itself, in the place of the key `friction` (parts)
       logical :: moves_obstacles = .false. !! whether obstacles of members move
-   contains
-      procedure :: add => parting_add
    end type parting_t
 
    !> The parts of a family, and the data that its members share.
@@ -394,17 +393,17 @@ contains
    end function one_part
 
    !> Adds a part, to which some of the loads, supports and contact sets belong.
-   pure subroutine parting_add(self, loads, supports, contacts)
-      class(parting_t), intent(inout) :: self !! the parting
+   pure subroutine add_part(parting, loads, supports, contacts)
+      type(parting_t), intent(inout) :: parting !! the parts so far
       logical, intent(in) :: loads(:) !! whether each load belongs to the new part
       logical, intent(in) :: supports(:) !! whether the displacements that each support prescribes do
       logical, intent(in) :: contacts(:) !! whether the friction of each contact set does
 
-      self%n_parts = self%n_parts + 1
-      where (loads) self%load = self%n_parts
-      where (supports) self%support = self%n_parts
-      where (contacts) self%friction = self%n_parts
-   end subroutine parting_add
+      parting%n_parts = parting%n_parts + 1
+      where (loads) parting%load = parting%n_parts
+      where (supports) parting%support = parting%n_parts
+      where (contacts) parting%friction = parting%n_parts
+   end subroutine add_part
 
    !> Divides a load case into parts; the body need not be condensed.
    subroutine new_load_family(family, body, load_case, parting, error)

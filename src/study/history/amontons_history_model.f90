@@ -19,7 +19,8 @@ module amontons_history_model
    use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_family, only: acting_t, condensed_force, load_case_t, obstacle_motion_t, one_part, parting_t
+   use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, obstacle_motion_t, one_part, &
+      parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver
    use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
       new_force_form
@@ -204,7 +205,8 @@ contains
          associate (change => config%history%steps(i), loads => prepared%loads, supports => prepared%supports, &
             contacts => prepared%contacts)
             if (change%target == stepped_obstacle) cycle
-            call parting%add([(change%target == stepped_load .and. change%name == loads(k)%name, k=1, size(loads))], &
+            call add_part(parting, &
+               [(change%target == stepped_load .and. change%name == loads(k)%name, k=1, size(loads))], &
                [(change%target == stepped_support .and. change%name == supports(k)%name, k=1, size(supports))], &
                [(change%target == stepped_friction .and. change%acts_on(contacts(k)), k=1, size(contacts))])
             model%part_of(i) = parting%n_parts

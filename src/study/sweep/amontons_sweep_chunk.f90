@@ -20,7 +20,8 @@ module amontons_sweep_chunk
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
       new_lengths, resultants, set_results
    use amontons_kinds, only: dp, int64
-   use amontons_load_family, only: acting_t, check_shear, load_case_t, one_part, parting_t, recover_displacements
+   use amontons_load_family, only: acting_t, add_part, check_shear, load_case_t, one_part, parting_t, &
+      recover_displacements
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_material, only: materials_t
    use amontons_model_warnings, only: add_sweep_warnings
@@ -432,7 +433,8 @@ contains
       do k = 1, size(sweep%axes)
          associate (axis => sweep%axes(k), loads => load_case%loads, supports => load_case%supports, &
             contacts => load_case%contacts)
-            call parting%add([(axis%target == swept_load .and. axis%name == loads(i)%name, i=1, size(loads))], &
+            call add_part(parting, &
+               [(axis%target == swept_load .and. axis%name == loads(i)%name, i=1, size(loads))], &
                [(axis%target == swept_load .and. supports(i)%is_driven() .and. axis%name == supports(i)%name, &
                i=1, size(supports))], [(axis%acts_on(contacts(i)%set), i=1, size(contacts))])
          end associate
