@@ -94,7 +94,7 @@ contains
       dissection%separator_start(n) = 0
    end subroutine new_dissection
 
-   !> Orders a domain: what lies before the cut, what lies beyond it, the separator.
+   !> Orders a domain: first the part before the cut, then the part beyond it, last the separator.
    recursive subroutine dissect(graph, place, side, first, last, dissection)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]

@@ -282,7 +282,7 @@ contains
       if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
    end function bound_text
 
-   !> What a key expects, in words for messages: `number` or `whole number`.
+   !> Noun for the values that a key expects, for messages: `number` or `whole number`.
    pure function key_noun(self) result(noun)
       class(key_t), intent(in) :: self !! the key
       character(:), allocatable :: noun
@@ -692,7 +692,7 @@ contains
       call self%deck%fault(self%place, key%name, sentence)
    end subroutine visitor_judge
 
-   !> What a key with a text can be, for messages.
+   !> The values that a key with a text accepts, for messages.
    pure function expected_text(key, choices) result(text)
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded

@@ -516,7 +516,7 @@ contains
       end associate
    end subroutine check_name
 
-   !> Finds the names of what a change of its kind may have for a target, and whether its own is among them.
+   !> Finds the names that a change of its kind may have as a target, and whether its own is among them.
    subroutine find_targets(change, loads, supports, contacts, names, has_target)
       type(steps_t), intent(in) :: change !! the change
       type(load_t), intent(in) :: loads(:) !! the loads

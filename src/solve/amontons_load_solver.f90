@@ -178,7 +178,7 @@ contains
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
 
-   !> Finds what a solution is: one, no equilibrium, numbers out of range, or not converged.
+   !> Finds the outcome of a solution: solved, no equilibrium, numbers out of range, or not converged.
    subroutine judge_solution(self, body, acting, problem, solution, outcome, reason)
       class(load_solver_t), intent(in) :: self !! the solver
       type(body_t), intent(in) :: body !! the body
@@ -422,7 +422,7 @@ contains
       real(dp), intent(in) :: amounts(:) !! amounts of the free motions of each piece (motions)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own frames (n_rows, motions) [-]
       ! The limit of `check_balance` for errors of the mesh; without such errors ten times the residual of methods.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-9_dp
       real(dp) :: motion(problem%matrix%n), drive, capacity, share
@@ -445,7 +445,7 @@ contains
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own frames (n_rows, motions) [-]
       ! Difference of the tangents of facets from those of the round line.
       real(dp), parameter :: almost = 0.99_dp
       real(dp) :: motion(problem%matrix%n), capacity
@@ -507,7 +507,7 @@ contains
       real(dp), intent(in) :: spins(:, :) !! amounts of the free motions that springs oppose (motions, spins)
       real(dp), intent(in) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (n_rows, motions) [-]
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own frames (n_rows, motions) [-]
       ! Stiffness of the springs over the largest of the points; the weakest ones detect a load 1e-8 above its limit.
       ! With more points this would take minutes.
       real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]

@@ -172,7 +172,7 @@ contains
          to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
    end subroutine add_shared_place
 
-   !> Adds what is doubtful about a contact set before it is solved.
+   !> Adds the warnings on a contact set that do not depend on the solution.
    pure subroutine add_contact_warnings(warnings, body, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
@@ -247,7 +247,7 @@ contains
          '; coefficients above '//short_text(large_friction)//' are rare')
    end subroutine add_large_friction
 
-   !> Adds what is doubtful about the values of a sweep: one given twice, friction that is large or has no effect.
+   !> Adds the warnings on the values of a sweep: one given twice, friction that is large or has no effect.
    pure subroutine add_sweep_warnings(warnings, sweep, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(sweep_t), intent(in) :: sweep !! the sweep, which is given

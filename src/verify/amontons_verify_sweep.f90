@@ -151,6 +151,7 @@ contains
       associate (table => again%table, result => row%result, n_quantities => again%task%n_quantities)
          result%quantity = spread(0.0_dp, 1, n_quantities)
          result%scale = result%quantity
+         ! Behind the quantities: residual, iterations, outcome, warnings, statuses.
          runs = table%field(number, first + n_quantities + 4)
          call read_warnings(result%is_warned, table%field(number, first + n_quantities + 3))
          ! A body without contact points has no statuses.

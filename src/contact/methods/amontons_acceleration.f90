@@ -92,7 +92,7 @@ contains
          norm(i) = norm2(difference(:, i))
       end do
       if (any(norm(:n) <= tiny(1.0_dp))) return
-      ! Differences of equal length, so that the old and large ones do not drown the new ones.
+      ! Differences are scaled to equal length; otherwise the old, large ones would dominate.
       normal = matmul(transpose(difference(:, :n)), difference(:, :n))/ &
          (spread(norm(:n), 1, n)*spread(norm(:n), 2, n))
       right = matmul(self%step(:, n + 1), difference(:, :n))/norm(:n)

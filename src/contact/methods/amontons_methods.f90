@@ -140,8 +140,8 @@ contains
       solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
    end subroutine solve_components
 
-   !> Opens the points of a body whose forces are none to the tolerance: what a surface that nothing presses has for
-   !> zones and centroids would depend on rounding.
+   !> Opens the points of a body whose forces are 0 to within the tolerance: otherwise zones and centroids of an
+   !> unloaded surface would depend on rounding.
    pure subroutine drop_small_forces(problem, tolerance, solution)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: tolerance !! residual that counts as solved [-]

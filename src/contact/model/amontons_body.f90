@@ -839,7 +839,8 @@ contains
       end do
    end subroutine find_rigid_modes
 
-   !> Finds what contact points notice of the free motions of all pieces, and which combinations none of them does.
+   !> Finds a basis of the displacements of the contact points under the free motions of all pieces, and those
+   !> combinations of the motions that leave all contact points at rest.
    subroutine find_travel(travel, unnoticed, modes)
       real(dp), allocatable, intent(out) :: travel(:, :) !! orthonormal displacements of the points (n_rows, any) [-]
       real(dp), allocatable, intent(out) :: unnoticed(:, :) !! amounts of the motions (motions, any) [-]

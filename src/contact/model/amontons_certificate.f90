@@ -11,7 +11,7 @@ module amontons_certificate
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
-   use amontons_named_forces, only: force_values, named_quantities
+   use amontons_named_forces, only: force_values, named_quantities, set_named_values
    use amontons_quantity, only: quantity_t, relative
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
@@ -157,7 +157,8 @@ contains
          end if
          call check_resultants(certificate, body, max(least_scale, rounding_share*load_case%carried_force, &
             sums%springs), sums, loads, contact, reaction, springs)
-         certificate%named = named_quantities(body, named, max(least_scale, sums%forces), &
+         certificate%named = named_quantities(body)
+         call set_named_values(certificate%named, body, named, max(least_scale, sums%forces), &
             maxval(abs(displacement)))
          certificate%imbalance = relative(certificate%equilibrium, max(force_size, least_scale))
          ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants

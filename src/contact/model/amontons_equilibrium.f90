@@ -397,7 +397,7 @@ contains
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 
-   !> The displacements of loose pieces without loads, including those that no motion of the piece changes (n_rows).
+   !> Whether each displacement is one of a loose piece without loads; those that no motion changes count, too (n_rows).
    pure function is_unloaded(modes, load, n_points)
       real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (n_rows, k) [-]
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]

@@ -401,7 +401,7 @@ contains
       end associate
    end function nearest_facing
 
-   !> The distance of a node to what it faces, before any displacement.
+   !> Finds the distance of a node to the obstacle or body that it faces, before any displacement.
    pure subroutine measure_node(node, contact, position, gap, is_met)
       type(free_node_t), intent(in) :: node !! the node
       type(contact_t), intent(in) :: contact !! its contact set, the obstacle where it is now

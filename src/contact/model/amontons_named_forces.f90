@@ -17,7 +17,7 @@ module amontons_named_forces
    private
 
    public :: find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
-      new_force_form
+      new_force_form, set_named_values
 
    !> Components of a force: along the normal and the tangent of a contact line, along x and y, the moment about the
    !> origin, counter-clockwise, and that about the axis of a twisted body.
@@ -73,12 +73,10 @@ contains
       end do
    end function components_of
 
-   !> Forces by name as quantities, in the order of `named_tests`; then the driven motions and their forces.
-   pure function named_quantities(body, values, scale, displacement) result(list)
+   !> Forces by name as quantities of value 0, in the order of `named_tests`; then the driven motions and their forces.
+   !> The scale of each is that of its errors where those of forces are 1.
+   pure function named_quantities(body) result(list)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in), optional :: values(:) !! the values; 0 without them
-      real(dp), intent(in), optional :: scale !! scale of the rounding errors of the forces [F]
-      real(dp), intent(in), optional :: displacement !! scale of the errors of displacements, with values [L]
       type(quantity_t), allocatable :: list(:)
       integer, allocatable :: components(:, :)
       integer :: i, j, k
@@ -92,10 +90,10 @@ contains
             list(k)%label(:1) = achar(iachar(list(k)%key(:1)) - iachar('a') + iachar('A'))
             list(k)%label(len_trim(kind_names(named%kind)) + 1:) = ' '//trim(component_names(component))//' '// &
                named%name
-            if (present(scale)) list(k)%scale = scale
+            list(k)%scale = 1.0_dp
             list(k)%dimension = 'F'
             if (component >= moment) then
-               list(k)%scale = list(k)%scale*maxval(abs(body%mesh%coordinates))
+               list(k)%scale = maxval(abs(body%mesh%coordinates))
                list(k)%dimension = 'F L'
             end if
          end associate
@@ -106,14 +104,26 @@ contains
                quantity%key = trim(driven%kind)//'_'//trim(driven%name)//'_'//driven%words(j)
                quantity%label = trim(driven%name)//' '//driven%words(j)
                quantity%dimension = driven%dimensions(j)
-               if (j == 1 .and. present(displacement)) quantity%scale = max(displacement, &
-                  maxval(abs(values(size(components, 2) + 1::2))*body%driven%length))/driven%length
-               if (j == 2 .and. present(scale)) quantity%scale = scale*driven%length
+               quantity%scale = driven%length
             end associate
          end do
       end do
-      if (present(values)) list%value = values
    end function named_quantities
+
+   !> Sets the values of forces by name and of driven motions, with the scales of their errors.
+   pure subroutine set_named_values(list, body, values, force, displacement)
+      type(quantity_t), intent(inout) :: list(:) !! the quantities, from `named_quantities`
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: values(:) !! the values
+      real(dp), intent(in) :: force !! scale of the errors of forces [F]
+      real(dp), intent(in) :: displacement !! scale of the errors of displacements [L]
+
+      list%value = values
+      list%scale = force*list%scale
+      associate (first => size(list) - 2*size(body%driven) + 1, length => body%driven%length)
+         list(first::2)%scale = max(displacement, maxval(abs(values(first::2))*length))/length
+      end associate
+   end subroutine set_named_values
 
    !> The coefficients of all forces by name.
    pure function named_tests(body) result(tests)

@@ -298,15 +298,15 @@ contains
       best = force
       ! One component after the other; open, and held by a given bound; sticking; sliding.
       associate (normal => max(0.0_dp, rho(1)*(free(1) - dot_product(w(1, 2:), force(2:)))))
-         call try([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), [slip_bound + friction*normal])], best, &
-            least)
+         call keep_better([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), &
+            [slip_bound + friction*normal])], best, least)
       end associate
-      call try([0.0_dp, cut_to_bound(pair_force(free(2:)), [slip_bound])], best, least)
+      call keep_better([0.0_dp, cut_to_bound(pair_force(free(2:)), [slip_bound])], best, least)
       associate (coupling => pair_force(w(2:, 1)), alone => pair_force(free(2:)))
          value = w(1, 1) - dot_product(w(1, 2:), coupling)
          if (value > singular*w(1, 1)) then
             value = (free(1) - dot_product(w(1, 2:), alone))/value
-            call try([value, alone - coupling*value], best, least)
+            call keep_better([value, alone - coupling*value], best, least)
          end if
       end associate
       if (friction + slip_bound > 0.0_dp) then
@@ -337,7 +337,7 @@ contains
                      end associate
                   end associate
                end do
-               call try(sliding(high), best, least)
+               call keep_better(sliding(high), best, least)
             end if
             last_angle = angle
             last = value
@@ -349,7 +349,7 @@ contains
    contains
 
       !> Replaces the best force so far by a trial force if that is better.
-      pure subroutine try(trial, best, least)
+      pure subroutine keep_better(trial, best, least)
          real(dp), intent(in) :: trial(3) !! the force [F]
          real(dp), intent(inout) :: best(3) !! the best force so far [F]
          real(dp), intent(inout) :: least !! its violation of the law [F]
@@ -361,7 +361,7 @@ contains
          if (.not. cost < least) return
          least = cost
          best = trial
-      end subroutine try
+      end subroutine keep_better
 
       !> The tangential force for a given slip; a limited one if the tangential block is singular.
       pure function pair_force(slip) result(pair)

@@ -405,7 +405,7 @@ contains
       if (m > 0) then
          call descend(search, m, rows, 0)
       else
-         call keep(search, rows(:, 0), rows(:, 0), .true.)
+         call keep_if_new(search, rows(:, 0), rows(:, 0), .true.)
       end if
       solutions = search%found
       allocate (solutions%status(m, solutions%n))
@@ -576,12 +576,12 @@ contains
                margin = min(margin, states%slip_direction(p)*distance(m + p))
             end if
          end do
-         call keep(search, force, distance, margin > loose)
+         call keep_if_new(search, force, distance, margin > loose)
       end associate
    end subroutine keep_solution
 
    !> Keeps a pair of forces and distances unless it is known: a point between two states is found in either.
-   pure subroutine keep(search, force, distance, is_isolated)
+   pure subroutine keep_if_new(search, force, distance, is_isolated)
       type(search_t), intent(inout) :: search !! the search
       real(dp), intent(in) :: force(:) !! lambda (2m) [-]
       real(dp), intent(in) :: distance(:) !! w (2m) [-]
@@ -600,7 +600,7 @@ contains
          found%is_isolated = [found%is_isolated, is_isolated]
          found%n = n + 1
       end associate
-   end subroutine keep
+   end subroutine keep_if_new
 
    !> Eliminates unknowns by the equations in the last rows, the largest pivot first; equations without a pivot are kept
    !> for the points that follow.

@@ -55,7 +55,7 @@ module amontons_abaqus
       logical :: is_readable(size(use_names)) = .false. !! whether some of them could be read
    contains
       procedure :: add => ignored_keywords_add
-      procedure :: tell => ignored_keywords_tell
+      procedure :: report => ignored_keywords_report
    end type ignored_keywords_t
 
    !> Largest number of fields of a data line; the temperatures of a shell follow that of its first point.
@@ -117,7 +117,7 @@ contains
          end select
          if (.not. is_read) call ignored%add(keyword, line)
       end do
-      call ignored%tell(raw)
+      call ignored%report(raw)
       call end_instance(raw, input, '')
       raw%scope = ''
       call name_instance_sets(raw)
@@ -271,7 +271,7 @@ contains
    end subroutine ignored_keywords_add
 
    !> Adds a note on the ignored keywords to a raw mesh, and a warning on those that affect results.
-   pure subroutine ignored_keywords_tell(self, raw)
+   pure subroutine ignored_keywords_report(self, raw)
       class(ignored_keywords_t), intent(in) :: self !! the keywords
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       character(:), allocatable :: words
@@ -286,7 +286,7 @@ contains
          if (self%is_readable(i)) words = words//", '"//trim(use_names(i))//"'"
       end do
       if (words /= '') raw%warning = raw%warning//'; give them in the deck, or &mesh use = '//words(3:)
-   end subroutine ignored_keywords_tell
+   end subroutine ignored_keywords_report
 
    !> A text in capital letters.
    pure function capitals(text) result(upper)

@@ -182,7 +182,7 @@ contains
       work = dot_product(factor, matmul(self%load, change) + matmul(v_change, self%load_row))
    end function energy_form_load_work
 
-   !> Makes the parts of everything that changes in a history, and condenses each of them.
+   !> Makes a part of the loads for each change of a history, and condenses all parts.
    subroutine new_history_model(model, body, problem, prepared, config, error)
       type(history_model_t), intent(out) :: model !! the model
       type(body_t), intent(in) :: body !! the body, condensed
@@ -333,7 +333,7 @@ contains
       end do
    end subroutine find_probes
 
-   !> Finds what acts on the body at a time.
+   !> Finds factors of loads and positions of obstacles at a time.
    subroutine history_model_at(self, body, time, instant, error)
       class(history_model_t), intent(in) :: self !! the model
       type(body_t), intent(in) :: body !! the body
@@ -350,7 +350,7 @@ contains
       call self%acting(body, time, numbers, instant, error)
    end subroutine history_model_at
 
-   !> Finds what acts on the body for given numbers of the changes.
+   !> Finds factors of loads and positions of obstacles for given numbers of the changes.
    subroutine history_model_acting(self, body, time, numbers, instant, error)
       class(history_model_t), intent(in) :: self !! the model
       type(body_t), intent(in) :: body !! the body
@@ -437,12 +437,12 @@ contains
       state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_shear_fixed)
    end subroutine new_step_state
 
-   !> Takes a step to what acts at its end. The outcome is part of the state.
+   !> Takes a step to the loads and obstacles at its end. The outcome is part of the state.
    subroutine take_step(after, model, body, problem, before, instant)
       type(step_state_t), intent(out) :: after !! the state at the end of the step
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the step
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! loads, obstacles and friction at its end
       integer :: m
@@ -554,7 +554,7 @@ contains
       type(step_state_t), intent(out) :: state !! the state
       type(history_model_t), intent(inout) :: model !! the model
       type(body_t), intent(inout) :: body !! the body; locked as it was
-      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the step
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(instant_t), intent(in) :: instant !! loads, obstacles and friction at the time among the numbers
       type(error_t), allocatable, intent(out) :: error !! they are those of another body

@@ -292,7 +292,7 @@ contains
       if (self%largest > 0.0_dp) unit = scale(1.0_dp, exponent(self%largest))
    end function reduced_system_compliance_unit
 
-   !> Makes the contact problem in these units.
+   !> Makes the contact problem in the units of `compliance_unit` and `length_unit`.
    subroutine reduced_system_contact_problem(self, matrix, problem, error)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_operator_t), target, intent(inout) :: matrix !! its operator; must outlive the contact problem

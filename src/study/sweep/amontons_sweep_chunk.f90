@@ -25,7 +25,8 @@ module amontons_sweep_chunk
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_material, only: materials_t
    use amontons_model_warnings, only: add_sweep_warnings
-   use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form
+   use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form, &
+      set_named_values
    use amontons_quantity, only: expanded, longest_key, quantity_t, scales
    use amontons_result, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
@@ -93,6 +94,7 @@ module amontons_sweep_chunk
       type(sweep_t) :: sweep !! the cases
       type(load_solver_t) :: solver !! their loads and the solver
       type(force_form_t) :: forces !! the forces by name, where they are asked for
+      type(quantity_t), allocatable :: named(:) !! their names; none where they are not asked for
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: wants_error_estimate = .false.
@@ -417,12 +419,14 @@ contains
       real(dp), allocatable :: fields(:, :, :), loads(:, :, :)
 
       call task%solver%loads%condense(body, problem)
+      allocate (task%named(0))
       if (.not. task%sweep%has_forces) return
+      task%named = named_quantities(body)
       call find_responses(fields, loads, body, task%solver%loads%parts)
       call new_force_form(task%forces, body, named_tests(body), task%solver%loads%parts, fields, loads)
    end subroutine condense_task
 
-   !> The parts of the loads of a sweep: what quantity number k multiplies belongs to part 1 + k.
+   !> The parts of the loads of a sweep: the loads and friction that quantity number k multiplies are part 1 + k.
    pure function parting_of(sweep, load_case) result(parting)
       type(sweep_t), intent(in) :: sweep !! the sweep
       type(load_case_t), intent(in) :: load_case !! the load case of the deck
@@ -583,7 +587,6 @@ contains
       type(acting_t) :: acting
       integer :: i
 
-      allocate (named(0))
       call find_body_results(peaks, task, body, chunk, solutions)
       call task%solver%loads%at_rest(acting)
       do i = 1, chunk%last - chunk%first + 1
@@ -593,7 +596,8 @@ contains
                kept%scale = kept%quantity
             else
                acting%factor(2:) = task%sweep%values(chunk%first + i - 1)
-               if (task%sweep%has_forces) named = named_quantities(body, task%forces%values(acting%factor, &
+               named = task%named
+               if (task%sweep%has_forces) call set_named_values(named, body, task%forces%values(acting%factor, &
                   solutions(i)%displacement, solutions(i)%force), max(loads%largest_force(acting%factor), &
                   sum(abs(solutions(i)%force))), maxval(abs(solutions(i)%displacement)))
                list = case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
