@@ -22,12 +22,12 @@ ORDER = ["README", "guide", "decks", "output", "limits", "theory", "methods", "l
          "architecture"]
 STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }
-nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { display: block; padding: .2rem .5rem }
+nav { flex: 0 0 15rem; box-sizing: border-box; padding: 1.5rem 1rem; background: #f4f6f8 }
+nav a { display: block; padding: .2rem .5rem }
 nav a[aria-current] { font-weight: 600; background: #dde5ec; border-radius: .3rem }
 nav .part { padding-left: 1.3rem; font-size: .85em; line-height: 1.35 }
 @media (min-width: 45.1rem) {
-   nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto }
-   nav { box-sizing: border-box } }
+   nav { position: sticky; top: 0; align-self: flex-start; max-height: 100vh; overflow-y: auto } }
 main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
 a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
@@ -37,7 +37,8 @@ table { border-collapse: collapse; display: block; overflow-x: auto } img { max-
 th, td { padding: .3rem .6rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top }
 math[display=block] { margin: 1rem 0; overflow-x: auto }
 @media (max-width: 45rem) { nav { flex-basis: 100%; padding: .5rem 1rem } nav a { display: inline-block }
-   col { width: auto !important } td:last-child { min-width: 11rem }
+   table { font-size: 14px } th, td { padding: .3rem .35rem }
+   col { width: auto !important } td:last-child { min-width: 9rem }
    main { padding: 0 1rem 3rem } }
 @media print { nav { display: none } }
 """
