@@ -42,7 +42,7 @@ class SweepRows(RanksTest):
             "&contact set = 'hole'  obstacle = 'circle'  point = 0.0, 0.999  radius = 0.999 /",
             *(f"&{line} /" for line in QUANTITIES), ""])
         quadratic = "size = 4.0, 2.0  cells = 8, 4  element = 'quad8'"
-        strip = "size = 100.0, 1.0  cells = 200, 3"
+        strip = "size = 50.0, 1.0  cells = 100, 3"
         return {"held": block(SUPPORT, PRESSED, PUSHED, CONTACT, *QUANTITIES),
                 "strip": block(SUPPORT, PRESSED, PUSHED, CONTACT, *QUANTITIES, mesh=strip),
                 "loose": block(PRESSED, PUSHED, CONTACT, *QUANTITIES),
