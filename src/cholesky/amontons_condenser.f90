@@ -31,8 +31,8 @@ module amontons_condenser
       integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
       real(dp) :: n_flops = 0.0_dp !! Floating-point operations of `complete`.
       real(dp) :: matrix_norm = 0.0_dp !! 1-norm of the matrix.
-      real(dp) :: regularization = 0.0_dp
-         !! What one that assembles the matrix itself has added to the diagonal entries of the Schur variables.
+      real(dp), allocatable :: schur_diagonal(:)
+         !! Diagonal entries of the Schur variables, where it assembles the matrix itself.
       integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
    contains
       procedure(complete), deferred :: complete

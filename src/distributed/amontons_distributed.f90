@@ -358,7 +358,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! memory ran out, or there are no ranks
       type(distributed_condenser_t), allocatable :: made
       integer, allocatable :: position(:), owner(:), elements(:), last_nodes(:), number(:)
-      real(dp), allocatable :: sums(:, :)
+      real(dp), allocatable :: sums(:, :), shift(:)
       real(dp) :: megabytes(0:n_ranks - 1)
       integer :: i, k
 
@@ -372,7 +372,7 @@ contains
       made%n = dof_map%n_dofs
       made%n_schur = dof_map%n_schur
       if (rank > 0) then
-         call pass_regularization(made)
+         call pass_diagonal(made)
          call move_alloc(made, condenser)
          return
       end if
@@ -406,15 +406,16 @@ contains
       allocate (sums(2, made%n), source=0.0_dp)
       call work%assemble(sums, error)
       if (allocated(error)) return
-      if (.not. is_held) made%regularization = sum(sums(1, :))/made%n
+      made%schur_diagonal = sums(1, made%n - made%n_schur + 1:)
+      shift = merge(0.0_dp, made%schur_diagonal, is_held)
       associate (schur_sums => sums(2, made%n - made%n_schur + 1:))
-         schur_sums = schur_sums + made%regularization
+         schur_sums = schur_sums + shift
       end associate
       ! The largest sum would pass over one that is no number.
       made%matrix_norm = maxval(sums(2, :)) + 0.0_dp*sum(sums(2, :))
       deallocate (sums)
       call give_order(order_analyze)
-      call work%analyze(made%n_schur, made%regularization, position, error)
+      call work%analyze(shift, position, error)
       made%n_factor_entries = work%mumps%report%n_entries
       made%n_flops = work%mumps%report%n_flops
       call move_alloc(made, condenser)
@@ -428,22 +429,20 @@ contains
 
       select type (condenser)
       type is (distributed_condenser_t)
-         call pass_regularization(condenser)
+         call pass_diagonal(condenser)
          do j = 1, condenser%n_schur
             call broadcast(condenser%s(triangle(j - 1) + 1:triangle(j)))
          end do
       end select
    end subroutine share_condenser
 
-   !> Passes the regularization of a condenser's matrix from rank 0.
-   subroutine pass_regularization(condenser)
+   !> Passes the diagonal entries of a condenser's Schur variables from rank 0.
+   subroutine pass_diagonal(condenser)
       type(distributed_condenser_t), intent(inout) :: condenser !! the condenser
-      real(dp) :: regularization(1)
 
-      regularization = condenser%regularization
-      call broadcast(regularization)
-      condenser%regularization = regularization(1)
-   end subroutine pass_regularization
+      if (rank > 0) allocate (condenser%schur_diagonal(condenser%n_schur))
+      call broadcast(condenser%schur_diagonal)
+   end subroutine pass_diagonal
 
    !> Follows an order of rank 0 about its condenser; called on the other ranks.
    subroutine follow_order(order)
@@ -466,7 +465,7 @@ contains
          call work%subdomain%pass(channel_t(0, .false.))
          call work%assemble(none, error)
       case (order_analyze)
-         call work%analyze(0, 0.0_dp, no_position, error)
+         call work%analyze(none(1, :), no_position, error)
       case (order_check_memory)
          call check_room(the_factor, work%mumps%report%own_mb, error)
       case (order_factorize)
@@ -671,10 +670,9 @@ contains
    end subroutine rank_work_assemble
 
    !> Analyzes the matrix with MUMPS; rank 0 adds a shift to the diagonal entries of the Schur variables.
-   subroutine rank_work_analyze(self, n_schur, shift, position, error)
+   subroutine rank_work_analyze(self, shift, position, error)
       class(rank_work_t), intent(inout) :: self !! the work, its subdomain assembled
-      integer, intent(in) :: n_schur !! number of Schur variables
-      real(dp), intent(in) :: shift !! addition to their diagonal entries [F/L]
+      real(dp), intent(in) :: shift(:) !! addition to the diagonal entries of the Schur variables (n_schur) [F/L]
       integer, intent(inout) :: position(:) !! position of each unknown (n)
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer(int64) :: at
@@ -685,7 +683,8 @@ contains
          allocate (self%column(size(matrix%row, kind=int64)))
          do j = 1, matrix%n
             at = matrix%column_start(j)
-            if (rank == 0 .and. unknown(j) > n - n_schur) matrix%value(at) = matrix%value(at) + shift
+            if (rank == 0 .and. unknown(j) > n - size(shift)) matrix%value(at) = matrix%value(at) &
+               + shift(unknown(j) - n + size(shift))
             do at = matrix%column_start(j), matrix%column_start(j + 1) - 1
                self%column(at) = unknown(j)
                matrix%row(at) = unknown(matrix%row(at))
@@ -696,7 +695,7 @@ contains
       end associate
       self%stiffness = sparse_matrix_t()
       deallocate (self%unknown)
-      call self%mumps%analyze(n, self%row, self%column, n_schur, position, error)
+      call self%mumps%analyze(n, self%row, self%column, size(shift), position, error)
    end subroutine rank_work_analyze
 
    !> Refuses a task for which the memory of a machine does not suffice for all of its ranks.

@@ -292,6 +292,12 @@ class Pairs(ProgramTest):
         for young in ("1e7", "1e8"):
             self.run_program(self.write("case.nml", STIFF.replace("1e7", young)))
 
+    def test_a_body_keeps_its_digits_on_one_that_is_stiffer_by_far(self):
+        deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /", "&material young = 1e12  poisson = 0.25  region = 'b' /")
+        for multipliers in ("'mortar'", "'constant'"):
+            contact = CONTACT.replace("0.2", f"0.31  multipliers = {multipliers}")
+            self.assertLess(self.summary_of(deck + contact)["certificate"]["equilibrium"], 1e-9)
+
     def test_rounding_of_a_stiffness_is_no_load_that_drives_a_body(self):
         # Nothing loads them: supports alone move the upper one, by 1e-4; of a stiffness of 1e9 rounding leaves 1e-11.
         for young in ("1e9", "1e10"):

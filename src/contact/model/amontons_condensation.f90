@@ -14,8 +14,8 @@
 !>
 !> The condensation of displacements v to rows w = C v: the least energy of all v with the same w.
 !>
-!> Of `min v.S v/2 - q.v with C v = w` the value is w.T w/2 - p.w + const, with T = G^-1 - rho I, p = G^-1 C M^-1 q,
-!> G = C M^-1 C^T and M = S + rho C^T C for any rho that makes M definite. Equilibrium S v = q - C^T lambda is then
+!> Of `min v.S v/2 - q.v with C v = w` the value is w.T w/2 - p.w + const, with T = G^-1 - R, p = G^-1 C M^-1 q,
+!> G = C M^-1 C^T and M = S + C^T R C for any diagonal R that makes M definite. Equilibrium S v = q - C^T lambda is then
 !> `T w = p - lambda`, exactly, also where S is only semidefinite: the kernel of T is C times that of S. Motions r of
 !> this kernel that no row notices, C r = 0, take no part: M gains a multiple of r r^T for each, which changes neither T
 !> nor p, and leaves out their displacements.
@@ -41,7 +41,7 @@ module amontons_condensation
    !> The condensation of displacements to rows w = C v: it condenses loads and recovers displacements.
    type :: row_condensation_t
       real(dp), allocatable :: stiffness(:, :) !! T (r, r) [F/L]
-      real(dp) :: least_augmentation = 0.0_dp !! a small share of rho [F/L]
+      real(dp) :: least_augmentation = 0.0_dp !! a small share of the least entry of R [F/L]
       real(dp), allocatable, private :: rows(:, :) !! C (r, n) [-]
       real(dp), allocatable, private :: factor(:, :) !! Cholesky factor of M (n, n)
       real(dp), allocatable, private :: lifting(:, :) !! G^-1 C M^-1, the v of unit w, transposed (r, n) [-]
@@ -74,8 +74,9 @@ module amontons_condensation
 
    !> The factorized body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
-      class(condenser_t), allocatable :: condenser !! of K + alpha E
-      real(dp) :: regularization = 0.0_dp !! alpha: regularization of the factor [F/L]
+      class(condenser_t), allocatable :: condenser !! of K, or of K + D_c for a body that supports alone do not hold
+      real(dp), allocatable, private :: diagonal(:)
+         !! D_c: diagonal entries of K of the contact unknowns and those behind them (n_schur) [F/L]
       type(contact_operator_t), pointer :: matrix => null() !! S, which the contact problems of the body point to
       integer, private :: n_unknowns = 0 !! number of contact unknowns
       logical, allocatable :: is_locked(:) !! whether each unknown behind these stays at 0, and is not eliminated
@@ -120,10 +121,10 @@ contains
       type(band_stiffness_t), allocatable :: band
       type(error_t), allocatable :: band_error
       integer, allocatable :: order(:)
-      real(dp) :: mean
+      integer :: i
 
-      mean = sum(stiffness%diagonal())/dof_map%n_dofs
-      call map_unknowns(condensation, mean, is_held, zone, constraints, dof_map, error)
+      condensation%diagonal = stiffness%diagonal()
+      call map_unknowns(condensation, sum(condensation%diagonal), is_held, zone, constraints, dof_map, error)
       if (allocated(error)) return
       if (dof_map%n_lockable == 0) call find_band_order(stiffness, options%form, zone, order)
       if (allocated(order)) then
@@ -131,11 +132,12 @@ contains
          call new_band_stiffness(band, stiffness, order, condensation%unknown, condensation%map, band_error)
          if (.not. allocated(band_error)) call new_band_operator(condensation%matrix, band, is_held)
       end if
-      if (.not. is_held) then
-         condensation%regularization = mean
-         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_schur + 1, dof_map%n_dofs, &
-            condensation%regularization)
-      end if
+      condensation%diagonal = condensation%diagonal(dof_map%n_dofs - dof_map%n_schur + 1:)
+      do i = 1, merge(0, dof_map%n_schur, is_held)
+         associate (unknown => dof_map%n_dofs - dof_map%n_schur + i)
+            call stiffness%shift_diagonal(unknown, unknown, condensation%diagonal(i))
+         end associate
+      end do
       call new_cholesky(cholesky, trim(options%factorization), stiffness, merge(0, dof_map%n_schur, allocated(order)), &
          error)
       if (allocated(error)) return
@@ -159,7 +161,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! as of `new_condensation`
 
       call move_alloc(condenser, condensation%condenser)
-      condensation%regularization = condensation%condenser%regularization
+      condensation%diagonal = condensation%condenser%schur_diagonal
       call map_unknowns(condensation, condensation%condenser%matrix_norm, is_held, zone, constraints, dof_map, error)
       if (.not. allocated(error)) call condensation%condenser%check_memory(error)
       if (.not. allocated(error)) call condensation%condenser%complete(error)
@@ -270,9 +272,11 @@ contains
          schur(:, :) = self%whole
       else
          call self%condenser%schur_complement(schur)
-         do i = 1, size(schur, 1)
-            schur(i, i) = schur(i, i) - self%regularization
-         end do
+         if (.not. self%is_held) then
+            do i = 1, size(schur, 1)
+               schur(i, i) = schur(i, i) - self%diagonal(i)
+            end do
+         end if
       end if
       if (size(self%is_locked) > 0) call self%eliminate(schur, error)
       if (allocated(error)) return
@@ -460,7 +464,7 @@ contains
       end associate
    end function may_suit_band
 
-   !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + rho C^T C.
+   !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + C^T R C.
    pure subroutine new_row_condensation(condensation, stiffness, rows, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
@@ -475,8 +479,7 @@ contains
       real(dp), parameter :: small_share = 1.0e-3_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh: make '// &
          'their cells larger'
-      real(dp), allocatable :: flexibility(:, :), gram(:, :)
-      real(dp) :: rho, trace
+      real(dp), allocatable :: flexibility(:, :), gram(:, :), own(:), rho(:)
       integer :: i, info
 
       call allocate_matrix(condensation%factor, size(rows, 2), size(rows, 2), 'the contact unknowns', error)
@@ -496,15 +499,15 @@ contains
       end if
       condensation%factor(:, :) = stiffness
       condensation%rows = rows
-      ! Both parts of M then have diagonals of equal size, so that its condition is near that of S, and better if only
-      ! soft springs hold the body.
-      trace = sum([(stiffness(i, i), i=1, size(stiffness, 1))])
-      rho = trace/sum(rows**2)
-      condensation%least_augmentation = small_share*rho
+      ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
+      ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
+      own = [(stiffness(i, i), i=1, size(stiffness, 1))]
+      rho = 1.0_dp/[(sum(rows(i, :)**2/own), i=1, size(rows, 1))]
+      condensation%least_augmentation = small_share*minval(rho)
       do i = 1, size(rows, 2)
-         condensation%factor(:, i) = condensation%factor(:, i) + rho*matmul(rows(:, i), rows)
+         condensation%factor(:, i) = condensation%factor(:, i) + matmul(rho*rows(:, i), rows)
          if (size(unnoticed, 2) > 0) condensation%factor(:, i) = condensation%factor(:, i) &
-            + trace/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
+            + sum(own)/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
       end do
       call cholesky_factor(condensation%factor, info)
       if (info /= 0) then
@@ -525,7 +528,7 @@ contains
       call cholesky_solve(gram, condensation%lifting)
       call cholesky_inverse(gram)
       do i = 1, size(gram, 1)
-         gram(i, i) = gram(i, i) - rho
+         gram(i, i) = gram(i, i) - rho(i)
       end do
       call move_alloc(gram, condensation%stiffness)
    end subroutine new_row_condensation

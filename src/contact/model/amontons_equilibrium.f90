@@ -124,7 +124,9 @@ contains
       real(dp), intent(in) :: rounding !! rounding errors of the work of a unit force on a motion [-]
       real(dp), allocatable, intent(out) :: remainder(:) !! the remainder, piece after piece (n_free of all)
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works
-      real(dp), allocatable :: cone(:, :), edge(:, :), most(:), own(:)
+      ! The work of a force across a motion is rounding, which grows with the force.
+      real(dp), parameter :: least_share = 1.0e-4_dp
+      real(dp), allocatable :: cone(:, :), edge(:, :), most(:), own(:), moved(:, :)
       integer, allocatable :: mine(:)
       real(dp) :: work(size(modes, 2)), friction(body%zone%n_points), angle
       logical :: is_mine(size(modes, 2))
@@ -141,9 +143,10 @@ contains
             do i = 1, size(motions%node)
                associate (force => load_case%force(:, motions%node(i)))
                   if (.not. any(abs(force) > 0.0_dp)) cycle
-                  own = matmul(force, motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i)))
+                  moved = motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i))
+                  own = matmul(force, moved)
                   work(first:last) = work(first:last) + own
-                  scale = scale + maxval(abs(own))
+                  scale = scale + max(maxval(abs(own)), least_share*norm2(force)*maxval(norm2(moved, dim=1)))
                end associate
             end do
          end associate
