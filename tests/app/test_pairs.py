@@ -93,6 +93,17 @@ CARRIED = """&mesh name = 'low'  size = 2.0, 1.0  cells = 4, 3  element = 'quad8
 &contact set = 'low.top'  against = 'high.bottom'  friction = 0.1 /
 &load set = 'low.right'  traction = 1e-5, 0.0 /
 """
+# The upper ring is lifted off the lower one, which nothing presses then and given bounds alone hold.
+LIFTED = """&mesh name = 'a'  size = 9.271, 6.328  cells = 9, 3  element = 'tri6'  origin = 50.78, 0.0 /
+&mesh name = 'b'  size = 9.63, 7.368  cells = 9, 5  element = 'tri6'  origin = 50.78, 6.328 /
+&material region = 'a'  young = 4194.0  poisson = 0.0  hypothesis = 'axisymmetric'  twist = .true. /
+&material region = 'b'  young = 6927.0  poisson = 0.0  hypothesis = 'axisymmetric'  twist = .true. /
+&contact set = 'a.bottom'  friction = 0.1  slip_bound = 0.003158 /
+&contact set = 'b.bottom'  against = 'a.top'  friction = 0.6 /
+&load set = 'b.top'  pressure = -0.0283 /
+&load set = 'b.right'  torque = 11680.0  traction = 0.02541, 0.01166 /
+&support set = 'b.right'  spring_n = 34.31  spring_t = 1.044 /
+"""
 
 
 class Pairs(ProgramTest):
@@ -129,6 +140,9 @@ class Pairs(ProgramTest):
         # All forces are rounding of 1e-3 times a stiffness of 1e5; none is above 1e-13 of these.
         self.assertTrue(self.summary_of(LOOSE)["certificate"]["passed"])
         self.assertLess(max(abs(float(row["normal_force"])) for row in self.rows()), 1e-11)
+
+    def test_an_open_point_changes_its_direction_of_slip_by_sticking(self):
+        self.assertTrue(self.summary_of(LIFTED)["certificate"]["passed"])
 
     def test_a_body_that_a_support_carries_away_does_not_spoil_the_forces_on_another(self):
         self.assertTrue(self.summary_of(CARRIED)["certificate"]["passed"])
@@ -293,7 +307,8 @@ class Pairs(ProgramTest):
             self.run_program(self.write("case.nml", STIFF.replace("1e7", young)))
 
     def test_a_body_keeps_its_digits_on_one_that_is_stiffer_by_far(self):
-        deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /", "&material young = 1e12  poisson = 0.25  region = 'b' /")
+        deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /",
+                              "&material young = 1e12  poisson = 0.25  region = 'b' /")
         for multipliers in ("'mortar'", "'constant'"):
             contact = CONTACT.replace("0.2", f"0.31  multipliers = {multipliers}")
             self.assertLess(self.summary_of(deck + contact)["certificate"]["equilibrium"], 1e-9)

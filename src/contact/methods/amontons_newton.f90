@@ -173,6 +173,7 @@ contains
          last = active_set
          call limit_step(problem, scale, before, displacement, force, imbalance, solution%effort)
          call active_set%update(problem, rho, displacement, force)
+         call stick_before_return(active_set, last, problem%slip_bound)
          residual = max(problem%violation(displacement, force), imbalance)/problem%force_scale(force, displacement)
          call record_step(problem, displacement, force, residual, self%tolerance, solution, may_continue)
          if (is_last .or. .not. may_continue) return
@@ -223,6 +224,19 @@ contains
          solution%residual = residual
       end if
    end subroutine record_step
+
+   !> Lets an open point stick that would reverse its slip: given bounds would push it to and fro.
+   pure subroutine stick_before_return(active_set, last, slip_bound)
+      type(active_set_t), intent(inout) :: active_set !! the active set that a step leads to
+      type(active_set_t), intent(in) :: last !! the active set before it
+      real(dp), intent(in) :: slip_bound(:) !! given bounds (m) [F]
+      real(dp) :: along(size(slip_bound))
+
+      along = active_set%slip_direction*last%slip_direction
+      if (allocated(active_set%axes)) along = along*sum(active_set%axes*last%axes, dim=1)
+      where (slip_bound > 0.0_dp .and. .not. (active_set%is_closed .or. last%is_closed) .and. along < 0.0_dp) &
+         active_set%slip_direction = 0
+   end subroutine stick_before_return
 
    !> Shortens a step of a loose body that, with the assumed active set, slides or flies much farther than forces of
    !> this size deform a body, since only the regularization holds it. The step ends where the forces of springs between
