@@ -32,7 +32,8 @@ module amontons_constraints
    !> A set that moves as a rigid body, and the point of its rotation, for a support or load.
    type :: rigid_face_t
       logical :: is_given = .false. !! whether it is
-      logical :: has_point = .false. !! whether the point is given; else it is the middle of the set
+      logical :: has_point = .false.
+         !! whether the point is given; else it is the middle of the extents of the set along x and y
       real(dp) :: point(2) = 0.0_dp !! the point [L]
    end type rigid_face_t
 

@@ -458,7 +458,8 @@ contains
          " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface', &
          hint="several sets: 'A, B'"), motion%set)
       call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
-         default='the middle of the set', also='center node reference'), motion%rigid%point, motion%rigid%has_point)
+         default='the middle of its extents along x and y', also='center node reference'), motion%rigid%point, &
+         motion%rigid%has_point)
       do k = 1, size(rigid_components)
          call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true., &
             also=others(k)), motion%displacement(k), motion%is_held(k))
