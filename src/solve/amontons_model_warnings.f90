@@ -308,12 +308,6 @@ contains
       if (size(pair%open_node) > 0) call warnings%add(name//'left open: '// &
          counted(size(pair%open_node), 'node')//' of the slave, without a master within '// &
          warnings%number(pair%search, 'L'))
-      if (pair%sliver_side > 0) then
-         associate (at => pair%slave%corner(:, 3, pair%sliver_side))
-            call warnings%add(name//'the side at '//warnings%place(at)//' is covered to '// &
-               short_text(pair%sliver_share)//' of its length; it is left out')
-         end associate
-      end if
       call add_idle_sides(warnings, name, pair%idle_side)
       lengths = [mean_length(pair%slave), mean_length(pair%master)]
       if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &

@@ -371,14 +371,22 @@ class Pairs(ProgramTest):
         self.assert_close(*forces, 1e-9)
         self.run_program("--verify", ".")
 
-    def test_contact_width_ends_where_the_master_does(self):
-        # A narrow block on the coarse sides of a wide one: from x = 0.7 to 3.3, in the middle of sides.
+    def test_contact_ends_where_the_master_does(self):
+        # A narrow block on the coarse sides of a wide one: it ends beyond the middle of sides, before it, and next to
+        # their ends, where a multiplier of the corner that it does not reach had pressures up to 1e9.
         deck = ("&mesh name = 'a'  size = 4.0, 2.0  cells = 4, 2  origin = 0.0, -2.0 /\n"
-                "&mesh name = 'b'  size = 2.6, 2.0  cells = 7, 5  origin = 0.7, 0.0 /\n"
+                "&mesh name = 'b'  size = {1}, 2.0  cells = 7, 5  origin = {0}, 0.0 /\n"
                 "&material young = 100.0  poisson = 0.0 /\n&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
-                "&support set = 'b.top'  ux = 0.0  uy = -0.05 /\n&contact set = 'a.top'  against = 'b.bottom' /\n")
-        summary = self.solve(deck).summary
-        self.assertAlmostEqual(summary["key_results"]["contact_width"], 2.6, delta=1e-12)
+                "&support set = 'b.top'  ux = 0.0  uy = -0.05 /\n&{2} /\n")
+        for begin in (0.3, 0.7, 0.9, 0.99, 0.9999, 0.999999, 1.0):
+            for words in ("contact set = 'a.top'  against = 'b.bottom'", "tie set = 'a.top'  to = 'b.bottom'"):
+                with self.subTest(begin=begin, words=words):
+                    summary = self.solve(deck.format(begin, 4.0 - 2.0*begin, words)).summary
+                    results = summary["key_results"]
+                    if "contact_width" in results:
+                        self.assertAlmostEqual(results["contact_width"], 4.0 - 2.0*begin, delta=1e-12)
+                        self.assertLess(results["max_contact_pressure"],
+                                        3.0*abs(results["contact_force_y"])/results["contact_width"])
 
     def test_sticking_sweep_slips_by_nothing(self):
         # What the grid leaves of the displacements of points at rest is no slip.

@@ -108,8 +108,6 @@ module amontons_mortar_pair
       real(dp) :: jump(2) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0, 0 without one [-]
       integer :: lead = 0 !! the node whose own unknown along this direction is the jump; 0 without one
       logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
-      integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
-      real(dp) :: sliver_share = 0.0_dp !! share of the side that faces the master [-]
    contains
       procedure :: is_set => mortar_pair_is_set
    end type mortar_pair_t
@@ -423,10 +421,8 @@ contains
       if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
       call find_segments(pair%segments, pair%slave, pair%master, pair%search)
       ! Sides that face next to nothing are left out.
-      share = covered_shares(pair)
+      share = sum(covered_parts(pair), dim=1)
       pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
-      pair%sliver_side = findloc(share > 0.0_dp .and. share < least_share, .true., dim=1)
-      if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
       if (size(pair%segments) == 0) then
          call explain_distance(pair, error)
          return
@@ -507,7 +503,11 @@ contains
       logical :: is_corner(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
       integer :: i, k, point(size(follower))
-      real(dp) :: share(pair%slave%n_sides)
+      real(dp) :: part(2, pair%slave%n_sides), share(pair%slave%n_sides)
+      ! Of the covered part of a side, the mean of the hat of a corner that is a point: if the master covers less of the
+      ! side than twice that, from its other end, a multiplier there would hold the master's slope, prolonged by far.
+      ! It is no simple fraction, as ends of regular meshes have.
+      real(dp), parameter :: least_mean = 0.14_dp
 
       is_corner = .false.
       faces = .false.
@@ -515,8 +515,10 @@ contains
          is_corner(pair%slave%side(:2, i)) = .true.
          normal(:, pair%slave%side(:2, i)) = pair%slave%normal(:, :2, i)
       end do
-      do i = 1, size(pair%segments)
-         faces(pair%slave%side(:2, pair%segments(i)%slave)) = .true.
+      part = covered_parts(pair)
+      share = sum(part, dim=1)
+      do i = 1, pair%slave%n_sides
+         where (part(:, i) > least_mean*share(i)) faces(pair%slave%side(:2, i)) = .true.
       end do
       pair%open_node = pack(pair%line%node, is_corner(pair%line%node) .and. .not. faces(pair%line%node))
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
@@ -546,7 +548,6 @@ contains
          if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
       end do
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
-      share = covered_shares(pair)
       do i = 1, pair%slave%n_sides
          if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
       end do
@@ -561,19 +562,21 @@ contains
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine number_points
 
-   !> The share of each side of the slave that faces the master (sides) [-].
-   pure function covered_shares(pair) result(share)
+   !> The part of the hats of both corners of each side of the slave that faces the master; their sum is the share of
+   !> the side that does (2, sides) [-].
+   pure function covered_parts(pair) result(part)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
-      real(dp) :: share(pair%slave%n_sides)
+      real(dp) :: part(2, pair%slave%n_sides)
       integer :: i
 
-      share = 0.0_dp
+      part = 0.0_dp
       do i = 1, size(pair%segments)
          associate (segment => pair%segments(i))
-            share(segment%slave) = share(segment%slave) + 0.5_dp*(segment%range(2) - segment%range(1))
+            part(:, segment%slave) = part(:, segment%slave) &
+               + 0.5_dp*(segment%range(2) - segment%range(1))*hats(0.5_dp*sum(segment%range))
          end associate
       end do
-   end function covered_shares
+   end function covered_parts
 
    !> Marks the nodes and sides of a line as used by a contact set or tie.
    pure subroutine mark_line(follower, line)
@@ -596,7 +599,7 @@ contains
       real(dp) :: share(pair%slave%n_sides)
       integer :: i
 
-      share = covered_shares(pair)
+      share = sum(covered_parts(pair), dim=1)
       do i = 1, pair%slave%n_sides
          if (.not. share(i) > 0.0_dp) cycle
          associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
