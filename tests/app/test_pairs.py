@@ -372,14 +372,15 @@ class Pairs(ProgramTest):
         self.run_program("--verify", ".")
 
     def test_contact_ends_where_the_master_does(self):
-        # A narrow block on the coarse sides of a wide one: it ends beyond the middle of sides, before it, and next to
-        # their ends, where a multiplier of the corner that it does not reach had pressures up to 1e9.
-        deck = ("&mesh name = 'a'  size = 4.0, 2.0  cells = 4, 2  origin = 0.0, -2.0 /\n"
+        # A narrow block on the coarse sides of a wide one: it ends beyond the middle of a side, before it, and next to
+        # its end, where a multiplier of the corner or the cell that it hardly reaches had pressures up to 1e9.
+        deck = ("&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4  origin = 0.0, -2.0 /\n"
                 "&mesh name = 'b'  size = {1}, 2.0  cells = 7, 5  origin = {0}, 0.0 /\n"
                 "&material young = 100.0  poisson = 0.0 /\n&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
                 "&support set = 'b.top'  ux = 0.0  uy = -0.05 /\n&{2} /\n")
         for begin in (0.3, 0.7, 0.9, 0.99, 0.9999, 0.999999, 1.0):
-            for words in ("contact set = 'a.top'  against = 'b.bottom'", "tie set = 'a.top'  to = 'b.bottom'"):
+            for words in ("contact set = 'a.top'  against = 'b.bottom'", "tie set = 'a.top'  to = 'b.bottom'",
+                          "contact set = 'a.top'  against = 'b.bottom'  multipliers = 'constant'"):
                 with self.subTest(begin=begin, words=words):
                     summary = self.solve(deck.format(begin, 4.0 - 2.0*begin, words)).summary
                     results = summary["key_results"]

@@ -245,7 +245,7 @@ contains
       real(dp), parameter :: no_direction(2) = 0.0_dp
       type(contact_cells_t) :: cells
       type(mortar_piece_t), allocatable :: pieces(:)
-      integer, allocatable :: point(:), kept(:)
+      integer, allocatable :: point(:), kept(:), neighbor(:)
       integer :: cell, k
 
       call new_contact_cells(cells, body, pair%set, pair%line, partition, no_direction, error)
@@ -253,7 +253,8 @@ contains
       pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
          k=1, size(cells%segments))]
       call cell_pieces(pieces, pair%segments, pair%cells)
-      kept = pack([(cell, cell=1, cells%n_cells)], [(any(pieces%point(1) == cell), cell=1, cells%n_cells)])
+      call join_cells(cells, pieces, pair, neighbor)
+      kept = pack([(cell, cell=1, cells%n_cells)], neighbor == [(cell, cell=1, cells%n_cells)])
       do k = 1, size(kept)
          if (.not. cells%is_held(kept(k))) cycle
          call new_error(error, input_refused, held_slave_text(pair, cells%center(:, kept(k)), 'force', &
@@ -262,10 +263,12 @@ contains
       end do
       allocate (point(0:cells%n_cells), source=0)
       point(kept) = [(k, k=1, size(kept))]
+      point(1:) = point(neighbor)
       pair%is_tangent_fixed = cells%is_tangent_fixed(kept)
       pair%cells%master = point(pair%cells%master)
       pair%normal = cells%normal(:, kept)
       pair%next = point(cells%next(kept))
+      where (pair%next == point(kept)) pair%next = 0
       pair%node = pair%node(:0)
       deallocate (pair%covered_share)
       pair%held_node = pair%node
@@ -273,5 +276,33 @@ contains
       pair%joined_node = pair%node
       pair%idle_side = pair%idle_side(:, :0)
    end subroutine choose_cells
+
+   !> Joins each cell of which the master covers little to the one beside it, if there is one that it covers well: with
+   !> a multiplier of its own the mean of the cell would be that of its end, and its pressure grow without bound.
+   pure subroutine join_cells(cells, pieces, pair, neighbor)
+      type(contact_cells_t), intent(in) :: cells !! the cells
+      type(mortar_piece_t), intent(in) :: pieces(:) !! the parts of the cells that face the master
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      integer, allocatable, intent(out) :: neighbor(:)
+         !! the cell that each cell belongs to: itself, the one beside it, or 0 if it faces nothing (n_cells)
+      ! No simple fraction, as ends of regular meshes have.
+      real(dp), parameter :: least_share = 0.28_dp
+      real(dp) :: share(0:cells%n_cells)
+      integer :: cell, k, beside(2)
+
+      share = 0.0_dp
+      do k = 1, size(pieces)
+         associate (segment => pieces(k)%segment, own => share(pieces(k)%point(1)))
+            own = own + 0.5_dp*(segment%range(2) - segment%range(1))*norm2(pair%slave%corner(:, 2, segment%slave) &
+               - pair%slave%corner(:, 1, segment%slave))/cells%length(pieces(k)%point(1))
+         end associate
+      end do
+      neighbor = merge([(cell, cell=1, cells%n_cells)], 0, share(1:) > 0.0_dp)
+      do cell = 1, cells%n_cells
+         beside = [cells%next(cell), findloc(cells%next, cell, dim=1)]
+         k = beside(maxloc(share(beside), dim=1))
+         if (neighbor(cell) > 0 .and. share(cell) < least_share .and. share(k) >= least_share) neighbor(cell) = k
+      end do
+   end subroutine join_cells
 
 end module amontons_contact_cells
