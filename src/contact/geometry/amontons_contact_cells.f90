@@ -10,7 +10,7 @@ module amontons_contact_cells
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: cell_pieces, held_slave_text, mortar_pair_t, mortar_piece_t
+   use amontons_mortar_pair, only: cell_pieces, held_slave_text, least_cover, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
    use amontons_surface, only: meshed_body_t, mortar_segment_t, side_order
    use amontons_text, only: to_text
@@ -277,16 +277,13 @@ contains
       pair%idle_side = pair%idle_side(:, :0)
    end subroutine choose_cells
 
-   !> Joins each cell of which the master covers little to the one beside it, if there is one that it covers well: with
-   !> a multiplier of its own the mean of the cell would be that of its end, and its pressure grow without bound.
+   !> Joins each cell of which the master covers little to the one beside it, if there is one that it covers well.
    pure subroutine join_cells(cells, pieces, pair, neighbor)
       type(contact_cells_t), intent(in) :: cells !! the cells
       type(mortar_piece_t), intent(in) :: pieces(:) !! the parts of the cells that face the master
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, allocatable, intent(out) :: neighbor(:)
          !! the cell that each cell belongs to: itself, the one beside it, or 0 if it faces nothing (n_cells)
-      ! No simple fraction, as ends of regular meshes have.
-      real(dp), parameter :: least_share = 0.28_dp
       real(dp) :: share(0:cells%n_cells)
       integer :: cell, k, beside(2)
 
@@ -301,7 +298,7 @@ contains
       do cell = 1, cells%n_cells
          beside = [cells%next(cell), findloc(cells%next, cell, dim=1)]
          k = beside(maxloc(share(beside), dim=1))
-         if (neighbor(cell) > 0 .and. share(cell) < least_share .and. share(k) >= least_share) neighbor(cell) = k
+         if (neighbor(cell) > 0 .and. share(cell) < least_cover .and. share(k) >= least_cover) neighbor(cell) = k
       end do
    end subroutine join_cells
 

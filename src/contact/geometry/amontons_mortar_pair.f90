@@ -37,7 +37,13 @@ module amontons_mortar_pair
    private
 
    public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, n_quadrature_points, new_mortar_pair
+      least_cover, mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, &
+      n_quadrature_points, new_mortar_pair
+
+   !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
+   !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is no
+   !> simple fraction, as ends of regular meshes have [-].
+   real(dp), parameter :: least_cover = 0.28_dp
 
    !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
@@ -504,10 +510,6 @@ contains
       integer, allocatable :: facing(:)
       integer :: i, k, point(size(follower))
       real(dp) :: part(2, pair%slave%n_sides), share(pair%slave%n_sides)
-      ! Of the covered part of a side, the mean of the hat of a corner that is a point: if the master covers less of the
-      ! side than twice that, from its other end, a multiplier there would hold the master's slope, prolonged by far.
-      ! It is no simple fraction, as ends of regular meshes have.
-      real(dp), parameter :: least_mean = 0.14_dp
 
       is_corner = .false.
       faces = .false.
@@ -518,7 +520,8 @@ contains
       part = covered_parts(pair)
       share = sum(part, dim=1)
       do i = 1, pair%slave%n_sides
-         where (part(:, i) > least_mean*share(i)) faces(pair%slave%side(:2, i)) = .true.
+         ! The mean of a corner's hat over a part that begins at the other corner is half its share.
+         where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(pair%slave%side(:2, i)) = .true.
       end do
       pair%open_node = pack(pair%line%node, is_corner(pair%line%node) .and. .not. faces(pair%line%node))
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))

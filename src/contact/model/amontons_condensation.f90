@@ -170,7 +170,7 @@ contains
    !> Maps the contact unknowns to the points.
    subroutine map_unknowns(condensation, size_of_stiffness, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(inout) :: condensation !! gains the maps
-      real(dp), intent(in) :: size_of_stiffness !! a norm of K, or a mean of its entries [F/L]
+      real(dp), intent(in) :: size_of_stiffness !! a norm of K, or the sum of its diagonal [F/L]
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
