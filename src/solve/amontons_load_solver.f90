@@ -301,7 +301,7 @@ contains
       type(contact_problem_t) :: counted
 
       counted = problem
-      if (body%is_rotation_strained) then
+      if (body%is_motion_strained) then
          call counted%count_from(motion)
       else
          counted%gap = problem%gap - motion(:problem%n_points)
@@ -512,15 +512,13 @@ contains
       ! With more points this would take minutes.
       real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
       integer, parameter :: most_points = 2000
-      ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
-      real(dp), parameter :: negligible = 1.0e-3_dp
-      real(dp), parameter :: most_residual = 1.0e-8_dp, far = 10.0_dp
+      real(dp), parameter :: most_residual = 1.0e-6_dp, far = 10.0_dp
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: held
       type(contact_solution_t) :: found
       type(auto_t) :: method
       type(error_t), allocatable :: error
-      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), way(problem%matrix%n), inexact
+      real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), inexact
       integer :: i, trial
 
       if (problem%n_points > most_points) return
@@ -539,16 +537,34 @@ contains
          if (allocated(error) .or. .not. found%residual <= most_residual) return
          ! Once all these points slip, the body moves on as a rigid one: the motion is the difference of two trials.
          amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
-         way = matmul(on_round, amounts)
          ! Rounding errors of long displacements may be above the tolerance.
          inexact = merge(0.0_dp, far*found%residual*found%force_scale, found%is_converged)
-         associate (along => way(:problem%n_points), closes => found%force(:problem%n_points) > 0.0_dp)
-            if (all(merge(abs(along), along, closes) <= negligible*maxval(abs(way)) .or. .not. is_in_reach) .and. &
-               is_unbalanced(problem, found%force, rounding + inexact, amounts, on_round, modes)) return
-         end associate
+         if (is_unopposed(problem, found%force, is_in_reach, rounding + inexact, amounts, on_round, modes)) return
+         if (is_unopposed(problem, found%force, is_in_reach, rounding + inexact, amounts, modes, modes)) return
          deallocate (amounts)
          before = found%displacement
       end do
    end subroutine find_driven_spin
+
+   !> Whether no closed contact opposes a motion by its normal force, and friction not enough.
+   pure logical function is_unopposed(problem, force, is_in_reach, rounding, amounts, frames, modes)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      real(dp), intent(in) :: rounding !! errors of load and force of a point [F]
+      real(dp), intent(in) :: amounts(:) !! amounts of the free motions of each piece (motions)
+      real(dp), intent(in) :: frames(:, :)
+         !! displacements of the points in their own frames or in those of the round line (n_rows, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own frames (n_rows, motions) [-]
+      ! Motion of closed points along their normals, and of others toward the obstacle, over the largest motion.
+      real(dp), parameter :: negligible = 1.0e-3_dp
+      real(dp) :: way(problem%matrix%n)
+
+      way = matmul(frames, amounts)
+      associate (along => way(:problem%n_points), closes => force(:problem%n_points) > 0.0_dp)
+         is_unopposed = all(merge(abs(along), along, closes) <= negligible*maxval(abs(way)) .or. .not. is_in_reach)
+      end associate
+      if (is_unopposed) is_unopposed = is_unbalanced(problem, force, rounding, amounts, frames, modes)
+   end function is_unopposed
 
 end module amontons_load_solver

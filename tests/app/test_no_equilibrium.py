@@ -19,6 +19,19 @@ SPINNING = ("no equilibrium: all contact points slip or open, and friction canno
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
 
 
+def arched_block(rise):
+    """A mesh file of a block 8 x 8 whose bottom, of four sides, rises by `rise` to the middle, along a parabola."""
+    nodes = [(2.0*i, 2.0*j + (rise*(4 - j)/4*i*(4 - i)/4)) for j in range(5) for i in range(5)]
+    cells = [[5*j + i + 1, 5*j + i + 2, 5*j + i + 7, 5*j + i + 6] for j in range(4) for i in range(4)]
+    sides = [(1, [i + 1, i + 2]) for i in range(4)] + [(2, [5*i + 5, 5*i + 10]) for i in range(4)] \
+        + [(3, [25 - i, 24 - i]) for i in range(4)] + [(4, [21 - 5*i, 16 - 5*i]) for i in range(4)]
+    elements = [f"1 2 {k} {k} {a} {b}" for k, (a, b) in sides] + [f"3 2 9 9 {a} {b} {c} {d}" for a, b, c, d in cells]
+    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "5", '1 1 "bottom"', '1 2 "right"',
+                      '1 3 "top"', '1 4 "left"', '2 9 "block"', "$EndPhysicalNames", "$Nodes", "25"]
+                     + [f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)] + ["$EndNodes", "$Elements", "32"]
+                     + [f"{i} {e}" for i, e in enumerate(elements, 1)] + ["$EndElements", ""])
+
+
 class NoEquilibrium(ProgramTest):
     """Status 2: contact and friction cannot balance the loads; the files say so."""
 
@@ -189,6 +202,39 @@ class NoEquilibrium(ProgramTest):
                 self.assertIn(SPINNING.split(" {}")[0], run.stderr)
         self.write("sweep.nml", text + "&sweep load = 'lift'  factor = 0.0, 1.0 /\n")
         self.assertIn("2 cases, 1 solved, 1 without equilibrium", self.run_program("sweep.nml").stdout)
+
+    def test_only_a_corner_of_a_curved_line_bears_a_body_that_tips(self):
+        # The push at the top turns the block about its left corner: 32 of the pressure against 32 (1 + excess). The
+        # wall at its right side, which it leaves, might bear any moment.
+        self.write("arched.msh", arched_block(0.02))
+        for excess, status in ((-0.01, 0), (1e-3, 2), (0.008, 2), (0.05, 2)):
+            self.write("tip.nml", block(
+                "load set = 'top'  pressure = 0.01", f"load set = 'top'  traction = {-0.005*(1.0 + excess)!r}, 0.0",
+                "contact set = 'bottom'  friction = 1.0  slip_bound = 1e-9  point = 0.0, 0.0  normal = 0.0, 1.0",
+                "contact set = 'right'  friction = 0.3  point = 8.0, 0.0  normal = -1.0, 0.0",
+                mesh="file = 'arched.msh'", material="young = 1000.0  poisson = 0.0"))
+            self.run_program("--quiet", "--output", "results", "tip.nml", status=status)
+
+    def test_supports_along_a_line_that_is_nearly_a_circle_resist_the_motion_along_it(self):
+        # Of motions along a flat parabola they leave one free but for a millionth; it strains the block a little.
+        for rise in (1e-6, 1e-5, 2.54e-5, 3e-5, 1e-3, 0.1):
+            self.write("arched.msh", arched_block(rise))
+            self.write("guided.nml", block(
+                "support set = 'bottom'  un = -1e-4", "load set = 'top'  pressure = 1e-3",
+                "load set = 'right'  traction = -1e-4, -2e-4", "contact set = 'left'  extra_gap = -6e-4  "
+                "point = 0.0, 0.0  normal = 1.0, 0.0", mesh="file = 'arched.msh'",
+                material="young = 400.0  poisson = 0.25"))
+            self.run_program("--quiet", "--output", "results", "guided.nml")
+
+    def test_single_point_that_is_a_mean_over_the_node_of_a_rigid_set(self):
+        # The point has the displacement of the middle of the side, and the block turns about it.
+        text = block("contact set = 'right'  friction = 0.7  normal = -1.0, 0.0  point = 4.0, 0.0",
+                     "rigid name = 'punch'  set = 'top'  force = 1.0, -1.0", "load name = 'l'  body_force = 1.0, 0.0",
+                     mesh="size = 4.0, 2.0  cells = 4, 1")
+        for study in ("", "&sweep load = 'l'  factor = 1.0 /\n", "&history times = 0.0 /\n"):
+            self.write("mean.nml", text + study)
+            run = self.run_program("--quiet", "--output", "results", "mean.nml", status=2)
+            self.assertIn("is free to translate along (0.0, ", run.stderr)
 
     def test_wall_bears_no_load_along_it_by_what_rounding_leaves_of_its_work(self):
         # A bolt lifts the middle one of three blocks, which nothing holds, beside a smooth wall of the upper one.

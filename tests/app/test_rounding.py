@@ -96,6 +96,17 @@ class Rounding(Verification):
 &history times = 1.0 /
 """)
 
+    def test_free_expansion_leaves_rounding_errors_of_the_forces_that_would_prevent_it(self):
+        # The cooled disk shrinks away from its wall; the pressure acts on the support that bears it.
+        for pressure in (0.0, 0.01, 1.0, 15.0):
+            summary = self.summary_of(
+                "&mesh size = 4.0, 1.0  cells = 32, 8  element = 'quad9' /\n"
+                "&material young = 200000.0  poisson = 0.3  expansion = 1e-5  hypothesis = 'axisymmetric' /\n"
+                "&support set = 'bottom'  un = 0.0 /\n&support set = 'left'  un = 0.0 /\n&load temperature = -40.0 /\n"
+                f"&load set = 'bottom'  pressure = {pressure} /\n"
+                "&contact set = 'right'  friction = 0.3  normal = -1.0, 0.0  point = 100.0, 0.0 /\n")
+            self.assertEqual(summary["outcome"], "solved", pressure)
+
     def test_a_large_radius_has_an_angle_from_one_node_to_the_next(self):
         # The normals at two nodes differ by 1e-11, whose cosine is 1 to rounding. The apex between two nodes is 2e-12
         # higher than these; the body yields by 5e-12.

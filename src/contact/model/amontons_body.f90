@@ -26,7 +26,7 @@ module amontons_body
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
-   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_rigid_motion, only: meets_supports, new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -88,7 +88,7 @@ module amontons_body
          !! orthonormal displacements of the contact points, of which these are combinations (n_rows, any) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
-      logical :: is_rotation_strained = .false. !! whether a free rotation strains bonded pieces, from `strains_ties`
+      logical :: is_motion_strained = .false. !! whether a free motion strains bonded pieces or meets supports a little
       type(contact_zone_t) :: zone !! the contact points
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
@@ -183,8 +183,6 @@ contains
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
          call body%checked_tie_rows%add(points%rows)
       end do
-      if (size(body%ties) > 0 .and. .not. body%is_axisymmetric) body%is_rotation_strained = &
-         strains_ties(body%tie_rows, mesh%coordinates)
       associate (zone => body%zone)
          call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
             zone%normal(:, zone%mean_point), body%constraints, mesh%coordinates, error)
@@ -215,21 +213,24 @@ contains
 
    !> Whether ties resist a rotation of the joined bodies: across a gap, and between the polygons of a curve, the
    !> displacement of a slave is the mean over another position of the master.
-   pure logical function strains_ties(rows, coordinates)
-      type(contact_rows_t), intent(in) :: rows !! the rows of the points of all ties
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+   pure logical function strains_ties(body)
+      type(body_t), intent(in) :: body !! the body
       ! Rounding errors of the coordinates of matching surfaces are smaller.
       real(dp), parameter :: negligible = 1.0e-10_dp
       real(dp), allocatable :: rotation(:, :)
       real(dp) :: middle(2)
       integer :: node
 
-      middle = 0.5_dp*(minval(coordinates, dim=2) + maxval(coordinates, dim=2))
-      allocate (rotation, mold=coordinates)
-      do node = 1, size(coordinates, 2)
-         rotation(:, node) = turned(coordinates(:, node) - middle)
-      end do
-      strains_ties = any(abs(rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
+      strains_ties = .false.
+      if (size(body%ties) == 0 .or. body%is_axisymmetric) return
+      associate (coordinates => body%mesh%coordinates)
+         middle = 0.5_dp*(minval(coordinates, dim=2) + maxval(coordinates, dim=2))
+         allocate (rotation, mold=coordinates)
+         do node = 1, size(coordinates, 2)
+            rotation(:, node) = turned(coordinates(:, node) - middle)
+         end do
+      end associate
+      strains_ties = any(abs(body%tie_rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
    end function strains_ties
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
@@ -523,6 +524,8 @@ contains
       call find_motions(body%motions, body, body%constraints, body%springs)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
       call find_travel(body%travel, body%common_motions, body%rigid_modes)
+      body%is_motion_strained = strains_ties(body) .or. &
+         meets_supports(body%motions, body%constraints, body%mesh%coordinates)
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
@@ -616,7 +619,7 @@ contains
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
-      if (body%is_rotation_strained) return
+      if (body%is_motion_strained) return
       allocate (force(body%zone%n_rows))
       do i = 1, size(body%rigid_modes, 2)
          associate (motion => body%rigid_modes(:, i))
@@ -638,8 +641,10 @@ contains
       allocate (motions(body%dof_map%n_schur - body%dof_map%n_lockable, size(body%common_motions, 2)), source=0.0_dp)
       first = 1
       do k = 1, size(body%motions)
-         associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1)
+         associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1, rows => body%zone%rows)
             do i = 1, size(piece%node)
+               ! The unknown of a node may be the displacement of its point, a mean over others, which is at rest.
+               if (any(rows%node(rows%start(body%zone%mean_point)) == piece%node(i))) cycle
                displacement = matmul(transpose(body%constraints%frame(piece%node(i))), &
                   piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i)))
                do axis = 1, size(displacement, 1)

@@ -341,7 +341,7 @@ contains
       real(dp), allocatable :: unit_amounts(:)
       integer :: first, i, j
 
-      if (size(amounts) == 0 .or. body%is_rotation_strained) then
+      if (size(amounts) == 0 .or. body%is_motion_strained) then
          call recover_displacement(displacement, body, load_case, solution)
          return
       end if
