@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"tests"/"verification"))
+sys.path[:0] = [str(Path(__file__).resolve().parents[2]/"tests"/room) for room in ("verification", "app")]
 from graded_block import between, graded_block, stations  # noqa: E402
 from mapped_mesh import mapped_mesh, sector  # noqa: E402
 from receding_layer import Layer  # noqa: E402

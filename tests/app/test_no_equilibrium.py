@@ -5,6 +5,7 @@ import math
 import unittest
 
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
+from mapped_mesh import mapped_mesh
 from rings import hung_ring, ring, ring_on_elastic_pin
 
 NO_EQUILIBRIUM = "no equilibrium: contact and friction cannot balance the loads; the body is free to "
@@ -21,15 +22,7 @@ LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
 
 def arched_block(rise):
     """A mesh file of a block 8 x 8 whose bottom, of four sides, rises by `rise` to the middle, along a parabola."""
-    nodes = [(2.0*i, 2.0*j + (rise*(4 - j)/4*i*(4 - i)/4)) for j in range(5) for i in range(5)]
-    cells = [[5*j + i + 1, 5*j + i + 2, 5*j + i + 7, 5*j + i + 6] for j in range(4) for i in range(4)]
-    sides = [(1, [i + 1, i + 2]) for i in range(4)] + [(2, [5*i + 5, 5*i + 10]) for i in range(4)] \
-        + [(3, [25 - i, 24 - i]) for i in range(4)] + [(4, [21 - 5*i, 16 - 5*i]) for i in range(4)]
-    elements = [f"1 2 {k} {k} {a} {b}" for k, (a, b) in sides] + [f"3 2 9 9 {a} {b} {c} {d}" for a, b, c, d in cells]
-    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "5", '1 1 "bottom"', '1 2 "right"',
-                      '1 3 "top"', '1 4 "left"', '2 9 "block"', "$EndPhysicalNames", "$Nodes", "25"]
-                     + [f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)] + ["$EndNodes", "$Elements", "32"]
-                     + [f"{i} {e}" for i, e in enumerate(elements, 1)] + ["$EndElements", ""])
+    return mapped_mesh((4, 4), "quad4", lambda s, t: (8.0*s, 8.0*t + 4.0*rise*(1.0 - t)*s*(1.0 - s)))
 
 
 class NoEquilibrium(ProgramTest):
