@@ -20,14 +20,15 @@ import importlib
 from typing import Any
 
 _NAMES = {
+    "arguments": ("AmontonsError", "InputRefused"),
     "cases": ("Case",),
     "deck": ("deck_text", "read_deck"),
     "grid": ("Grid", "read_grid"),
     "mesh": ("Mesh",),
     "plot": ("figure",),
-    "solve": ("AmontonsError", "ContactPoints", "DeckResult", "DoubtfulResult", "FileMissing", "InputRefused",
-              "NoEquilibrium", "NotConverged", "NumericalFailure", "ReducedResult", "StepState", "Stepper",
-              "SystemFailure", "set_threads", "solve_deck", "solve_reduced", "version"),
+    "solve": ("ContactPoints", "DeckResult", "DoubtfulResult", "FileMissing", "NoEquilibrium", "NotConverged",
+              "NumericalFailure", "ReducedResult", "StepState", "Stepper", "SystemFailure", "set_threads",
+              "solve_deck", "solve_reduced", "version"),
 }
 __all__ = [name for names in _NAMES.values() for name in names]
 

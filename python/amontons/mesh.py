@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from amontons.arguments import InputRefused, real_numbers, whole_numbers
 from amontons.grid import Array
 
 # Gmsh's numbers of the kinds of cells, and of sides by their number of nodes.
@@ -37,14 +38,14 @@ class Mesh:
         """A mesh as meshio has it: an object with `points` and `cells`. Names come from `point_sets`, `cell_sets` and
         the groups of Gmsh, `cell_data["gmsh:physical"]` with `field_data`. Sets of lines are boundary sets, of cells
         regions; a set of points names the sides of the boundary between them, too."""
-        points = np.asarray(mesh.points, dtype=float)
+        points = real_numbers(mesh.points, "points")
         if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLATNESS*np.ptp(points, axis=0).max():
-            raise ValueError("3-D mesh: expected points in a plane z = constant")
+            raise InputRefused("3-D mesh: expected points in a plane z = constant")
         blocks = [(block.type, np.asarray(block.data)) if hasattr(block, "type") else (block[0], np.asarray(block[1]))
                   for block in mesh.cells]
         for kind, _ in blocks:
             if kind not in DIMENSIONS:
-                raise ValueError(f"cells '{kind}': expected one of " + ", ".join(f"'{kind}'" for kind in DIMENSIONS))
+                raise InputRefused(f"cells '{kind}': expected one of " + ", ".join(f"'{kind}'" for kind in DIMENSIONS))
         sets: tuple[dict[str, list[Array]], ...] = ({}, {}, {})
         first = 0
         for i, (kind, nodes) in enumerate(blocks):
@@ -65,19 +66,20 @@ class Mesh:
 
     def text(self) -> str:
         """The mesh in Gmsh's format 2.2."""
-        nodes = np.asarray(self.nodes, dtype=float)
+        nodes = real_numbers(self.nodes, "nodes")
         if nodes.ndim != 2 or nodes.shape[1] not in (2, 3):
-            raise ValueError(f"expected nodes of n x 2 numbers, found {nodes.shape}")
+            raise InputRefused(f"expected nodes of n x 2 numbers, found {nodes.shape}")
         sets = (self.points, self.sides, {REST: None, **self.regions})
         groups = [(dimension, name) for dimension, names in enumerate(sets) for name in names]
         numbers = {group: number for number, group in enumerate(groups, 1)}
         elements: list[str] = []
         for name, members in self.points.items():
-            self._add(elements, POINT, numbers[0, name], np.reshape(_whole(members, name), (-1, 1)), len(nodes), name)
+            members = np.reshape(whole_numbers(members, name), (-1, 1))
+            self._add(elements, POINT, numbers[0, name], members, len(nodes), name)
         for name, members in self.sides.items():
-            members = np.atleast_2d(_whole(members, name))
+            members = np.atleast_2d(whole_numbers(members, name))
             if members.shape[1] not in SIDES:
-                raise ValueError(f"sides '{name}': expected 2 or 3 nodes a side, found {members.shape[1]}")
+                raise InputRefused(f"sides '{name}': expected 2 or 3 nodes a side, found {members.shape[1]}")
             self._add(elements, SIDES[members.shape[1]], numbers[1, name], members, len(nodes), name)
         self._add_cells(elements, numbers, len(nodes))
         names = [f'{dimension} {number} "{_name(name)}"' for (dimension, name), number in numbers.items()]
@@ -89,14 +91,14 @@ class Mesh:
 
     def _add_cells(self, elements: list[str], numbers: Mapping[tuple[int, str], int], n_nodes: int) -> None:
         """Adds the cells, each with the number of its region."""
-        kinds = [(kind, np.atleast_2d(_whole(nodes, kind))) for kind, nodes in self.cells]
+        kinds = [(kind, np.atleast_2d(whole_numbers(nodes, kind))) for kind, nodes in self.cells]
         for kind, nodes in kinds:
             if kind not in CELLS or nodes.shape[1] != CELLS[kind][1]:
-                raise ValueError(f"cells '{kind}' of {nodes.shape[1]} nodes: expected one of "
+                raise InputRefused(f"cells '{kind}' of {nodes.shape[1]} nodes: expected one of "
                                  + ", ".join(f"'{name}' of {n}" for name, (_, n) in CELLS.items()))
         n_cells = sum(len(nodes) for _, nodes in kinds)
         # Pairs of a cell and a region; the format repeats a cell for each region that it belongs to.
-        members_of = {name: np.unique(_within(_whole(members, name), n_cells, f"region '{name}'"))
+        members_of = {name: np.unique(_within(whole_numbers(members, name), n_cells, f"region '{name}'"))
                       for name, members in self.regions.items()}
         rest = np.setdiff1d(np.arange(n_cells), np.concatenate([[], *members_of.values()])).astype(int)
         members_of[REST] = np.concatenate([rest, members_of.get(REST, rest[:0])])
@@ -164,20 +166,12 @@ def _sides_between(cells: Sequence[tuple[str, Array]], points: Array, n_points: 
 def _name(name: str) -> str:
     """A name that the format can hold."""
     if '"' in name or "\n" in name:
-        raise ValueError(f"a name with a quote or a line end: {name!r}")
+        raise InputRefused(f"a name with a quote or a line end: {name!r}")
     return name
-
-
-def _whole(values: ArrayLike, name: str) -> Array:
-    """Whole numbers."""
-    found = np.asarray(values)
-    if found.dtype.kind not in "iu":
-        raise ValueError(f"'{name}': expected whole numbers, found {found.dtype}")
-    return found
 
 
 def _within(values: Array, n: int, name: str) -> Array:
     """Numbers that are checked to lie from 0 to n - 1."""
     if values.size and not 0 <= values.min() <= values.max() < n:
-        raise ValueError(f"{name}: expected numbers from 0 to {n - 1}, found {values.min()} to {values.max()}")
+        raise InputRefused(f"{name}: expected numbers from 0 to {n - 1}, found {values.min()} to {values.max()}")
     return values

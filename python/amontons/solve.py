@@ -23,6 +23,7 @@ from typing import Any, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
+from amontons.arguments import AmontonsError, InputRefused, real_number, real_numbers, whole_number
 from amontons.cases import Case, CaseFault
 from amontons.deck import deck_text, value_text
 from amontons.grid import Array
@@ -34,14 +35,6 @@ WORDS = ("status", "pair", "outcome", "warnings", "statuses")  # columns of tabl
 TEXT_SIZE = 65536
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
-
-
-class AmontonsError(Exception):
-    """What Amontons cannot do; its text is the program's sentence."""
-
-
-class InputRefused(AmontonsError, ValueError):
-    """A deck, an array or an argument is at fault."""
 
 
 class FileMissing(InputRefused, FileNotFoundError):
@@ -195,7 +188,7 @@ def version() -> str:
 
 def set_threads(n_threads: int) -> None:
     """Sets the number of threads of the loops inside, and one thread for the BLAS; to be called first, if at all."""
-    _library.amontons_set_threads(n_threads)
+    _library.amontons_set_threads(whole_number(n_threads, "n_threads"))
 
 
 def _judge(code: int, message: ctypes.Array[ctypes.c_char], n_callers: int) -> bool:
@@ -221,11 +214,14 @@ def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto
     three numbers for each of mu, else 2. The unknowns of a contact stand together, the normal one first. `method` is a
     word for `&solver method` in a deck.
     """
-    W = np.asfortranarray(W.toarray() if hasattr(W, "toarray") else W, dtype=np.float64)
-    q = np.ascontiguousarray(q, dtype=np.float64)
-    mu = np.asarray(mu, dtype=np.float64)
+    W = np.asfortranarray(real_numbers(W.toarray() if hasattr(W, "toarray") else W, "W"))
+    q = np.ascontiguousarray(real_numbers(q, "q"))
+    mu = real_numbers(mu, "mu")
     if dimension is None:
         dimension = 3 if mu.ndim == 1 and q.size == 3*mu.size > 0 else 2
+    dimension = whole_number(dimension, "dimension")
+    if not isinstance(method, str):
+        raise InputRefused(f"method: expected the name of a method, found {type(method).__name__}")
     if dimension not in (2, 3):
         raise InputRefused(f"expected dimension = 2 or 3, found {dimension}")
     if q.ndim != 1 or q.size % dimension or W.shape != (q.size, q.size):
@@ -240,8 +236,9 @@ def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto
     residual, iterations = ctypes.c_double(), ctypes.c_int()
     message = ctypes.create_string_buffer(TEXT_SIZE)
     code = _library.amontons_solve_contacts(
-        dimension, m, W, q, mu, method.encode(), tolerance, max_iterations, r, u, status, ctypes.byref(residual),
-        ctypes.byref(iterations), message, TEXT_SIZE)
+        dimension, m, W, q, mu, method.encode(), real_number(tolerance, "tolerance"),
+        whole_number(max_iterations, "max_iterations"), r, u, status, ctypes.byref(residual), ctypes.byref(iterations),
+        message, TEXT_SIZE)
     is_solved = _judge(code, message, n_callers=2)
     return ReducedResult(r, u, STATUSES[status], residual.value, iterations.value, is_solved)
 
@@ -320,14 +317,17 @@ class Stepper:
         point. Anchors, slips and works stay those of the state before."""
         if sorted(changes) != sorted(self.changes):
             raise InputRefused(f"expected {', '.join(self.changes)}, found {', '.join(changes) or 'nothing'}")
-        numbers = np.array([changes[name] for name in self.changes], dtype=np.float64)
+        if not isinstance(before, StepState):
+            raise InputRefused(f"expected a state that rest or step returned, found {type(before).__name__}")
+        time = real_number(time, "time")
+        numbers = np.array([real_number(changes[name], name) for name in self.changes], dtype=np.float64)
         after, columns = np.zeros(self._n_state), np.zeros(len(self._columns))
         status = np.zeros(self.n_points, dtype=np.intc)
         message = ctypes.create_string_buffer(TEXT_SIZE)
-        raw = np.ascontiguousarray(before.raw, dtype=np.float64)
+        raw = np.ascontiguousarray(real_numbers(before.raw, "state"))
+        added = real_numbers(0.0 if gap is None else gap, "gap")
         try:
-            added = np.ascontiguousarray(np.broadcast_to(np.asarray(0.0 if gap is None else gap, dtype=np.float64),
-                                                         (self.n_points,)))
+            added = np.ascontiguousarray(np.broadcast_to(added, (self.n_points,)))
         except ValueError:
             raise InputRefused(f"expected a gap for each of {self.n_points} contact points, found "
                                f"{np.shape(gap)}") from None
@@ -423,6 +423,9 @@ def _text_of(deck: Deck) -> tuple[Optional[bytes], Union[str, os.PathLike[str]]]
     """The text of a deck, None if it is in a file, and its name."""
     if isinstance(deck, Mapping):
         deck = deck_text(deck)
+    elif not isinstance(deck, (str, bytes, os.PathLike)):
+        raise InputRefused("deck: expected the name of a file, a text or a dict of groups, found "
+                           + type(deck).__name__)
     elif not (isinstance(deck, str) and deck.lstrip()[:1] in ("&", "!")):
         return None, deck
     if "\0" in deck:

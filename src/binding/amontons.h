@@ -113,7 +113,8 @@ int amontons_new_stepper(
     int message_size);
 
 /* Takes a step. Returns one of the codes above; the state, the numbers and the statuses are set if it is 0 or 4. With 4
-   the state is no solution: a shorter step from the state before may be one.
+   the state is no solution: a shorter step from the state before may be one. The state before must be in equilibrium
+   with the body and with what acted on it at its time: that of another body is refused with 1.
 
    A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
    supports and obstacles; residual and iterations; where each motion was locked, huge before that; then for all

@@ -35,11 +35,14 @@ module amontons_load_solver
    implicit none (type, external)
    private
 
-   public :: forget_start, load_solver_t, new_load_solver
+   public :: forget_start, load_solver_t, new_load_solver, residual_of_strains
 
    !> Largest number of Newton steps from a start, and of those without a better pair.
    integer, parameter :: n_newton_steps = 20, patience = 4
    real(dp), parameter :: decrease = 0.9_dp
+   !> A tenth of the default tolerance is rounding of S, as far as v strains the body: the digits of a long slender body
+   !> that bends far resolve no less.
+   real(dp), parameter :: least_residual = 1.0e-11_dp
    !> What rounding leaves of normals that agree.
    real(dp), parameter :: same = 1.0e-9_dp
 
@@ -232,20 +235,20 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
-      real(dp), parameter :: least_residual = 1.0e-11_dp, most_residual = 1.0_dp
+      real(dp), parameter :: most_residual = 1.0_dp
       type(contact_solution_t) :: first
       real(dp), allocatable :: travel(:)
       real(dp) :: scale, strain
 
       if (has_start_position(solution)) solution%displacement = solution%displacement - motion
-      call solve_relative_to(motion, body, method, problem, solution, error)
+      call solve_components(method, problem_from(motion, body, problem), solution, error)
       ! If the motion were included, its rounding errors would look like a further motion.
       call fit_travel(travel, body, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
          solution%displacement = solution%displacement - travel
          if (.not. any(abs(problem%load) > 0.0_dp)) solution%force = 0.0_dp
-         call solve_relative_to(motion + travel, body, method, problem, solution, error)
+         call solve_components(method, problem_from(motion + travel, body, problem), solution, error)
          solution%displacement = solution%displacement + travel
          if (solution%is_converged .or. .not. first%is_converged) then
             call solution%prepend(first)
@@ -255,8 +258,6 @@ contains
       end if
       solution%displacement = solution%displacement + motion
       if (allocated(error) .or. solution%is_converged .or. .not. solution%residual < most_residual) return
-      ! A tenth of the default tolerance is rounding of S, as far as v strains the body: the digits of a long slender
-      ! body that bends far resolve no less.
       scale = problem%force_scale(solution%force, solution%displacement)
       strain = maxval(abs(solution%displacement - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, &
          solution%displacement))))
@@ -289,15 +290,12 @@ contains
       if (any(abs(laid) > 0.0_dp)) motion = laid
    end subroutine find_origin
 
-   !> Solves a contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
+   !> The contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
    !> strains ties: its product with S is rounding.
-   subroutine solve_relative_to(motion, body, method, problem, solution, error)
-      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
+   function problem_from(motion, body, problem) result(counted)
+      real(dp), contiguous, intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
-      class(contact_method_t), intent(in) :: method !! the contact method
       type(contact_problem_t), intent(in) :: problem !! the contact problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
-      type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       type(contact_problem_t) :: counted
 
       counted = problem
@@ -307,8 +305,31 @@ contains
          counted%gap = problem%gap - motion(:problem%n_points)
          counted%anchor = problem%anchor - motion(problem%n_points + 1:)
       end if
-      call solve_components(method, counted, solution, error)
-   end subroutine solve_relative_to
+   end function problem_from
+
+   !> The residual of a pair (v, lambda), with displacements counted from the nearest free rigid motion. Forces that the
+   !> rounding errors of gaps make, which are differences of coordinates, are no residual; nor are rounding errors of
+   !> what strains the body and of the forces before unloading [-].
+   real(dp) function residual_of_strains(body, problem, solution, carried_force) result(residual)
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem, posed
+      type(contact_solution_t), intent(in) :: solution !! displacements and forces
+      real(dp), intent(in) :: carried_force !! largest sum of normal forces before [F]
+      real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp), rounding_share = 1.0e-5_dp
+      real(dp), dimension(problem%matrix%n) :: motion, strains
+      type(contact_problem_t) :: counted
+      real(dp) :: scale, of_coordinates
+
+      residual = 0.0_dp
+      if (problem%n_points == 0) return
+      motion = matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, solution%displacement))
+      strains = solution%displacement - motion
+      counted = problem_from(motion, body, problem)
+      call counted%measure(strains, solution%force, residual, scale)
+      of_coordinates = rounding*maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation)
+      residual = max(0.0_dp, residual*scale - of_coordinates)/max(scale, rounding_share*carried_force &
+         /problem%n_points, problem%rounding/least_residual*maxval(abs(strains)))
+   end function residual_of_strains
 
    !> Refuses a solution whose numbers are not finite, or whose displacements are so large that their rounding errors
    !> cause forces as large as the loads.

@@ -411,6 +411,50 @@ class Steps(ProgramTest):
         with self.assertRaisesRegex(amontons.InputRefused, "^start is not for a stepper"):
             amontons.Stepper(self.DECK, history__start="none.csv")
 
+    def test_states_that_are_not_in_equilibrium_with_the_body_are_refused(self):
+        stepper = amontons.Stepper(self.DECK)
+        changes = {**dict.fromkeys(stepper.changes, 0.0), "factor_F": -1.0}
+        state = stepper.step(stepper.step(stepper.rest(), 0.5, gap=1e-4, **changes), 1.0, **changes)
+        twin = amontons.Stepper(self.DECK).step(state, 2.0, **changes)
+        np.testing.assert_array_equal(twin.raw, stepper.step(state, 2.0, **changes).raw)
+        for setting in ({"material__young": 1500.0}, {"material__poisson": 0.26}, {"contact__friction": 0.1},
+                        {"load__1__pressure": 1.01}, {"mesh__size": (4.0, 2.1)},
+                        {"material__hypothesis": "plane stress"}):
+            other = amontons.Stepper(self.DECK, **setting)
+            self.assertEqual(other.rest().raw.size, state.raw.size)
+            with self.subTest(setting), self.assertRaisesRegex(
+                    amontons.InputRefused, "^this state cannot be the start of a step: it is not in equilibrium with "
+                    r"the body and what acts on it at the time 1\.0 \(violation .*mesh, materials, supports"):
+                other.step(state, 2.0, **changes)
+            # Another body's states are its own.
+            other.step(other.rest(), 2.0, **changes)
+
+    def test_arguments_of_wrong_kinds_are_refused(self):
+        stepper = amontons.Stepper(self.DECK)
+        rest, changes = stepper.rest(), dict.fromkeys(stepper.changes, 0.0)
+        solve, step = amontons.solve_reduced, stepper.step
+        mesh = amontons.Mesh([[0, 0], [1, 0], [1j, 1]], [("triangle", [[0, 1, 2]])])
+        for call, sentence in (
+                (lambda: solve(W*1j, Q, MU), "W: expected real numbers, found complex128"),
+                (lambda: solve(W, Q + 0j, MU), "q: expected real numbers, found complex128"),
+                (lambda: solve(W, Q, [0.5, None]), "mu: expected real numbers, found list"),
+                (lambda: solve(W, "abc", MU), "q: expected real numbers, found str"),
+                (lambda: solve([[1, 0], [1]], Q, MU), "W: expected real numbers in rows of one length, found list"),
+                (lambda: solve(W, Q, MU, method=3), "method: expected the name of a method, found int"),
+                (lambda: solve(W, Q, MU, tolerance="1"), "tolerance: expected real numbers, found str"),
+                (lambda: solve(W, Q, MU, max_iterations=1.5), "max_iterations: expected a whole number, found float"),
+                (lambda: solve(W, Q, MU, max_iterations=2**31), "max_iterations: expected a whole number of at most"),
+                (lambda: solve(W, Q, MU, dimension="2"), "dimension: expected a whole number, found str"),
+                (lambda: step(rest, 1.0, gap=np.full(stepper.n_points, 1j), **changes), "gap: expected real numbers"),
+                (lambda: step(rest, "1", **changes), "time: expected real numbers, found str"),
+                (lambda: step(rest, 1.0, **{**changes, "factor_F": [1, 2]}), "factor_F: expected one number, found an"),
+                (lambda: step(rest.raw, 1.0, **changes), "expected a state that rest or step returned, found ndarray"),
+                (lambda: amontons.set_threads("2"), "n_threads: expected a whole number, found str"),
+                (lambda: amontons.Stepper(5), "deck: expected the name of a file, a text or a dict of groups, fou"),
+                (lambda: amontons.solve_deck(None), "deck: expected the name of a file, a text or a dict of groups"),
+                (lambda: amontons.solve_deck(self.DECK, mesh=mesh), "nodes: expected real numbers, found complex128")):
+            with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, "^" + sentence):
+                call()
 
     def test_what_the_library_keeps_has_no_copies(self):
         stepper = amontons.Stepper(self.DECK)

@@ -21,14 +21,15 @@ module amontons_history_model
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, obstacle_motion_t, one_part, &
       parting_t
-   use amontons_load_solver, only: load_solver_t, new_load_solver
+   use amontons_load_solver, only: load_solver_t, new_load_solver, residual_of_strains
    use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
       new_force_form
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
+   use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
+      outcome_solved
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
-   use amontons_text, only: to_text
+   use amontons_text, only: scientific, to_text
    implicit none (type, external)
    private
 
@@ -549,7 +550,8 @@ contains
       call archive%pass(state%wear_depth)
    end subroutine visit
 
-   !> Restores a state from its numbers, to the last bit.
+   !> Restores a state from its numbers, to the last bit. It must be in equilibrium with the body: the state of another
+   !> one or under other loads would have energy that no load has supplied.
    subroutine restore_step_state(state, model, body, problem, numbers, instant, error)
       type(step_state_t), intent(out) :: state !! the state
       type(history_model_t), intent(inout) :: model !! the model
@@ -560,8 +562,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! they are those of another body
       ! Of a bound, as far as forces that a method left or a file rounded reach it.
       real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp
+      ! In an ill-conditioned body rounding may leave more than the limit of the certificate.
+      real(dp), parameter :: least_limit = 1.0e-6_dp
       type(archive_t) :: archive
       integer :: m
+      real(dp) :: violation
 
       m = body%zone%n_points
       if (size(numbers) /= n_state_numbers(body)) then
@@ -583,6 +588,12 @@ contains
       state%solution%is_converged = .true.
       state%slip = state%solution%displacement(m + 1:) - state%instant%anchor
       call model%solver%loads%pose(body, state%instant, problem)
+      violation = residual_of_strains(body, problem, state%solution, state%carried_force)
+      if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
+         state%solution%residual)))) call new_error(error, input_refused, 'it is not in equilibrium with the body '// &
+         'and what acts on it at the time '//to_text(state%instant%time)//' (violation '//scientific(violation)// &
+         '): mesh, materials, supports, friction and loads at that time must be those of the history that left it')
+      if (allocated(error)) return
       state%outcome = outcome_solved
       ! For a held point on a bound of the law the status does not follow from the forces.
       associate (force => state%solution%force, status => state%solution%status)

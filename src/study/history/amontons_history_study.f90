@@ -5,7 +5,7 @@ module amontons_history_study
    use amontons_checkpoint, only: archive_t, checkpoint_t
    use amontons_config, only: config_t, effective_deck
    use amontons_document, only: json_logical, json_number, json_string, quantity_members
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, new_error
    use amontons_history, only: history_t, is_shown, moved_things, stepped_load, steps_t
    use amontons_history_files, only: history_files_t, open_history_files, read_start
    use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
@@ -15,7 +15,7 @@ module amontons_history_study
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: quantity_t
    use amontons_report, only: member, study_files_t, write_report
-   use amontons_result, only: certificate_limit, judge_meshes, outcome_no_equilibrium, outcome_numbers, &
+   use amontons_result, only: judge_meshes, outcome_no_equilibrium, outcome_numbers, &
       refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
    use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings
@@ -152,18 +152,13 @@ contains
       end if
    end subroutine solve_history
 
-   !> Begins before the first step, or at the state that the deck names. This must be in equilibrium with the deck: the
-   !> state of another body or under other loads would have energy that no load has supplied.
+   !> Begins before the first step, or at the state that the deck names.
    subroutine start_history(result, cache, model, numbers, error)
       type(history_result_t), intent(inout) :: result !! gains the time stepping, without steps
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the state
       type(history_model_t), intent(inout) :: model !! the history
       real(dp), allocatable, intent(out) :: numbers(:) !! the numbers of the state; not allocated where none is named
       type(error_t), allocatable, intent(out) :: error !! there is no such state, or it is none of this deck
-      ! Of a sound step that was not certified, rounding in an ill-conditioned body may leave more than the limit.
-      real(dp), parameter :: least_limit = 1.0e-6_dp
-      type(result_t) :: step
-      real(dp) :: violation
 
       allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0), result%extremes(0, 2))
       call new_time_stepping(result%stepping, model, cache%body)
@@ -171,19 +166,6 @@ contains
       call read_start(numbers, model%history, error)
       if (allocated(error)) return
       call result%stepping%restore(model, cache%body, cache%problem, numbers, error)
-      if (.not. allocated(error)) call new_step_result(step, cache, model, result%stepping, error)
-      if (.not. allocated(error)) then
-         associate (certificate => step%certificate)
-            violation = max(certificate%equilibrium, certificate%penetration, certificate%tension, &
-               certificate%friction_excess, certificate%complementarity, certificate%slip_below_bound, &
-               certificate%wrong_dissipation)
-         end associate
-         if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
-            result%stepping%state%solution%residual)))) call new_error(error, input_refused, &
-            'it is not in equilibrium with the body and what acts on it at the time '// &
-            to_text(result%stepping%state%instant%time)//' (violation '//scientific(violation)//'): mesh, '// &
-            'materials, supports, friction and loads at that time must be those of the history that left it')
-      end if
       if (allocated(error)) error%message = model%history%start//': this state cannot be the start: '//error%message
    end subroutine start_history
 

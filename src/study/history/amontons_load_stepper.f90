@@ -127,6 +127,7 @@ contains
          if (.not. allocated(error)) call restore_step_state(state, stepper%model, stepper%cache%body, &
             stepper%cache%problem, own, instant, error)
       end associate
+      if (allocated(error)) error%message = 'this state cannot be the start of a step: '//error%message
    end subroutine restore_start
 
 end module amontons_load_stepper
