@@ -73,16 +73,20 @@ contains
    end subroutine new_load
 
    !> Nodal forces of all loads but those on motions; temperatures cause none here, see `sum_thermal_strain`.
-   subroutine load_vector(forces, mesh, materials, loads, error)
+   subroutine load_vector(forces, mesh, materials, loads, error, uncanceled)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load names a set, region or point that the mesh has not
+      real(dp), intent(out), optional :: uncanceled !! sum of the norms of the forces of each load [F]
+      real(dp), allocatable :: before(:, :)
       integer :: i
 
       allocate (forces(materials%n_components(), mesh%n_nodes), source=0.0_dp)
+      if (present(uncanceled)) uncanceled = 0.0_dp
       do i = 1, size(loads)
+         before = forces
          select case (loads(i)%target)
          case (load_on_sides)
             call add_side_forces(forces, mesh, materials, loads(i), error)
@@ -94,9 +98,11 @@ contains
             ! A temperature strains the body and is no force; forces on motions come from `driven_forces`.
             cycle
          end select
-         if (.not. allocated(error)) cycle
-         error%message = loads(i)%origin//error%message
-         return
+         if (allocated(error)) then
+            error%message = loads(i)%origin//error%message
+            return
+         end if
+         if (present(uncanceled)) uncanceled = uncanceled + norm2(forces - before)
       end do
    end subroutine load_vector
 

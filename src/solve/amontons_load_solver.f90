@@ -409,7 +409,7 @@ contains
       ! A body that spins without end moves by more than its size; for smaller motions the product of S with the motion
       ! is no load. Nor are rounding errors of large loads across the motion.
       rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body)) &
-         + of_loads*maxval(abs(problem%load))
+         + of_loads*(maxval(abs(problem%load)) + problem%uncanceled)
       call new_spins(spins, on_round, body, is_in_reach)
       associate (modes => body%rigid_modes)
          if (size(spins, 2) > 0) then

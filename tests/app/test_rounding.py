@@ -73,6 +73,33 @@ class Rounding(Verification):
 &load set = 'b.top'  pressure = -16.416221203088742 /
 """)
 
+    def test_loads_that_cancel_leave_their_rounding_errors(self):
+        # A hundred millionth of the loads presses the block on a smooth floor; along it they cancel but for rounding.
+        deck = """&mesh size = 5.0, 2.0  cells = 7, 3 /
+&material young = 1000.0  poisson = 0.3  expansion = 1e-5 /
+&contact set = 'bottom' /
+&load set = 'top'  traction = 0.1, -1.0 /
+&load set = 'top'  traction = 0.2, -1.0 /
+&load set = 'top'  traction = -0.3, 1.99999999 /
+"""
+        for heat in ("", "&load temperature = 100.0  temperature_slope = 10.0, 3.0 /\n"):
+            summary = self.summary_of(deck + heat)
+            self.assertAlmostEqual(summary["resultants"]["normal_force"]/5e-8, 1.0, places=6)
+
+    def test_products_with_the_matrix_of_a_stiff_body_that_hangs_on_a_soft_one(self):
+        # The condensed stiffness is that of the soft body, but the terms of the products are those of the stiff one.
+        self.summary_of("""&mesh name = 'low'  size = 8.0, 2.0  cells = 16, 3  element = 'tri3' /
+&mesh name = 'high'  size = 8.0, 4.0  cells = 8, 4  origin = 0.0, 2.0  element = 'quad8' /
+&material region = 'low'  young = 150.0  poisson = 0.49999  hypothesis = 'axisymmetric' /
+&material region = 'high'  young = 1.0  poisson = 0.0  hypothesis = 'axisymmetric' /
+&support set = 'low.left'  ux = 0.0 /
+&support set = 'high.left'  ux = 0.0 /
+&support set = 'high.top'  uy = 1e-5 /
+&tie set = 'high.bottom'  to = 'low.top' /
+&contact set = 'low.bottom'  friction = 0.3 /
+&solver condensation = 'band' /
+""")
+
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
         deck = """&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /

@@ -102,6 +102,7 @@ contains
             part%friction = problem%friction(points)
             part%prescribed = problem%prescribed
             part%rounding = problem%rounding
+            part%uncanceled = problem%uncanceled
          else
             call new_reduced_problem(part, matrix, problem%free_displacement(rows), problem%friction(points))
          end if

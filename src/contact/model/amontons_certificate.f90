@@ -96,7 +96,6 @@ contains
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if known (components, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
-      real(dp), allocatable :: of_heat(:, :)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, strained_share, uncanceled, work
       integer :: i, node
@@ -143,11 +142,8 @@ contains
             norm_of(contact, sums%largest_contact))
          ! Unloading leaves rounding errors of the forces before.
          least_scale = rounding_share*load_case%carried_force/max(1, body%zone%n_points)
-         ! Free expansion leaves those of the forces that would prevent it.
-         if (allocated(load_case%thermal_strain)) then
-            call body%internal_forces(of_heat, 0.0_dp*displacement, load_case%thermal_strain)
-            least_scale = max(least_scale, rounding_share*norm2(of_heat))
-         end if
+         ! So do loads that cancel, and free expansion.
+         least_scale = max(least_scale, rounding_share*sum(load_case%uncanceled))
          do i = 1, size(body%motions)
             least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
                contact, force_size, allocated(load_case%thermal_strain)))
@@ -232,8 +228,8 @@ contains
       logical, intent(in) :: is_heated !! whether there are thermal strains
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
       real(dp), parameter :: rounding = 1.0e-13_dp
-      ! Displacements have the rounding errors of the whole solution.
-      real(dp), parameter :: negligible_share = 1.0e-11_dp
+      ! Displacements have the rounding errors of the whole solution, more of them in a soft part beside a stiff one.
+      real(dp), parameter :: negligible_share = 1.0e-8_dp
       ! Forces that are a larger share of those on other pieces need no separate scale.
       real(dp), parameter :: least_share = 1.0e-5_dp
       real(dp), allocatable :: moved(:, :), magnitude(:, :)

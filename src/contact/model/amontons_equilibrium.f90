@@ -88,14 +88,17 @@ contains
       ! A tenth of the residual of methods; the other limit is for the center of gravity of a round body, whose position
       ! depends on the mesh.
       real(dp), parameter :: unbalanced = 1.0e-11_dp, unbalanced_when_round = 1.0e-2_dp
+      ! Loads that cancel leave their rounding errors, those of the coordinates of sides included.
+      real(dp), parameter :: of_loads = 1.0e-13_dp
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
-      real(dp) :: scale, rounding
+      real(dp) :: scale, rounding, least
 
       ! Levers have the rounding errors of coordinates.
       rounding = unbalanced + epsilon(scale)*maxval(abs(body%mesh%coordinates))/minval(body%motions(pieces)%radius)
+      least = of_loads*load_case%uncanceled(1)
       call balance(pieces, body, load_case, body%rigid_modes, rounding, remainder, scale)
-      if (norm2(remainder) > rounding*scale) then
+      if (norm2(remainder) > max(rounding*scale, least)) then
          motion = largest_motion(body%motions(pieces), remainder)
          if (body%zone%n_points == 0) then
             call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '//motion// &
@@ -107,7 +110,7 @@ contains
          end if
       else if (.not. any(body%zone%is_cell)) then
          call balance(pieces, body, load_case, on_round_line(body%zone, body%rigid_modes), rounding, remainder, scale)
-         if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, no_equilibrium, &
+         if (norm2(remainder) > max(unbalanced_when_round*scale, least)) call new_error(error, no_equilibrium, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
             'its nodes lie on cannot balance the loads; '//largest_motion(body%motions(pieces), remainder)// &
             '; add a support or friction')

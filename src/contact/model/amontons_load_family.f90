@@ -39,6 +39,9 @@ module amontons_load_family
          !! factor of each load in a sweep or a load history; not allocated if all are 1 (loads) [-]
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (components, n_nodes) [F]
+      real(dp) :: uncanceled(2) = 0.0_dp
+         !! sum of the norms of the nodal forces of each load, and norm of those that would prevent thermal expansion;
+         !! what is left where they cancel has the rounding errors of these [F]
       real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
       real(dp), allocatable :: prescribed(:, :)
          !! displacements that the supports prescribe, with what follows of them for slaves (components, n_nodes) [L]
@@ -99,6 +102,7 @@ module amontons_load_family
          !! nodal forces, prescribed displacements and thermal strains of each part at the factor 1 (parts)
       real(dp), allocatable, private :: nodal_force(:, :)
          !! components of its nodal forces at the nodes that any part loads (components, parts) [F]
+      real(dp), allocatable, private :: uncanceled(:, :) !! its sizes of what cancels in the loads (2, parts) [F]
       logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
       logical, allocatable, private :: has_displacement(:) !! whether it prescribes displacements (parts)
       real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
@@ -202,12 +206,17 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      real(dp), allocatable :: of_heat(:, :)
       integer :: k
 
-      call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+      call load_vector(load_case%force, body%mesh, body%materials, loads, error, load_case%uncanceled(1))
       if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
          error)
       if (allocated(error)) return
+      if (allocated(load_case%thermal_strain)) then
+         call body%internal_forces(of_heat, 0.0_dp*load_case%force, load_case%thermal_strain)
+         load_case%uncanceled(2) = norm2(of_heat)
+      end if
       load_case%driven = body%driven_forces(loads)
       do k = 1, size(body%driven)
          associate (driven => body%driven(k))
@@ -423,12 +432,13 @@ contains
       allocate (family%parts(parting%n_parts))
       allocate (family%load(body%zone%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
-         family%has_displacement(parting%n_parts))
+         family%has_displacement(parting%n_parts), family%uncanceled(2, parting%n_parts))
       allocate (is_loaded, mold=body%constraints%is_free)
       is_loaded = .false.
       do k = 1, parting%n_parts
          call fill_part(family%parts(k), k, body, load_case, parting, error)
          if (allocated(error)) return
+         family%uncanceled(:, k) = family%parts(k)%uncanceled
          is_loaded = is_loaded .or. abs(family%parts(k)%force) > 0.0_dp
          family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
          family%has_displacement(k) = any(abs(family%parts(k)%prescribed) > 0.0_dp)
@@ -467,6 +477,7 @@ contains
 
       if (parting%n_parts == 1) then
          part%force = load_case%force
+         part%uncanceled = load_case%uncanceled
          part%driven = load_case%driven
          part%prescribed = load_case%prescribed
          if (allocated(load_case%thermal_strain)) part%thermal_strain = load_case%thermal_strain
@@ -593,6 +604,7 @@ contains
 
       problem%load = matmul(self%load, acting%factor)
       problem%prescribed = dot_product(self%largest, abs(acting%factor))
+      problem%uncanceled = sum(matmul(self%uncanceled, abs(acting%factor)))
       problem%gap = self%gap_of(acting)
       problem%anchor = merge(0.0_dp, acting%anchor, body%zone%is_slip_fixed)
       associate (is_fixed => body%zone%is_shear_fixed)
@@ -635,6 +647,7 @@ contains
       load_case%extra_gap = load_case%extra_gap + (acting%gap - load_case%gap)
       load_case%gap = acting%gap
       if (size(self%parts) > 1) load_case%factor = acting%factor(self%parting%load)
+      load_case%uncanceled = matmul(self%uncanceled, abs(acting%factor))
       load_case%force = acting%factor(1)*self%parts(1)%force
       load_case%driven = acting%factor(1)*self%parts(1)%driven
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed

@@ -62,6 +62,7 @@ module amontons_contact_operator
       procedure :: find_augmentation => contact_operator_find_augmentation
       procedure :: find_parts => contact_operator_find_parts
       procedure :: has_stiffness => contact_operator_has_stiffness
+      procedure :: largest_terms => contact_operator_largest_terms
       procedure :: n_pairs => contact_operator_n_pairs
       procedure :: multiply_stiffness => contact_operator_multiply_stiffness
       procedure :: prepare_compliance => contact_operator_prepare_compliance
@@ -322,6 +323,18 @@ contains
 
       has_stiffness = allocated(self%stiffness) .or. allocated(self%band)
    end function contact_operator_has_stiffness
+
+   !> The stiffness of each row in the terms of a product S v: the diagonal of S, with a band that of the whole body,
+   !> which is far larger where what is nearly incompressible or stiff hangs on something soft (n) [F/L].
+   pure function contact_operator_largest_terms(self) result(terms)
+      class(contact_operator_t), intent(in) :: self !! the operator, with a stiffness
+      real(dp), allocatable :: terms(:)
+      ! Sum of the magnitudes of a row of the matrix of a body, over its diagonal entry.
+      real(dp), parameter :: of_row = 4.0_dp
+
+      terms = self%augmentation
+      if (allocated(self%band)) terms = max(terms, of_row*self%band%whole%entry(1, self%band%place))
+   end function contact_operator_largest_terms
 
    !> Computes the augmentation rho, the stiffness of each row: the diagonal of S or, in a reduced problem, the
    !> reciprocal diagonal of A.

@@ -41,6 +41,7 @@ module amontons_contact_problem
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
       real(dp) :: rounding = 0.0_dp
          !! largest force that S gives a point under a rigid motion of a loose body, over its largest displacement [F/L]
+      real(dp) :: uncanceled = 0.0_dp !! size of the nodal forces that cancel in the loads but for rounding [F]
    contains
       procedure :: bound => contact_problem_bound
       procedure :: count_from => contact_problem_count_from
@@ -213,17 +214,17 @@ contains
    end function contact_problem_is_unloaded
 
    !> The force scale, by which residuals are divided: `largest_acting_force`. Without any, the force
-   !> that would close the smallest gap, or 1 if there is no gap [F]. With v known, the scale is at least a small share
-   !> of rho |v|, which covers the rounding errors of S v.
+   !> that would close the smallest gap, or 1 if there is no gap [F]. It is at least a small share of what cancels in
+   !> the loads and, with v known, of the largest terms of S v, which covers their rounding errors.
    pure real(dp) function contact_problem_force_scale(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
 
-      scale = largest_acting_force(self, contact_force, displacement)
+      scale = max(largest_acting_force(self, contact_force, displacement), rounding_share*self%uncanceled)
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
-         scale = max(scale, rounding_share*self%largest(self%matrix%augmentation*displacement))
+         scale = max(scale, rounding_share*self%largest(self%matrix%largest_terms()*displacement))
       end if
       if (scale > 0.0_dp) return
       scale = minval(self%matrix%augmentation(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
