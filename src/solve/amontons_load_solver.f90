@@ -237,26 +237,29 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
       real(dp), parameter :: most_residual = 1.0_dp
       type(contact_solution_t) :: first
-      real(dp), allocatable :: travel(:)
+      real(dp), allocatable :: travel(:), origin(:)
       real(dp) :: scale, strain
 
-      if (has_start_position(solution)) solution%displacement = solution%displacement - motion
-      call solve_components(method, problem_from(motion, body, problem), solution, error)
+      origin = motion
+      if (has_start_position(solution)) solution%displacement = solution%displacement - origin
+      call solve_components(method, problem_from(origin, body, problem), solution, error)
       ! If the motion were included, its rounding errors would look like a further motion.
       call fit_travel(travel, body, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
          solution%displacement = solution%displacement - travel
          if (.not. any(abs(problem%load) > 0.0_dp)) solution%force = 0.0_dp
-         call solve_components(method, problem_from(motion + travel, body, problem), solution, error)
-         solution%displacement = solution%displacement + travel
+         ! What two long motions leave of each other has their rounding errors: only its rigid part is a motion.
+         origin = matmul(body%travel, matmul(motion + travel, body%travel))
+         call solve_components(method, problem_from(origin, body, problem), solution, error)
          if (solution%is_converged .or. .not. first%is_converged) then
             call solution%prepend(first)
          else
             solution = first
+            origin = motion
          end if
       end if
-      solution%displacement = solution%displacement + motion
+      solution%displacement = solution%displacement + origin
       if (allocated(error) .or. solution%is_converged .or. .not. solution%residual < most_residual) return
       scale = problem%force_scale(solution%force, solution%displacement)
       strain = maxval(abs(solution%displacement - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, &

@@ -100,6 +100,19 @@ class Rounding(Verification):
 &solver condensation = 'band' /
 """)
 
+    def test_displacements_far_smaller_than_the_gaps_that_a_body_crosses_to_its_obstacles(self):
+        # Rigid motions of the size of the gaps cancel in displacements of a billionth of it: what is left is rigid.
+        summary = self.summary_of("""&mesh name = 'low'  size = 0.008, 0.008  cells = 8, 4 /
+&mesh name = 'high'  size = 0.008, 0.004  cells = 7, 3  origin = 0.0, 0.008 /
+&material young = 2e8  poisson = 0.3  region = 'low' /
+&material young = 6e9  poisson = 0.3  region = 'high' /
+&support set = 'high.top'  spring_t = 3.5e8 /
+&load set = 'high.top'  pressure = 2e-13 /
+&contact set = 'low.bottom'  slip_bound = 15000.0  obstacle = 'circle'  radius = 0.1  point = 0.004, 0.0 /
+&contact set = 'low.top'  against = 'high.bottom'  friction = 0.1 /
+""")
+        self.assertLess(summary["certificate"]["equilibrium"], 1e-11)
+
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
         deck = """&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /
