@@ -57,6 +57,8 @@ contains
       type(body_t), intent(in) :: body !! the body
       ! The cosine of 30 degrees.
       real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
+      ! Depth of a corner of an obstacle between two nodes, over the largest displacement.
+      real(dp), parameter :: badly_resolved(2) = 0.2_dp
       integer, allocatable :: reached(:)
       integer :: peak, set, i, first
       real(dp) :: depth, place(2)
@@ -68,11 +70,11 @@ contains
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
       call find_corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
-         result%displacement(:2, :), depth, place, set)
+         result%displacement(:2, :), badly_resolved, depth, place, set)
       if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
-         result%warnings%place(place)//', between contact points that do not touch it: refine the mesh '// &
-         'there, so that its sides are smaller than the obstacle')
+         result%warnings%place(place)//', between contact points: refine the mesh there until its sides are '// &
+         'smaller than the obstacle, or put a node opposite to the corner')
       associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
          lacks => lacks_points(result%solution%status))
          if (lacks(1)) then

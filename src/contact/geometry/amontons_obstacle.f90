@@ -87,7 +87,7 @@ contains
       real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
-      real(dp) :: along(2), to_start(2), cross, place
+      real(dp) :: along(2), to_start(2), cross, place, near, way
       integer :: i
 
       allocate (crossings(0))
@@ -97,9 +97,13 @@ contains
          if (.not. abs(cross) > rounding*norm2(along)) cycle
          to_start = line(:, i) - x
          place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
-         if (place < -rounding .or. place > 1.0_dp + rounding) cycle
-         crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along), &
-            abs(dot_product(e, along))/norm2(along))]
+         near = rounding*max(norm2(along), maxval(abs(x)))/norm2(along)
+         if (place < -near .or. place > 1.0_dp + near) cycle
+         way = (to_start(1)*along(2) - to_start(2)*along(1))/cross
+         ! At their common end two segments are crossed at the same position.
+         if (min(abs(place), abs(1.0_dp - place)) <= near) &
+            way = dot_product(line(:, merge(i, i + 1, place < 0.5_dp)) - x, e)
+         crossings = [crossings, crossing_t(way, cross/norm2(along), abs(dot_product(e, along))/norm2(along))]
       end do
    end function polyline_crossings
 
@@ -285,6 +289,8 @@ contains
          if (last > 0) then
             if (way(last) > maxval(way, mask=way <= 0.0_dp .and. .not. enters)) found = last
          end if
+         ! At a corner of a polyline the line meets the segment that faces it more.
+         if (found > 0) found = maxloc(crossings%cosine, dim=1, mask=abs(way - way(found)) <= rounding*maxval(abs(way)))
       end associate
    end function find_entry
 

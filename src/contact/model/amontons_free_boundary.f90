@@ -515,29 +515,34 @@ contains
    !> Finds the corner of a polyline, or the apex of a circle or parabola, that penetrates a contact set deepest.
    !>
    !> The depth is measured along the normal of the displaced side, like gaps. The depth to which a smooth surface or a
-   !> single corner may reach into a side between two nodes is a discretization error and does not count, see
-   !> `resolved_depth`.
-   pure subroutine find_corner_penetration(mesh, contacts, zone, extra_gap, displacement, depth, place, set)
+   !> single corner may reach into a side between two nodes is a discretization error and does not count up to
+   !> limits, see `resolved_depth`.
+   pure subroutine find_corner_penetration(mesh, contacts, zone, extra_gap, displacement, limits, depth, place, set)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: extra_gap(:) !! additions of the deck to their gaps (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: limits(2) !! these limits, over the largest displacement [-]
       real(dp), intent(out) :: depth !! the depth; 0 if no corner penetrates by more than a negligible one [L]
       real(dp), intent(out) :: place(2) !! where the side is penetrated [L]
       integer, intent(out) :: set !! number of the contact set, 0 for none
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
+      ! Rounding error of a distance of 0, over the coordinates.
+      real(dp), parameter :: noise = 1.0e-14_dp
       ! The corner itself may lie on the border of two elements.
       real(dp), parameter :: nearly = 0.99_dp
       integer, allocatable :: sides(:, :)
       real(dp), allocatable :: corners(:, :)
       logical, allocatable :: is_beside(:)
       type(error_t), allocatable :: error
-      real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, ends(2)
+      real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, ends(2), largest, least
       integer :: i, k, j, l, node, p
 
-      depth = negligible*maxval(abs(displacement))
+      largest = maxval(abs(displacement))
+      least = max(negligible*largest, noise*maxval(abs(mesh%coordinates)))
+      depth = least
       place = 0.0_dp
       set = 0
       do i = 1, size(contacts)
@@ -572,8 +577,8 @@ contains
                   call side_shapes(.true., xi(j), values, slopes)
                   overlap = dot_product(matmul(moved, values) - corners(:, l), normal)
                   if (.not. overlap > depth) cycle
-                  overlap = overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0)
-                  if (.not. overlap > depth) cycle
+                  if (.not. overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0, &
+                     limits*largest) > least) cycle
                   ! A point beyond the far side of the body does not penetrate it.
                   associate (on_side => matmul(side, values))
                      if (.not. (is_inside(mesh, on_side - 0.5_dp*overlap*normal) .and. &
@@ -620,15 +625,16 @@ contains
 
    !> Largest depth to which a surface may reach into a side between two nodes because of the mesh: half the distance of
    !> the nodes times the tangent of half the angle between the surface's directions opposite to them (the height of the
-   !> triangle of its tangents, unless one is steeper than warnings allow), plus the overlap of the nodes, plus the
-   !> difference of their displacements [L].
-   pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle) result(depth)
+   !> triangle of its tangents, unless one is steeper than warnings allow), plus the difference of their displacements,
+   !> each up to its limit, plus the overlap of the nodes [L].
+   pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle, limits) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), intent(in) :: side(2, 3) !! first corner, second corner, middle of the side [L]
       real(dp), intent(in) :: moved(2, 3) !! the same, displaced along the normal [L]
       real(dp), intent(in) :: normal(2) !! normal of the side [-]
       real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
       logical, intent(in) :: has_middle !! whether the side has a node in its middle
+      real(dp), intent(in) :: limits(2) !! the limits [L]
       ! 30 degrees off the obstacle's normal, as warnings have it.
       real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
       real(dp) :: gap, cosine, turn, angle
@@ -650,8 +656,8 @@ contains
       if (is_steep) angle = 0.0_dp
       ! At an edge of the obstacle one node is supported, and the other one moves down.
       associate (way => moved(:, beside) - side(:, beside))
-         depth = depth + 0.5_dp*norm2(side(:, beside(2)) - side(:, beside(1)))*tan(0.5_dp*angle) &
-            + abs(dot_product(way(:, 2) - way(:, 1), normal))
+         depth = depth + sum(min(limits, [0.5_dp*norm2(side(:, beside(2)) - side(:, beside(1)))*tan(0.5_dp*angle), &
+            abs(dot_product(way(:, 2) - way(:, 1), normal))]))
       end associate
    end function resolved_depth
 
