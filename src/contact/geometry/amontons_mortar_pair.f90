@@ -513,13 +513,11 @@ contains
 
       is_corner = .false.
       faces = .false.
-      do i = 1, pair%slave%n_sides
-         is_corner(pair%slave%side(:2, i)) = .true.
-         normal(:, pair%slave%side(:2, i)) = pair%slave%normal(:, :2, i)
-      end do
       part = covered_parts(pair)
       share = sum(part, dim=1)
       do i = 1, pair%slave%n_sides
+         is_corner(pair%slave%side(:2, i)) = .true.
+         normal(:, pair%slave%side(:2, i)) = pair%slave%normal(:, :2, i)
          ! The mean of a corner's hat over a part that begins at the other corner is half its share.
          where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(pair%slave%side(:2, i)) = .true.
       end do
@@ -546,17 +544,13 @@ contains
       point(pair%node) = [(i, i=1, size(pair%node))]
       allocate (pair%point_of(2, pair%slave%n_sides))
       allocate (pair%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
-      do i = 1, pair%slave%n_sides
-         pair%point_of(:, i) = point(pair%slave%side(:2, i))
-         if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
-      end do
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
-      do i = 1, pair%slave%n_sides
-         if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
-      end do
       pair%gives_shear = pair%is_tangent_fixed .and. is_tied
       do i = 1, pair%slave%n_sides
-         associate (nodes => pair%slave%side(:3, i))
+         associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
+            pair%point_of(:, i) = point(nodes(:2))
+            if (first > 0) pair%next(first) = pair%point_of(2, i)
+            if (first > 0) pair%covered_share(first) = share(i)
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
                .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
                follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)

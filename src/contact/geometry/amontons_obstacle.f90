@@ -66,6 +66,7 @@ contains
       axis = unit_vector(self%normal)
       x = in_frame(axis, position - self%point)
       e = in_frame(axis, direction)
+      allocate (crossings(0))
       select case (self%kind)
       case ('circle')
          crossings = conic_crossings(self%radius, 1.0_dp, x, e)
@@ -74,10 +75,7 @@ contains
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
       case ('plane')
-         allocate (crossings(0))
          if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
-      case default
-         allocate (crossings(0))
       end select
    end function obstacle_crossings
 

@@ -23,6 +23,9 @@ module amontons_free_boundary
 
    public :: find_corner_penetration, free_boundary_t, new_free_boundary
 
+   !> Rounding error of a distance of 0, over the coordinates [-].
+   real(dp), parameter :: noise = 1.0e-14_dp
+
    !> A node of the free boundary, with a direction in which it may meet an obstacle or another body.
    type :: free_node_t
       integer :: node = 0 !! number of the node
@@ -454,8 +457,6 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: depth !! the depth, 0 if none penetrates [L]
       integer, intent(out) :: deepest !! this node, its place in `nodes`; 0 if none penetrates
-      ! Rounding error of a distance of 0, over the coordinates.
-      real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: way(2), overlap, gap
       logical :: is_met
       integer :: i, k
@@ -529,8 +530,6 @@ contains
       integer, intent(out) :: set !! number of the contact set, 0 for none
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
-      ! Rounding error of a distance of 0, over the coordinates.
-      real(dp), parameter :: noise = 1.0e-14_dp
       ! The corner itself may lie on the border of two elements.
       real(dp), parameter :: nearly = 0.99_dp
       integer, allocatable :: sides(:, :)
