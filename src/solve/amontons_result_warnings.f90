@@ -9,7 +9,7 @@ module amontons_result_warnings
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: max_corners, n_corners, n_element_nodes
    use amontons_error, only: warning_list_t
-   use amontons_free_boundary, only: find_corner_penetration
+   use amontons_free_boundary, only: corner_penetration, corner_penetration_t
    use amontons_friction_law, only: open_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
@@ -60,8 +60,8 @@ contains
       ! Depth of a corner of an obstacle between two nodes, over the largest displacement.
       real(dp), parameter :: badly_resolved(2) = 0.2_dp
       integer, allocatable :: reached(:)
-      integer :: peak, set, i, first
-      real(dp) :: depth, place(2)
+      integer :: peak, i, first
+      type(corner_penetration_t) :: corner
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
@@ -69,12 +69,12 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
-      call find_corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
-         result%displacement(:2, :), badly_resolved, depth, place, set)
-      if (set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(set)%set// &
-         "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(depth, 'L')//' at '// &
-         result%warnings%place(place)//', between contact points: refine the mesh there until its sides are '// &
-         'smaller than the obstacle, or put a node opposite to the corner')
+      corner = corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
+         result%displacement(:2, :), badly_resolved)
+      if (corner%set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(corner%set)%set// &
+         "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(corner%depth, 'L')// &
+         ' at '//result%warnings%place(corner%place)//', between contact points: refine the mesh there until its '// &
+         'sides are smaller than the obstacle, or put a node opposite to the corner')
       associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
          lacks => lacks_points(result%solution%status))
          if (lacks(1)) then

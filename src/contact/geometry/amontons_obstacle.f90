@@ -74,7 +74,7 @@ contains
          crossings = conic_crossings(self%radius, 0.0_dp, x, e)
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
-      case ('plane')
+      case default
          if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
       end select
    end function obstacle_crossings
@@ -99,8 +99,7 @@ contains
          if (place < -near .or. place > 1.0_dp + near) cycle
          way = (to_start(1)*along(2) - to_start(2)*along(1))/cross
          ! At their common end two segments are crossed at the same position.
-         if (min(abs(place), abs(1.0_dp - place)) <= near) &
-            way = dot_product(line(:, merge(i, i + 1, place < 0.5_dp)) - x, e)
+         if (abs(place*(1.0_dp - place)) <= near) way = dot_product(line(:, merge(i, i + 1, place < 0.5_dp)) - x, e)
          crossings = [crossings, crossing_t(way, cross/norm2(along), abs(dot_product(e, along))/norm2(along))]
       end do
    end function polyline_crossings

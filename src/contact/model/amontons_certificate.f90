@@ -7,7 +7,7 @@ module amontons_certificate
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_equilibrium, only: travel_of_nodes
-   use amontons_free_boundary, only: find_corner_penetration
+   use amontons_free_boundary, only: corner_penetration, corner_penetration_t
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
@@ -309,12 +309,13 @@ contains
       type(load_case_t), intent(in) :: load_case !! gaps and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
-      ! An edge that lies half as deep in the body between two nodes as that moves is no error of the mesh any more. What
-      ! the tangents of the obstacle explain is one, even where next to nothing moves.
+      ! An edge that lies half as deep in the body as that moves is no error of the mesh any more. What the tangents of
+      ! the obstacle explain is one, even where next to nothing moves.
       real(dp), parameter :: unresolved(2) = [1.0e30_dp, 0.5_dp]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
-      real(dp) :: at_points(body%zone%n_rows), depth, place(2)
-      integer :: m, deepest, set
+      real(dp) :: at_points(body%zone%n_rows), depth
+      type(corner_penetration_t) :: deepest_corner
+      integer :: m, deepest
 
       m = body%zone%n_points
       at_points = body%checked_rows%displacement(displacement)
@@ -330,9 +331,9 @@ contains
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, certificate%length_scale)
-      call find_corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
-         unresolved, depth, place, set)
-      certificate%penetration_between = relative(depth, certificate%length_scale)
+      deepest_corner = corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, &
+         displacement(:2, :), unresolved)
+      certificate%penetration_between = relative(deepest_corner%depth, certificate%length_scale)
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)

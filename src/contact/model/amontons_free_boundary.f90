@@ -21,7 +21,7 @@ module amontons_free_boundary
    implicit none (type, external)
    private
 
-   public :: find_corner_penetration, free_boundary_t, new_free_boundary
+   public :: corner_penetration, corner_penetration_t, free_boundary_t, new_free_boundary
 
    !> Rounding error of a distance of 0, over the coordinates [-].
    real(dp), parameter :: noise = 1.0e-14_dp
@@ -56,6 +56,13 @@ module amontons_free_boundary
       procedure :: penetration => free_boundary_penetration
       procedure :: reached_ends => free_boundary_reached_ends
    end type free_boundary_t
+
+   !> The depth to which a corner of an obstacle penetrates a contact set.
+   type :: corner_penetration_t
+      real(dp) :: depth = 0.0_dp !! the depth; 0 if no corner penetrates by more than a negligible one [L]
+      real(dp) :: place(2) = 0.0_dp !! where the side is penetrated [L]
+      integer :: set = 0 !! number of the contact set, 0 for none
+   end type corner_penetration_t
 
    !> The sides of the boundary of a mesh, and which of them a contact set or tie has.
    type :: outline_t
@@ -513,21 +520,19 @@ contains
       reached = pack([(i, i=1, size(is_reached))], is_reached)
    end function free_boundary_reached_ends
 
-   !> Finds the corner of a polyline, or the apex of a circle or parabola, that penetrates a contact set deepest.
+   !> The corner of a polyline, or the apex of a circle or parabola, that penetrates a contact set deepest.
    !>
    !> The depth is measured along the normal of the displaced side, like gaps. The depth to which a smooth surface or a
    !> single corner may reach into a side between two nodes is a discretization error and does not count up to
    !> limits, see `resolved_depth`.
-   pure subroutine find_corner_penetration(mesh, contacts, zone, extra_gap, displacement, limits, depth, place, set)
+   pure type(corner_penetration_t) function corner_penetration(mesh, contacts, zone, extra_gap, displacement, limits) &
+      result(deepest)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: extra_gap(:) !! additions of the deck to their gaps (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: limits(2) !! these limits, over the largest displacement [-]
-      real(dp), intent(out) :: depth !! the depth; 0 if no corner penetrates by more than a negligible one [L]
-      real(dp), intent(out) :: place(2) !! where the side is penetrated [L]
-      integer, intent(out) :: set !! number of the contact set, 0 for none
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
       ! The corner itself may lie on the border of two elements.
@@ -541,9 +546,6 @@ contains
 
       largest = maxval(abs(displacement))
       least = max(negligible*largest, noise*maxval(abs(mesh%coordinates)))
-      depth = least
-      place = 0.0_dp
-      set = 0
       do i = 1, size(contacts)
          corners = corners_of(contacts(i))
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle
@@ -575,7 +577,7 @@ contains
                   if (abs(xi(j)) > 1.0_dp) cycle
                   call side_shapes(.true., xi(j), values, slopes)
                   overlap = dot_product(matmul(moved, values) - corners(:, l), normal)
-                  if (.not. overlap > depth) cycle
+                  if (.not. overlap > deepest%depth) cycle
                   if (.not. overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0, &
                      limits*largest) > least) cycle
                   ! A point beyond the far side of the body does not penetrate it.
@@ -583,15 +585,12 @@ contains
                      if (.not. (is_inside(mesh, on_side - 0.5_dp*overlap*normal) .and. &
                         is_inside(mesh, on_side - nearly*overlap*normal))) cycle
                   end associate
-                  depth = overlap
-                  place = matmul(side, values)
-                  set = i
+                  deepest = corner_penetration_t(overlap, matmul(side, values), i)
                end do
             end do
          end do
       end do
-      if (set == 0) depth = 0.0_dp
-   end subroutine find_corner_penetration
+   end function corner_penetration
 
    !> The convex corners of a rigid obstacle: ends of a polyline and points where its line turns to the right, away from
    !> the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].
