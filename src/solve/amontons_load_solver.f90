@@ -407,12 +407,12 @@ contains
       integer :: trial
 
       if (size(body%rigid_modes, 2) == 0 .or. .not. all(ieee_is_finite(solution%displacement))) return
-      ! Only loads drive a spin: without loads the remainder of the forces is rounding.
-      if (.not. any(abs(problem%load) > 0.0_dp)) return
+      ! Only nodal forces drive a spin: heat and prescribed displacements leave rounding errors.
+      if (.not. problem%uncanceled(1) > 0.0_dp) return
       ! A body that spins without end moves by more than its size; for smaller motions the product of S with the motion
       ! is no load. Nor are rounding errors of large loads across the motion.
       rounding = problem%rounding*max(problem%prescribed, min(maxval(abs(solution%displacement)), size_of_body)) &
-         + of_loads*(maxval(abs(problem%load)) + problem%uncanceled)
+         + of_loads*(maxval(abs(problem%load)) + sum(problem%uncanceled))
       call new_spins(spins, on_round, body, is_in_reach)
       associate (modes => body%rigid_modes)
          if (size(spins, 2) > 0) then

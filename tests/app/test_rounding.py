@@ -2,7 +2,9 @@
 """Sound cases in which rounding is all that is left of forces, strains or gaps: the certificate passes."""
 import json
 import unittest
+from math import cos, sin
 
+from mapped_mesh import mapped_mesh
 from verification import Verification
 
 # A stack on a floor, pressed and released.
@@ -112,6 +114,35 @@ class Rounding(Verification):
 &contact set = 'low.top'  against = 'high.bottom'  friction = 0.1 /
 """)
         self.assertLess(summary["certificate"]["equilibrium"], 1e-11)
+
+    def test_obstacle_that_touches_but_for_the_last_digit(self):
+        # A block on rollers, drawn turned: without loads, the overlap of rounding with the wall beside it pushed it.
+        for turn in (0.1, 0.2, 0.4, 0.6, 0.7):
+            along, across = (cos(turn), sin(turn)), (-sin(turn), cos(turn))
+            place = [3.0*along[k] + across[k] + 7.0*(k == 0) for k in range(2)]
+            self.write("turned.msh", mapped_mesh((4, 3), "quad4", lambda s, t: tuple(  # noqa: B023
+                3.0*s*along[k] + 2.0*t*across[k] + 7.0*(k == 0) for k in range(2))))
+            self.summary_of(f"""&mesh file = 'turned.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'bottom'  un = 0.0 /
+&contact set = 'right'  friction = 0.3  point = {place[0]!r}, {place[1]!r}  normal = {-along[0]!r}, {-along[1]!r} /
+""")
+
+    def test_loose_block_in_a_body_of_held_parts_whose_ties_lie_apart(self):
+        # Tied parts that cannot turn strain no tie; the overlap lifts the block that lies on them, by a rigid motion.
+        self.write("low.msh", mapped_mesh((6, 2), "quad4", lambda s, t: (4.0*s, t*(1.0 + 0.08*s*(1.0 - s)))))
+        self.write("coat.msh", mapped_mesh((9, 1), "quad4", lambda s, t: (4.0*s, 1.0 + 0.1*t)))
+        self.write("high.msh", mapped_mesh((5, 2), "quad4", lambda s, t: (0.5 + 3.0*s, 1.1 + t)))
+        summary = self.summary_of("""&mesh name = 'low'  file = 'low.msh' /
+&mesh name = 'coat'  file = 'coat.msh' /
+&mesh name = 'high'  file = 'high.msh' /
+&material region = 'coat.body'  young = 5.0  poisson = 0.3 /
+&material young = 6000.0  poisson = 0.3 /
+&tie set = 'low.top'  to = 'coat.bottom' /
+&support set = 'low.bottom'  un = 0.0  ut = 0.0 /
+&contact set = 'coat.top'  against = 'high.bottom'  friction = 0.1  extra_gap = -3e-4 /
+""")
+        self.assertAlmostEqual(summary["key_results"]["max_displacement"], 3e-4, delta=1e-15)
 
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.

@@ -211,25 +211,27 @@ contains
       call name_forces(body%named, supports, contacts, all_ties, error)
    end subroutine new_body
 
-   !> Whether ties resist a rotation of the joined bodies: across a gap, and between the polygons of a curve, the
+   !> Whether ties resist a free rotation of the joined bodies: across a gap, and between the polygons of a curve, the
    !> displacement of a slave is the mean over another position of the master.
    pure logical function strains_ties(body)
       type(body_t), intent(in) :: body !! the body
       ! Rounding errors of the coordinates of matching surfaces are smaller.
       real(dp), parameter :: negligible = 1.0e-10_dp
       real(dp), allocatable :: rotation(:, :)
-      real(dp) :: middle(2)
-      integer :: node
+      integer :: i, p
 
       strains_ties = .false.
       if (size(body%ties) == 0 .or. body%is_axisymmetric) return
-      associate (coordinates => body%mesh%coordinates)
-         middle = 0.5_dp*(minval(coordinates, dim=2) + maxval(coordinates, dim=2))
-         allocate (rotation, mold=coordinates)
-         do node = 1, size(coordinates, 2)
-            rotation(:, node) = turned(coordinates(:, node) - middle)
-         end do
-      end associate
+      allocate (rotation, mold=body%mesh%coordinates)
+      rotation = 0.0_dp
+      do p = 1, size(body%motions)
+         associate (node => body%motions(p)%node)
+            if (body%motions(p)%n_free == 0) cycle
+            do i = 1, size(node)
+               rotation(:, node(i)) = turned(body%mesh%coordinates(:, node(i)) - body%motions(p)%center)
+            end do
+         end associate
+      end do
       strains_ties = any(abs(body%tie_rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
    end function strains_ties
 

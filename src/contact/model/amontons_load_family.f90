@@ -221,6 +221,7 @@ contains
       do k = 1, size(body%driven)
          associate (driven => body%driven(k))
             load_case%force(:, driven%node) = load_case%force(:, driven%node) + load_case%driven(k)*driven%force
+            load_case%uncanceled(1) = load_case%uncanceled(1) + abs(load_case%driven(k))*norm2(driven%force)
          end associate
       end do
    end subroutine apply_loads
@@ -306,8 +307,7 @@ contains
          end associate
          load_case%gap(p) = load_case%gap(p) + load_case%extra_gap(p)
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
-         if (contacts(zone%set(p))%pairing%is_pair()) load_case%gap(p) = merge(load_case%gap(p), 0.0_dp, &
-            abs(load_case%gap(p)) > noise*maxval(abs(corners)))
+         if (abs(load_case%gap(p)) <= noise*maxval(abs(corners))) load_case%gap(p) = 0.0_dp
          ! Extent of the bounding box of the body behind the point.
          extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(:, p), &
             (zone%position(:, p) - corners(:, 2))*zone%normal(:, p)))
@@ -604,7 +604,7 @@ contains
 
       problem%load = matmul(self%load, acting%factor)
       problem%prescribed = dot_product(self%largest, abs(acting%factor))
-      problem%uncanceled = sum(matmul(self%uncanceled, abs(acting%factor)))
+      problem%uncanceled = matmul(self%uncanceled, abs(acting%factor))
       problem%gap = self%gap_of(acting)
       problem%anchor = merge(0.0_dp, acting%anchor, body%zone%is_slip_fixed)
       associate (is_fixed => body%zone%is_shear_fixed)

@@ -41,7 +41,8 @@ module amontons_contact_problem
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
       real(dp) :: rounding = 0.0_dp
          !! largest force that S gives a point under a rigid motion of a loose body, over its largest displacement [F/L]
-      real(dp) :: uncanceled = 0.0_dp !! size of the nodal forces that cancel in the loads but for rounding [F]
+      real(dp) :: uncanceled(2) = 0.0_dp
+         !! size of the nodal forces of loads, and of those of heat, which cancel but for rounding [F]
    contains
       procedure :: bound => contact_problem_bound
       procedure :: count_from => contact_problem_count_from
@@ -221,7 +222,7 @@ contains
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
 
-      scale = max(largest_acting_force(self, contact_force, displacement), rounding_share*self%uncanceled)
+      scale = max(largest_acting_force(self, contact_force, displacement), rounding_share*sum(self%uncanceled))
       if (present(displacement) .and. self%matrix%is_held .and. .not. self%matrix%is_loose &
          .and. self%matrix%has_stiffness()) then
          scale = max(scale, rounding_share*self%largest(self%matrix%largest_terms()*displacement))
@@ -244,6 +245,7 @@ contains
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
       real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
+      real(dp), parameter :: share_at_rest = 1.0e-2_dp ! the same where no load can press; stiff parts round more
       real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
       real(dp), parameter :: least_residual = 1.0e-11_dp ! a tenth of the tolerance is rounding of a loose body's S
       real(dp), parameter :: pressed = 1.0e-9_dp ! forces that are no rounding are a larger share of those of moves
@@ -273,8 +275,8 @@ contains
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%matrix%augmentation)*self%prescribed
          if (self%largest(displacement) <= far*self%prescribed .and. self%largest(contact_force) <= &
-            pressed*uncanceled) scale = max(scale, share_of_moves*uncanceled, &
-            self%rounding/least_residual*self%largest(displacement))
+            pressed*uncanceled) scale = max(scale, self%rounding/least_residual*self%largest(displacement), &
+            merge(share_of_moves, share_at_rest, self%uncanceled(1) > 0.0_dp)*uncanceled)
       end if
    end function largest_acting_force
 
