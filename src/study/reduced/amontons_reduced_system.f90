@@ -29,8 +29,9 @@ module amontons_reduced_system
    !> Largest rounding error of an entry of W, over its largest diagonal entry: entries are differences of numbers of
    !> this size.
    real(dp), parameter :: noise = 1.0e-12_dp
-   !> Smallest positive diagonal entry over the largest one: the square of a smaller ratio underflows.
-   real(dp), parameter :: least_part = sqrt(tiny(1.0_dp))
+   !> Smallest positive diagonal entry over the largest one: a residual of all contacts hides what is wrong at contacts
+   !> in units still farther apart.
+   real(dp), parameter :: least_part = 1.0e-20_dp
    !> Largest share of nonzero entries, and smallest number of rows, of a matrix that is stored as sparse.
    real(dp), parameter :: sparse_fill = 0.25_dp
    integer, parameter :: most_dense_rows = 200
@@ -134,7 +135,8 @@ contains
       else if (any(diagonal > 0.0_dp .and. diagonal < least_part*system%largest)) then
          fault = minloc(diagonal, dim=1, mask=diagonal > 0.0_dp)
          sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//' beside a diagonal entry of '// &
-            to_text(system%largest)//': expected positive numbers on the diagonal of W within a factor of 1e153'
+            to_text(system%largest)//': expected positive numbers on the diagonal of W within a factor of 1e20; '// &
+            'count contacts in units that are closer to each other'
       else
          call check_entries(system, transposed, diagonal, sentence, fault)
       end if
