@@ -34,9 +34,9 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: certificate_text, closed_text, factorization_text, head_text, listed_phases, method_text, model_text, &
-      new_listing, outcome_text, quantities_text, residual_text, solutions_table_text, solutions_text, &
-      status_counts, times_text, uniqueness_text, violations_text, warnings_text
+   public :: add_outcome, certificate_text, closed_text, factorization_text, head_text, listed_phases, method_text, &
+      model_text, new_listing, quantities_text, solutions_table_text, solutions_text, status_counts, times_text, &
+      uniqueness_text, violations_text, warnings_text
 
    !> The phases that are complete when the listing of a deck is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &
@@ -488,14 +488,15 @@ contains
          if (allocated(result%answer)) return
          call contact_columns(columns, body, result)
          call listing%append(result%study_listing)
-         text = heading('Solution')//labeled('Method', method_text(result%method))// &
-            labeled('Factorization', factorization_text(result))
+         call listing%add(heading('Solution')//labeled('Method', method_text(result%method)))
+         text = labeled('Factorization', factorization_text(result))
          if (allocated(result%started_from)) text = text//labeled('Started from', 'case '//result%started_from)
-         text = text//outcome_text(solution)
-         if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
+         call listing%record(text)
+         text = ''
+         if (result%method_error >= 0.0_dp) text = labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
-         text = text//residual_text(solution, result%method%tolerance)//uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed))
+         call add_outcome(listing, solution, result%method%tolerance, text)
+         text = uniqueness_text(result%uniqueness, merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed))
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
@@ -606,29 +607,26 @@ contains
       end select
    end function method_text
 
-   !> Whether the method converged, and if not, how large the residual is.
-   pure function outcome_text(solution) result(text)
-      type(contact_solution_t), intent(in) :: solution !! the solution and its record
-      character(:), allocatable :: text
-
-      if (solution%is_converged) then
-         text = labeled('Converged', 'yes, in '//counted(solution%n_iterations, 'iteration'))
-         return
-      end if
-      text = labeled('Converged', 'NO: stopped after '//counted(solution%n_iterations, 'iteration')// &
-         '; the results below are not the solution')
-      if (solution%is_at_rest) text = text// &
-         labeled('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
-   end function outcome_text
-
-   !> The residual at the end and after each iteration; of many iterations about twenty are shown.
-   pure function residual_text(solution, tolerance) result(text)
+   !> Adds to a listing whether a method converged, a record of the run, and how the residual decreased.
+   pure subroutine add_outcome(listing, solution, tolerance, recorded)
+      type(document_t), intent(inout) :: listing !! the listing
       type(contact_solution_t), intent(in) :: solution !! the solution and its record
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
+      character(*), intent(in) :: recorded !! what else only the run knew, whole lines or empty
       character(:), allocatable :: text
       integer, parameter :: n_lines = 20
       integer :: i, stride
 
+      if (solution%is_converged) then
+         call listing%add(labeled('Converged', 'yes, in '//counted(solution%n_iterations, 'iteration')))
+      else
+         call listing%add(labeled('Converged', 'NO: stopped after '//counted(solution%n_iterations, 'iteration')// &
+            '; the results below are not the solution'))
+      end if
+      text = ''
+      if (solution%is_at_rest) text = &
+         labeled('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
+      call listing%record(text//recorded)
       text = labeled('Residual', scientific(solution%residual)//', tolerance '//scientific(tolerance))// &
          labeled('Residual history', 'iteration, residual')
       stride = max(1, solution%n_iterations/n_lines)
@@ -636,7 +634,8 @@ contains
          if (i /= 1 .and. i /= solution%n_iterations .and. mod(i, stride) /= 0) cycle
          text = text//labeled('', flush_right(to_text(i), len('iteration'))//'  '//scientific(solution%history(i)))
       end do
-   end function residual_text
+      call listing%add(text)
+   end subroutine add_outcome
 
    !> Number of contact points of each status, as text.
    pure function status_counts(status, dimension) result(text)

@@ -8,7 +8,7 @@
 module amontons_verify_case
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_contact_solution, only: new_contact_solution
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, csv_table_t, new_vtk_check, read_array, read_csv_table, verified_case_t, &
@@ -24,7 +24,7 @@ module amontons_verify_case
       word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
-   use amontons_text, only: to_text
+   use amontons_text, only: read_reals, replaced, to_text
    use amontons_vtu, only: show_body, show_contact_line
    implicit none (type, external)
    private
@@ -100,7 +100,8 @@ contains
       call case%fault('.vtu', fault)
       if (len(fault) > 0) return
       ! The last step of a history that ended early has converged.
-      result%solution%is_converged = case%value('', 'converged') == 'true' .or. .not. result%is_complete
+      call restore_outcome(case, result%solution)
+      result%solution%is_converged = result%solution%is_converged .or. .not. result%is_complete
       result%condition = case%number('', 'condition')
       call evaluate(result, body)
       call add_result_warnings(result, body)
@@ -114,6 +115,24 @@ contains
       case%is_certified = result%solution%is_converged .and. &
          max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(case%config%method%tolerance)
    end subroutine verify_result
+
+   !> Reads what only the run knew of how its method ended.
+   subroutine restore_outcome(case, solution)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the fault
+      type(contact_solution_t), intent(inout) :: solution !! the solution; gains its record
+      character(:), allocatable :: list
+      logical :: ok
+
+      solution%is_converged = case%value('', 'converged') == 'true'
+      solution%residual = case%number('', 'residual')
+      list = case%value('', 'residual_history')
+      call read_reals(replaced(list(2:len(list) - 1), ' ', ''), solution%history, ok)
+      if (.not. ok) solution%history = spread(0.0_dp, 1, 0)
+      solution%n_iterations = size(solution%history)
+      if (nint(case%number('', 'iterations')) /= solution%n_iterations) call case%fault('.summary.json', &
+         'iterations is '//case%value('', 'iterations')//', but residual_history has '// &
+         to_text(solution%n_iterations)//' numbers')
+   end subroutine restore_outcome
 
    !> Reads forces and statuses from a table of contact points.
    subroutine read_points(path, n_points, shears, force, status, fault)
@@ -355,7 +374,7 @@ contains
          if (len(fault) > 0) return
          ! The tangential forces turn to the direction of the slip.
          solution%force(system%n_contacts + 1:) = -solution%force(system%n_contacts + 1:)
-         solution%is_converged = case%value('', 'converged') == 'true'
+         call restore_outcome(case, solution)
          call system%set_solution(solution%force, 1.0_dp)
          call new_reduced_check(result%check, system)
          associate (m => system%n_contacts, v => system%by_component(system%u))

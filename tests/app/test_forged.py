@@ -145,6 +145,35 @@ class Forged(Verification):
         self.assert_forgery_is_found("case_0.lst", lambda content: content.replace(b"\nResultants\n", b"\nResultant\n"),
                                      "'Resultant', but 'Resultants' follows from the other files")
 
+    def check_listed_numbers(self, name, *patterns):
+        """Changes numbers of a listing that the summary, the deck or the rows have as well."""
+        for pattern in patterns:
+            def change(content, pattern=pattern):
+                found = re.search(pattern.encode(), content)
+                return content[:found.start(1)] + b"7" + content[found.end(1):]
+            with self.subTest(name, pattern=pattern):
+                self.assert_forgery_is_found(f"{name}.lst", change, rf"{name}\.lst:?\d*: '.*' (is missing|follows)",
+                                             name=name)
+
+    def test_how_a_method_ended(self):
+        self.check_listed_numbers("case_0", r"Method +(\w+)", r"Converged +yes, in (\d+) it", r"Residual +(\S+), tol",
+                                  r"Residual +\S+, tolerance (\S+)\n", r"iteration, residual\n +1  (\S+)\n")
+        self.assert_forgery_is_found("case_0.summary.json", lambda content: re.sub(
+            rb'"iterations": \d+', b'"iterations": 77', content), "iterations is 77, but residual_history has .* num")
+        shutil.rmtree(self.results)
+        self.run_program("--quiet", "--output", "results", "--reduced", ROOT/"tests"/"reduced"/"dense.dat")
+        self.check_listed_numbers("dense", r"Method +(\w+)", r"Converged +yes, in (\d+) it", r"Residual +(\S+), tol",
+                                  r"Residual +\S+, tolerance (\S+)\n", r"Sum of forces +normal (\S+),")
+
+    def test_how_the_cases_of_a_sweep_ended(self):
+        shutil.rmtree(self.results)
+        self.solve_into_results(block(PRESSURE, CONTACT, SUPPORT,
+                                      "load name = 'push'  set = 'right'  traction = -1.0, 0.0",
+                                      "sweep load = 'push'  factor = 0.0, 1.0  count = 5"))
+        self.check_listed_numbers("case_0", r"Method +(\w+)", r"Converged +(\d) of", r"Converged +\d of (\d)",
+                                  r"Iterations +(\d+),", r"Iterations +\d+, (\S+) per", r"Largest residual +(\S+) in",
+                                  r"Largest residual +\S+ in case (\d)", r"Largest residual .*tolerance (\S+)\n")
+
     def test_reduced_problem(self):
         shutil.rmtree(self.results)
         self.run_program("--quiet", "--output", "results", "--reduced", ROOT/"tests"/"reduced"/"dense.dat")

@@ -76,20 +76,15 @@ contains
          !! addition to the gaps of the contact points; 0 if absent (n_points) [L]
       type(step_state_t) :: start, next
       type(instant_t) :: instant
-      real(dp) :: added(self%n_points)
+      real(dp), allocatable :: added(:)
 
       is_converged = .false.
-      added = 0.0_dp
-      if (present(gap)) then
-         if (size(gap) == self%n_points) then
-            added = gap
-         else
-            call new_error(error, input_refused, 'expected a gap for each of '//to_text(self%n_points)// &
-               ' contact points, found '//to_text(size(gap)))
-            return
-         end if
-      end if
-      if (size(changes) /= self%n_changes .or. size(before) /= self%n_state) then
+      added = spread(0.0_dp, 1, self%n_points)
+      if (present(gap)) added = gap
+      if (size(added) /= self%n_points) then
+         call new_error(error, input_refused, 'expected a gap for each of '//to_text(self%n_points)// &
+            ' contact points, found '//to_text(size(added)))
+      else if (size(changes) /= self%n_changes .or. size(before) /= self%n_state) then
          call new_error(error, input_refused, 'expected '//to_text(self%n_changes)//' changes and a state of '// &
             to_text(self%n_state)//' numbers, found '//to_text(size(changes))//' and '//to_text(size(before)))
       else if (.not. (abs(time) <= huge(time) .and. all(abs([changes, before, added]) <= huge(time)))) then

@@ -14,7 +14,7 @@ module amontons_reduced_study
    use amontons_friction_law, only: point_violations, point_violations_t, slip_point
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing, only: head_text, method_text, outcome_text, residual_text, solutions_table_text, &
+   use amontons_listing, only: add_outcome, head_text, method_text, solutions_table_text, &
       solutions_text, status_counts, times_text, uniqueness_text, violations_text, warnings_text
    use amontons_manifest, only: manifest_t
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
@@ -418,10 +418,10 @@ contains
       call documents(1)%add(text)
       ! How the problem was solved.
       associate (solution => result%solution)
-         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
-            residual_text(solution, config%method%tolerance)// &
-            uniqueness_text(result%uniqueness, result%system%friction)// &
-            labeled('Contacts', status_counts(solution%status, result%system%dimension))
+         call documents(1)%add(heading('Solution')//labeled('Method', method_text(config%method)))
+         call add_outcome(documents(1), solution, config%method%tolerance, '')
+         call documents(1)%record(uniqueness_text(result%uniqueness, result%system%friction))
+         text = labeled('Contacts', status_counts(solution%status, result%system%dimension))
          ! Each contact in space has tangents of its own.
          if (result%system%dimension == 2) then
             text = text//labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
@@ -429,10 +429,12 @@ contains
          else
             text = text//labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::3))))
          end if
-         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
-            [result%system%r(1::2), result%system%r(2::2)])
+         call documents(1)%add(text, [result%system%largest_part(result%system%r)])
+         text = ''
+         if (allocated(result%all_solutions)) text = solutions_text(result%all_solutions, [result%system%r(1::2), &
+            result%system%r(2::2)])
+         call documents(1)%record(text)
       end associate
-      call documents(1)%record(text)
       call documents(1)%add(heading('Checks on the problem as read (relative errors)')// &
          violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
       call documents(1)%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', &

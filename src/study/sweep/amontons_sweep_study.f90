@@ -341,10 +341,10 @@ contains
          call listing%add(warnings_text(certified%warnings))
          call listing%add(model_text(body, certified%load_case, units)//list_axes(config))
          ! How the cases were solved.
-         text = heading('Solution')//labeled('Method', method_text(config%method))// &
-            labeled('Factorization', factorization_text(certified))// &
-            labeled('Converged', to_text(statistics%n_outcomes(outcome_solved))//' of '//to_text(statistics%n_cases)// &
-            ' cases')
+         call listing%add(heading('Solution')//labeled('Method', method_text(config%method)))
+         call listing%record(labeled('Factorization', factorization_text(certified)))
+         text = labeled('Converged', to_text(statistics%n_outcomes(outcome_solved))//' of '// &
+            to_text(statistics%n_cases)//' cases')
          do i = 1, size(outcome_labels)
             if (i /= outcome_solved .and. statistics%n_outcomes(i) > 0) text = text// &
                labeled(trim(outcome_labels(i)), counted(statistics%n_outcomes(i), 'case'))
@@ -353,7 +353,9 @@ contains
             scientific(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' per case')
          if (statistics%residual_case > 0) text = text//labeled('Largest residual', scientific(statistics%residual)// &
             ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
-         if (result%n_resumed > 0) text = text//labeled('Done earlier', counted(result%n_resumed, 'case'))
+         call listing%add(text)
+         text = ''
+         if (result%n_resumed > 0) text = labeled('Done earlier', counted(result%n_resumed, 'case'))
          if (result%checkpoint%is_anew) text = text// &
             labeled('Note', 'the rows of an interrupted run are damaged or '// &
             'of another deck or version: all cases were solved again')
