@@ -365,16 +365,17 @@ contains
       real(dp), intent(in) :: direction(:) !! unit vector along which the support holds the node (components) [-]
       real(dp), intent(in) :: displacement !! the prescribed displacement along the direction [L]
       type(error_t), allocatable, intent(out) :: error !! the motion along the direction is free, or another one
-      real(dp) :: block(size(direction), size(direction), 2), given
+      real(dp) :: block(size(direction), size(direction), 2), moved(size(direction))
 
       associate (rigid => constraints%rigid(constraints%rigid_of(node)))
          block = rigid%displacement(mesh%coordinates(:, node))
-         given = dot_product(direction, matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
-            + matmul(block(:, :, 2), prescribed(:, rigid%lead(3))))
+         moved = matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
+            + matmul(block(:, :, 2), prescribed(:, rigid%lead(3)))
          if (constraints%rigid_moves(node, mesh%coordinates(:, node), direction)) then
             call new_error(error, input_refused, 'the support holds the node at '// &
                place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
-         else if (abs(given - displacement) > negligible*(abs(displacement) + abs(given))) then
+         else if (abs(dot_product(direction, moved) - displacement) > negligible*(abs(displacement) &
+            + norm2(moved))) then
             call new_error(error, input_refused, 'the support contradicts the motion of the rigid set at the node '// &
                place_text(mesh%coordinates(:, node)))
          end if

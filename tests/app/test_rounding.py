@@ -144,6 +144,16 @@ class Rounding(Verification):
 """)
         self.assertAlmostEqual(summary["key_results"]["max_displacement"], 3e-4, delta=1e-15)
 
+    def test_side_that_is_straight_but_for_the_last_digit_agrees_with_a_rigid_motion_along_it(self):
+        # The normal of the upper end has a component of 1e-15 along the motion.
+        self.write("side.msh", mapped_mesh((3, 2), "quad4", lambda s, t: (3.0*s + 1e-15*s*(t > 0.9), 2.0*t)))
+        self.summary_of("""&mesh file = 'side.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&rigid name = 'punch'  set = 'top'  ux = 0.0  uy = -1e-3  turn = 0.0 /
+&support set = 'right'  un = 0.0 /
+&contact set = 'bottom'  friction = 0.3 /
+""")
+
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
         deck = """&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /
