@@ -271,7 +271,7 @@ contains
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: stress(4)
 
-      stress = material%stress(strain_at(geometry, material, nodal_values(geometry, displacement), point))
+      stress = material%stress(strain_at(geometry, material, nodal_values(geometry, material, displacement), point))
    end function element_stress
 
    !> Computes the elastic strains at all quadrature points.
@@ -283,21 +283,25 @@ contains
       real(dp) :: u(2, max_nodes)
       integer :: point
 
-      u = nodal_values(geometry, displacement)
+      u = nodal_values(geometry, material, displacement)
       do point = 1, geometry%n_points
          strain(:, point) = strain_at(geometry, material, u, point)
       end do
    end subroutine find_elastic_strains
 
-   !> The displacements of the nodes of an element, followed by zeros [L].
-   pure function nodal_values(geometry, displacement) result(u)
+   !> The displacements of the nodes of an element, followed by zeros; less those of the first node where these are a
+   !> rigid motion: differences are exact where they are small [L].
+   pure function nodal_values(geometry, material, displacement) result(u)
       type(element_geometry_t), intent(in) :: geometry !! the element's nodes
+      type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp) :: u(2, max_nodes)
+      real(dp) :: u(2, max_nodes), rigid(2)
       integer :: i
 
+      rigid = displacement(:2, geometry%node(1))
+      if (material%is_axisymmetric) rigid(1) = 0.0_dp
       do i = 1, geometry%n_nodes
-         u(:, i) = displacement(:2, geometry%node(i))
+         u(:, i) = displacement(:2, geometry%node(i)) - rigid
       end do
    end function nodal_values
 

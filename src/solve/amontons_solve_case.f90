@@ -307,7 +307,8 @@ contains
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition, forces, strained_share, uncanceled
 
-      call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement)
+      call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement, &
+         result%solution%force)
       call evaluate(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &

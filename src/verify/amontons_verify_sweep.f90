@@ -293,7 +293,7 @@ contains
       result%wants_error_estimate = again%task%wants_error_estimate
       result%solution = solution
       call new_case(result%load_case, again%task, body, number)
-      call recover_with_travel(result%displacement, body, result%load_case, solution%displacement)
+      call recover_with_travel(result%displacement, body, result%load_case, solution%displacement, solution%force)
       grid = ''
       if (case%config%sweep%has_fields(number, number)) then
          grid = '.sweep/'//to_text(number)

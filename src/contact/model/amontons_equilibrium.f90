@@ -17,7 +17,9 @@
 !> hollow body that rests on its ends, it is found from the loads, which press a rigid body onto its obstacles, or from
 !> the displacements found.
 module amontons_equilibrium
+   use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t, largest_motion
+   use amontons_condensation, only: condensed_load_t
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
@@ -241,9 +243,8 @@ contains
 
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      motion = 0.0_dp*aim
-      if (size(body%rigid_modes, 2) > 0) motion = matmul(body%rigid_modes, least_squares_amounts( &
-         merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim))
+      motion = matmul(body%rigid_modes, least_squares_amounts(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, &
+         size(body%rigid_modes, 2))), aim))
       if (maxval(abs(aim - motion), mask=counts) > max(much*maxval(abs(aim)), &
          rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
       associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
@@ -334,21 +335,19 @@ contains
    end subroutine fit_travel
 
    !> Computes the displacements of all nodes from the solution of the contact problem. The free rigid motion in it is
-   !> recovered apart from the rest, which so keeps its digits.
-   subroutine recover_with_travel(displacement, body, load_case, solution)
+   !> recovered apart from the rest, which so keeps its digits; a step of refinement follows.
+   subroutine recover_with_travel(displacement, body, load_case, solution, force)
       real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp) :: amounts(size(body%rigid_modes, 2))
       real(dp), allocatable :: unit_amounts(:)
       integer :: first, i, j
 
-      if (size(amounts) == 0 .or. body%is_motion_strained) then
-         call recover_displacement(displacement, body, load_case, solution)
-         return
-      end if
-      amounts = least_squares_amounts(body%rigid_modes, solution)
+      amounts = 0.0_dp
+      if (.not. body%is_motion_strained) amounts = least_squares_amounts(body%rigid_modes, solution)
       call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts))
       first = 0
       do j = 1, size(body%motions)
@@ -362,7 +361,40 @@ contains
             first = first + motions%n_free
          end associate
       end do
+      call refine_displacement(displacement, body, load_case, force)
    end subroutine recover_with_travel
+
+   !> Improves displacements of all nodes by a step of iterative refinement, if it leaves less imbalance. A stiff body
+   !> that supports move by far more than it is strained would otherwise keep forces of rounding size, as large as those
+   !> of a soft body that it presses.
+   subroutine refine_displacement(displacement, body, load_case, force)
+      real(dp), allocatable, intent(inout) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      type(condensed_load_t) :: rest
+      real(dp), allocatable :: refined(:, :), unknowns(:, :)
+      real(dp) :: loads(size(displacement, 1), body%mesh%n_nodes), imbalance(body%dof_map%n_dofs)
+
+      loads = load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
+      imbalance = imbalance_of(displacement)
+      call body%condensation%condense_load(imbalance, rest)
+      call body%condensation%recover([rest], spread(0.0_dp*force, 2, 1), unknowns)
+      refined = displacement + from_unknowns(unknowns(:, 1), 0.0_dp*displacement, body%constraints, body%dof_map)
+      if (norm2(imbalance_of(refined)) < norm2(imbalance)) displacement = refined
+
+   contains
+
+      !> Loads and contact forces less the forces of stresses and springs on all unknowns (n) [F].
+      function imbalance_of(field) result(imbalance)
+         real(dp), contiguous, intent(in) :: field(:, :) !! displacement of the nodes (components, n_nodes) [L]
+         real(dp), allocatable :: imbalance(:), internal(:, :)
+
+         call body%internal_forces(internal, field, load_case%thermal_strain)
+         imbalance = to_unknowns(loads - internal, body%constraints, body%dof_map)
+      end function imbalance_of
+
+   end subroutine refine_displacement
 
    !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,
    !> n_nodes) [L].
@@ -432,9 +464,10 @@ contains
       real(dp) :: gram(size(modes, 2), size(modes, 2)), values(size(modes, 2))
       integer :: info, k
 
+      amounts = 0.0_dp
+      if (size(modes, 2) == 0) return
       gram = matmul(transpose(modes), modes)
       call symmetric_eigenvectors(gram, values, info)
-      amounts = 0.0_dp
       if (info /= 0) return
       do k = 1, size(values)
          if (values(k) > negligible*maxval(values)) amounts = amounts &
