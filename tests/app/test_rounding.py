@@ -167,6 +167,39 @@ class Rounding(Verification):
 &contact set = 'bottom'  friction = 0.3 /
 """)
 
+    def test_one_more_step_of_newton_where_nothing_presses(self):
+        # A shim moves a block that touches nothing: a residual just within the tolerance would be all its forces.
+        for low, high in (("tri3", "quad8"), ("quad8", "quad8"), ("quad8", "tri3")):
+            summary = self.summary_of(f"""&mesh name = 'low'  size = 8.46, 2.62  cells = 7, 2  element = '{low}' /
+&mesh name = 'high'  size = 8.46, 2.5  cells = 2, 3  element = '{high}'  origin = 0.0, 2.62 /
+&material region = 'low'  young = 16.85  poisson = 0.3 /
+&material region = 'high'  young = 446.3  poisson = 0.499 /
+&preload name = 'shim'  set = 'high.bottom'  to = 'low.top'  shortening = 3.7e-4 /
+&support set = 'high.top'  un = 0.0 /
+&contact set = 'low.bottom'  friction = 0.86  extra_gap = 1.73e-4  gap_slope = -5e-6, 0.0 /
+&contact set = 'high.right'  friction = 0.3  point = 8.46, 2.6  normal = -1.0, 0.0 /
+""")
+            self.assertLess(summary["certificate"]["equilibrium"], 1e-10)
+
+    def test_nothing_but_loads_drives_a_loose_block_that_a_preload_moves(self):
+        # A shim lifts the coat with the block that lies on it: rounding drove the block, which had no equilibrium.
+        for rise, n_low, n_coat, n_high, modulus, stiffness in (
+                (0.02, 8, 6, 6, 2e4, 1300.0), (0.02, 7, 7, 2, 2e4, 50.0), (0.05, 5, 7, 6, 1e6, 50.0)):
+            self.write("low.msh", mapped_mesh((n_low, 2), "tri3", lambda s, t: (  # noqa: B023
+                4.0*s, t*(1.0 + 4.0*rise*s*(1.0 - s)))))
+            self.write("coat.msh", mapped_mesh((n_coat, 1), "quad4", lambda s, t: (4.0*s, 1.0 + 0.1*t)))
+            self.write("high.msh", mapped_mesh((n_high, 2), "quad4", lambda s, t: (0.5 + 3.0*s, 1.1 + t)))
+            self.summary_of(f"""&mesh name = 'low'  file = 'low.msh' /
+&mesh name = 'coat'  file = 'coat.msh' /
+&mesh name = 'high'  file = 'high.msh' /
+&material region = 'low.body'  young = {modulus}  poisson = 0.49 /
+&material region = 'coat.body'  young = 0.5  poisson = 0.3 /
+&material region = 'high.body'  young = 1300.0  poisson = 0.3 /
+&preload name = 'shim'  set = 'coat.bottom'  to = 'low.top'  shortening = 3e-5 /
+&support set = 'low.bottom'  spring_n = {stiffness}  spring_t = 5800.0 /
+&contact set = 'coat.top'  against = 'high.bottom'  friction = 0.5 /
+""")
+
     def test_rounding_errors_of_forces_do_no_work(self):
         # A load on the side that a wall bears: the rest of the body is free of forces but for rounding.
         deck = """&mesh size = 6.09167894061312, 6.313455047944747  cells = 3, 3  origin = -19.59692976188971, 0.0 /

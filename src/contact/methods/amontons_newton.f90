@@ -210,11 +210,15 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! the record
       logical, intent(out) :: may_continue !! false when the pair is a solution that a further step would not improve
       real(dp), parameter :: exact = 1.0e-3_dp
+      ! Forces that are only so many times the tolerance are rounding errors of a body that nothing presses.
+      real(dp), parameter :: small = 1.0e3_dp
 
       if (residual <= min(tolerance, solution%residual)) then
          call solution%record(problem, displacement, force, tolerance, may_continue)
-         ! Discs are curved: one more step takes what a solution just within the tolerance misses.
-         may_continue = may_continue .or. (problem%matrix%n_tangents > 1 .and. solution%residual > exact*tolerance)
+         ! Discs are curved: one more step takes what a solution just within the tolerance misses. It also takes what is
+         ! no rounding of a body that nothing presses.
+         may_continue = may_continue .or. (solution%residual > exact*tolerance .and. (problem%matrix%n_tangents > 1 &
+            .or. problem%largest(force) <= small*tolerance*solution%force_scale))
       else
          may_continue = .true.
          call solution%record_residual(residual)
