@@ -52,6 +52,18 @@ class Rounding(Verification):
         self.verify()
         return json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
 
+    def test_gaps_of_bodies_at_rest_have_the_rounding_errors_of_coordinates(self):
+        # The upper body leaves the overlap without forces: its displacements are as small as the overlap.
+        for overlap in (1e-12, 1e-10, 1e-9, 1e-8, 1e-6):
+            for held in ("support set = 'a.bottom'  ux = 0.0  uy = 0.0", "contact set = 'a.bottom'  friction = 0.3"):
+                with self.subTest(overlap=overlap, held=held):
+                    self.summary_of(f"""&mesh name = 'a'  size = 2.215, 1.0  cells = 2, 2  element = 'tri6' /
+&mesh name = 'b'  size = 2.758, 1.0  cells = 6, 2  origin = 0.0, {1.0 - overlap!r}  element = 'tri6' /
+&material young = 1000.0  poisson = 0.3 /
+&{held} /
+&contact set = 'b.bottom'  against = 'a.top'  friction = 0.3 /
+""")
+
     def test_a_load_on_the_contact_points_themselves_strains_nothing(self):
         # A body is pulled up against a ceiling by a load on the side that meets it: displacements are 1e-16.
         self.summary_of("""&mesh size = 10.790850158564059, 7.27897783948317  cells = 5, 3  element = 'tri3' /

@@ -83,6 +83,8 @@ module amontons_certificate
    real(dp), parameter :: suspicious = 1.0e-10_dp
    !> Share of |K| |u|, or of forces that the body carried before, that is well above the largest rounding errors.
    real(dp), parameter :: rounding_share = 1.0e-5_dp
+   !> Share of |K| |x|, x the coordinates, beside which their rounding errors are below the limit.
+   real(dp), parameter :: coordinate_share = 1.0e-8_dp
 
 contains
 
@@ -165,10 +167,14 @@ contains
          certificate%imbalance = relative(certificate%equilibrium, max(force_size, least_scale))
          ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants
          ! and energy are not affected: a share of |K| |u| is a scale, too.
-         if (certificate%imbalance > suspicious) then
+         if (certificate%equilibrium > suspicious*max(force_size, least_scale)) then
             call sum_uncanceled_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), &
                uncanceled, strained_share)
             force_size = max(force_size, rounding_share*uncanceled)
+            ! Gaps, and displacements with them, have the rounding errors of coordinates.
+            call sum_uncanceled_terms(body%mesh, body%materials, displacement, 0.0_dp*displacement &
+               + maxval(abs(body%mesh%coordinates)), uncanceled, strained_share)
+            least_scale = max(least_scale, coordinate_share*uncanceled)
          end if
          certificate%equilibrium = relative(certificate%equilibrium, max(force_size, least_scale))
          certificate%strain_energy = 0.5_dp*sums%internal_work
