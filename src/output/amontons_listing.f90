@@ -617,12 +617,10 @@ contains
       integer, parameter :: n_lines = 20
       integer :: i, stride
 
-      if (solution%is_converged) then
-         call listing%add(labeled('Converged', 'yes, in '//counted(solution%n_iterations, 'iteration')))
-      else
-         call listing%add(labeled('Converged', 'NO: stopped after '//counted(solution%n_iterations, 'iteration')// &
-            '; the results below are not the solution'))
-      end if
+      text = counted(solution%n_iterations, 'iteration')
+      if (.not. solution%is_converged) text = text//'; the results below are not the solution'
+      call listing%add(labeled('Converged', trim(merge('yes, in          ', 'NO: stopped after', &
+         solution%is_converged))//' '//text))
       text = ''
       if (solution%is_at_rest) text = &
          labeled('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')

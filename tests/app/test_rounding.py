@@ -64,6 +64,19 @@ class Rounding(Verification):
 &contact set = 'b.bottom'  against = 'a.top'  friction = 0.3 /
 """)
 
+    def test_loads_that_almost_cancel_have_a_sharp_limit(self):
+        # The method measures by what is left of them on the contact points, the check before it by their sum.
+        lifted = "&load set = 'top'  pressure = -1.0 /\n&load body_force = 0.0, {} /\n".format
+        pushed = "&load body_force = {}, -1.0 /\n".format
+        for element, cells in (("tri3", "5, 4"), ("quad9", "4, 3")):
+            for loads in (lambda share: lifted(-0.5/share), lambda share: pushed(0.25*share)):
+                for excess, status in ((-1e-11, 0), (1e-11, 2), (3e-11, 2)):
+                    with self.subTest(element=element, excess=excess):
+                        self.solve_into_results(
+                            f"&mesh size = 4.0, 2.0  cells = {cells}  element = '{element}' /\n"
+                            "&material young = 1000.0  poisson = 0.25 /\n&contact set = 'bottom'  friction = 0.25 /\n"
+                            + loads(1.0 + excess), status=status)
+
     def test_a_load_on_the_contact_points_themselves_strains_nothing(self):
         # A body is pulled up against a ceiling by a load on the side that meets it: displacements are 1e-16.
         self.summary_of("""&mesh size = 10.790850158564059, 7.27897783948317  cells = 5, 3  element = 'tri3' /

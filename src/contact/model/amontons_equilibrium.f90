@@ -87,9 +87,9 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      ! A tenth of the residual of methods; the other limit is for the center of gravity of a round body, whose position
-      ! depends on the mesh.
-      real(dp), parameter :: unbalanced = 1.0e-11_dp, unbalanced_when_round = 1.0e-2_dp
+      ! A hundredth of the residual of methods, whose scale may be a small part of the loads that cancel; the other
+      ! limit is for the center of gravity of a round body, whose position depends on the mesh.
+      real(dp), parameter :: unbalanced = 1.0e-12_dp, unbalanced_when_round = 1.0e-2_dp
       ! Loads that cancel leave their rounding errors, those of the coordinates of sides included.
       real(dp), parameter :: of_loads = 1.0e-13_dp
       real(dp), allocatable :: remainder(:)

@@ -143,11 +143,9 @@ contains
       end do
       if (config%history%has_start()) call result%files%manifest%add_input(config%history%start)
       result%checkpoint = files%checkpoint
-      if (result%is_interrupted) then
-         call result%checkpoint%close()
-      else if (result%stepping%n_steps == 0) then
+      if (result%stepping%n_steps == 0 .and. .not. result%is_interrupted) then
          call result%checkpoint%discard()
-      else if (allocated(error)) then
+      else if (result%is_interrupted .or. allocated(error)) then
          call result%checkpoint%close()
       end if
    end subroutine solve_history

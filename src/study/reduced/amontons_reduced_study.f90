@@ -112,6 +112,7 @@ contains
       class(contact_method_t), allocatable :: method
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: problem
+      logical :: is_finite
 
       call result%timings%begin(phase_solve)
       call new_contact_method(method, options, error)
@@ -132,13 +133,11 @@ contains
       call result%timings%begin(phase_recover)
       associate (system => result%system)
          call system%set_solution(result%solution%force, system%length_unit()/system%compliance_unit())
-         if (.not. all(ieee_is_finite([system%r, system%u]))) then
-            call new_error(error, numerical_failure, 'the forces that solve it are too large for numbers of double '// &
-               'precision: count forces or lengths in another unit')
-         else if (any(abs(result%solution%force) > 0.0_dp) .and. .not. any(abs(system%r) >= tiny(1.0_dp))) then
-            call new_error(error, numerical_failure, 'the forces that solve it are too small for numbers of double '// &
-               'precision: count forces or lengths in another unit')
-         end if
+         is_finite = all(ieee_is_finite([system%r, system%u]))
+         if (.not. is_finite .or. (any(abs(result%solution%force) > 0.0_dp) .and. .not. any(abs(system%r) &
+            >= tiny(1.0_dp)))) call new_error(error, numerical_failure, 'the forces that solve it are too '// &
+            merge('small', 'large', is_finite)//' for numbers of double precision: count forces or lengths in '// &
+            'another unit')
          if (allocated(error)) return
          call new_reduced_check(result%check, system)
       end associate
