@@ -206,6 +206,17 @@ class Rounding(Verification):
 """)
             self.assertLess(summary["certificate"]["equilibrium"], 1e-10)
 
+    def test_apex_between_the_nodes_of_a_curved_body_that_does_not_move(self):
+        # The chord of the side over the apex lies in the obstacle; nothing moves to compare that with.
+        self.write("arched.msh", mapped_mesh((5, 2), "quad4", lambda s, t: (
+            2.0*s, t - 0.05*(1.0 - t)*(2.0*s - 1.0)**2)))
+        self.summary_of("""&mesh file = 'arched.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&load set = 'top'  pressure = 1.0 /
+&support set = 'top'  un = 0.0  ut = 0.0 /
+&contact set = 'bottom'  friction = 0.3  obstacle = 'parabola'  radius = 10.0  point = 1.0, 0.0 /
+""")
+
     def test_nothing_but_loads_drives_a_loose_block_that_a_preload_moves(self):
         # A shim lifts the coat with the block that lies on it: rounding drove the block, which had no equilibrium.
         for rise, n_low, n_coat, n_high, modulus, stiffness in (

@@ -579,7 +579,7 @@ contains
                   overlap = dot_product(matmul(moved, values) - corners(:, l), normal)
                   if (.not. overlap > deepest%depth) cycle
                   if (.not. overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0, &
-                     limits*largest) > least) cycle
+                     limits*max(largest, least)) > least) cycle
                   ! A point beyond the far side of the body does not penetrate it.
                   associate (on_side => matmul(side, values))
                      if (.not. (is_inside(mesh, on_side - 0.5_dp*overlap*normal) .and. &
