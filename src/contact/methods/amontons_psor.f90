@@ -13,8 +13,9 @@ module amontons_psor
    use amontons_acceleration, only: acceleration_t, new_acceleration
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
+   use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_error, only: error_t
-   use amontons_friction_law, only: bounded, cut_to_bound, solve_point, solve_point_in_space
+   use amontons_friction_law, only: cut_to_bound, solve_point
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -37,9 +38,11 @@ module amontons_psor
       real(dp), allocatable :: residual(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
       type(effort_t) :: effort !! work of the sweeps
       real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
-      real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
-      real(dp), allocatable, private :: block(:, :, :) !! its block of each point (1 + n_tangents, 1 + n_tangents, m)
-      real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal (2m)
+      integer, allocatable, private :: at(:, :) !! components of each point (1 + n_tangents, m)
+      real(dp), allocatable, private :: block(:, :, :)
+         !! compliance of each point: its block of A, or the inverse of that of S, 0 if there is none (1 + n_tangents,
+         !! 1 + n_tangents, m) [L/F]
+      real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal of A or S (n)
    contains
       procedure :: advance => relaxation_advance
       procedure :: admit => relaxation_admit
@@ -179,16 +182,15 @@ contains
       sweep%center = solution%displacement
       if (is_dual) then
          sweep%unknown = solution%force
-         sweep%diagonal = problem%matrix%compliance%diagonal()
          sweep%rho = problem%matrix%compliance%reciprocal_diagonal()
       else
          sweep%unknown = solution%displacement
          sweep%unknown(:m) = min(sweep%unknown(:m), problem%gap)
-         sweep%diagonal = problem%matrix%stiffness%diagonal()
-         sweep%rho = 1.0_dp/sweep%diagonal
+         sweep%rho = 1.0_dp/problem%matrix%stiffness%diagonal()
       end if
       n = problem%matrix%n_tangents
       allocate (sweep%block(1 + n, 1 + n, m))
+      sweep%at = transpose(reshape([(i, i=1, (1 + n)*m)], [m, 1 + n]))
       do i = 1, m
          do j = 0, n
             do k = 0, n
@@ -196,8 +198,31 @@ contains
                if (.not. is_dual) sweep%block(j + 1, k + 1, i) = problem%matrix%stiffness%element(i + j*m, i + k*m)
             end do
          end do
+         if (.not. is_dual) call invert(sweep%block(:, :, i))
       end do
       call sweep%refresh(problem)
+
+   contains
+
+      !> Replaces the stiffness of a point by its inverse, by 0 if it is singular.
+      pure subroutine invert(own)
+         real(dp), contiguous, intent(inout) :: own(:, :) !! the stiffness [F/L]; on return the compliance [L/F]
+         real(dp), parameter :: singular = 1.0e-6_dp
+         real(dp) :: factor(size(own, 1), size(own, 1)), root(size(own, 1))
+         integer :: info, k
+
+         root = [(sqrt(own(k, k)), k=1, size(root))]
+         factor = own
+         call cholesky_factor(factor, info)
+         own = 0.0_dp
+         if (info /= 0) return
+         if (product([(factor(k, k)/root(k), k=1, size(root))]) <= singular) return
+         do k = 1, size(root)
+            own(k, k) = 1.0_dp
+         end do
+         call cholesky_solve(factor, own)
+      end subroutine invert
+
    end subroutine new_relaxation
 
    !> Recomputes the residual, which many updates have left with rounding errors.
@@ -224,99 +249,75 @@ contains
       integer :: point
 
       do point = 1, problem%n_points
-         if (problem%matrix%n_tangents == 2) then
-            if (self%is_dual) call relax_force_in_space(self, problem, point)
-            if (.not. self%is_dual) call relax_displacement_in_space(self, problem, point)
-         else if (self%is_dual) then
-            call relax_force(self, problem, point)
-         else
-            call relax_displacement(self, problem, point)
-         end if
+         if (self%is_dual) call relax_force(self, problem, self%at(:, point))
+         if (.not. self%is_dual) call relax_displacement(self, problem, self%at(:, point))
       end do
    end subroutine relaxation_advance
 
-   !> Relaxes the force of one point in space, and cuts it to the contact law.
-   pure subroutine relax_force_in_space(sweep, problem, n)
+   !> Relaxes the force of one point, and cuts it to the contact law.
+   pure subroutine relax_force(sweep, problem, at)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      integer, intent(in) :: n !! the point
-      real(dp) :: goal(3)
-      integer :: at(3)
+      integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
+      real(dp) :: goal(3), bound
+      integer :: i
 
-      at = n + [0, 1, 2]*problem%n_points
-      associate (x => sweep%unknown, w => sweep%residual, own => sweep%block(:, :, n), omega => sweep%omega)
+      associate (x => sweep%unknown, w => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
+         omega => sweep%omega, k => size(at))
          if (sweep%is_block) then
-            goal = solve_point_in_space(own, w(at) + matmul(own, x(at)), problem%friction(n), &
-               problem%slip_bound(n), x(at))
-            goal = x(at) + omega*(goal - x(at))
+            goal(:k) = solve_point(own, w(at) + matmul(own, x(at)), problem%friction(n), problem%slip_bound(n), x(at))
+            goal(:k) = x(at) + omega*(goal(:k) - x(at))
             call set_unknown(sweep, problem, n, max(0.0_dp, goal(1)))
          else
             call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + omega*sweep%rho(n)*w(n)))
-            goal = x(at) + omega*sweep%rho(at)*w(at)
+            do i = 2, k
+               goal(i) = x(at(i)) + omega*sweep%rho(at(i))*w(at(i))
+            end do
          end if
-         call set_tangential(sweep, problem, n, cut_to_bound(goal(2:), &
-            [problem%slip_bound(n) + problem%friction(n)*x(n)]))
+         bound = problem%slip_bound(n) + problem%friction(n)*x(n)
+         bound = bound/max(bound, norm2(goal(2:k)), tiny(bound))
+         do i = 2, k
+            call set_unknown(sweep, problem, at(i), bound*goal(i))
+         end do
       end associate
-   end subroutine relax_force_in_space
+   end subroutine relax_force
 
-   !> Relaxes the displacement of one point in space: the normal one is cut at the gap, the slip is reduced by what
-   !> friction holds. With `block` it is solved for its force; a closed point is put exactly on the gap.
-   pure subroutine relax_displacement_in_space(sweep, problem, n)
+   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is reduced by what friction
+   !> holds. With `block` it is solved for its force; a closed point is put exactly on the gap.
+   pure subroutine relax_displacement(sweep, problem, at)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: n !! the point
-      real(dp), parameter :: singular = 1.0e-12_dp
-      real(dp) :: w(3, 3), det, bound, normal, slip(2), goal(3), force(3)
-      integer :: at(3)
+      integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
+      real(dp), dimension(3) :: free, force, goal, reference
+      real(dp) :: bound, left
+      integer :: i
 
-      at = n + [0, 1, 2]*problem%n_points
-      associate (v => sweep%unknown, f => sweep%residual, s => sweep%block(:, :, n), omega => sweep%omega, &
-         reference => [problem%gap(n), problem%anchor(at(:2))])
-         w(:, 1) = cross(s(:, 2), s(:, 3))
-         w(:, 2) = cross(s(:, 3), s(:, 1))
-         w(:, 3) = cross(s(:, 1), s(:, 2))
-         det = dot_product(s(:, 1), w(:, 1))
-         if (sweep%is_block .and. det > singular*s(1, 1)*s(2, 2)*s(3, 3)) then
-            w = w/det
-            goal = v(at) - reference + matmul(w, f(at))
-            force = solve_point_in_space(w, goal, problem%friction(n), problem%slip_bound(n), f(at))
-            goal = v(at) + omega*(reference + goal - matmul(w, force) - v(at))
-            normal = merge(problem%gap(n), min(problem%gap(n), goal(1)), force(1) > 0.0_dp)
-            call set_unknown(sweep, problem, n, normal)
-            call set_tangential(sweep, problem, n, goal(2:))
+      associate (v => sweep%unknown, f => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
+         omega => sweep%omega, k => size(at))
+         reference(1) = problem%gap(n)
+         do i = 2, k
+            reference(i) = problem%anchor(at(i) - problem%n_points)
+         end do
+         if (sweep%is_block .and. own(1, 1) > 0.0_dp) then
+            free(:k) = v(at) - reference(:k) + matmul(own, f(at))
+            force(:k) = solve_point(own, free(:k), problem%friction(n), problem%slip_bound(n), f(at))
+            goal(:k) = v(at) + omega*(reference(:k) + free(:k) - matmul(own, force(:k)) - v(at))
+            call set_unknown(sweep, problem, n, merge(problem%gap(n), min(problem%gap(n), goal(1)), force(1) > 0.0_dp))
          else
-            call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(1, 1), problem%gap(n)))
+            call set_unknown(sweep, problem, n, min(v(n) + omega*sweep%rho(n)*f(n), problem%gap(n)))
             bound = problem%slip_bound(n)
             if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
-            slip = v(at(2:)) - reference(2:) + omega*sweep%rho(at(2:))*f(at(2:))
-            slip = slip*max(0.0_dp, 1.0_dp - omega*sweep%rho(at(2))*bound/max(norm2(slip), tiny(bound)))
-            call set_tangential(sweep, problem, n, reference(2:) + slip)
+            do i = 2, k
+               goal(i) = v(at(i)) - reference(i) + omega*sweep%rho(at(i))*f(at(i))
+            end do
+            left = max(0.0_dp, 1.0_dp - omega*sweep%rho(at(2))*bound/max(norm2(goal(2:k)), tiny(left)))
+            goal(2:k) = reference(2:k) + left*goal(2:k)
          end if
+         do i = 2, k
+            call set_unknown(sweep, problem, at(i), goal(i))
+         end do
       end associate
-
-   contains
-
-      !> The cross product of two vectors.
-      pure function cross(a, b)
-         real(dp), intent(in) :: a(3) !! one vector
-         real(dp), intent(in) :: b(3) !! the other
-         real(dp) :: cross(3)
-
-         cross = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-      end function cross
-
-   end subroutine relax_displacement_in_space
-
-   !> Sets the tangential components of a point in space, and updates the residual.
-   pure subroutine set_tangential(sweep, problem, n, values)
-      type(relaxation_t), intent(inout) :: sweep !! the sweeps
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: n !! the point
-      real(dp), intent(in) :: values(2) !! the values
-
-      call set_unknown(sweep, problem, n + problem%n_points, values(1))
-      call set_unknown(sweep, problem, n + 2*problem%n_points, values(2))
-   end subroutine set_tangential
+   end subroutine relax_displacement
 
    !> Sets one component, and updates the residual.
    pure subroutine set_unknown(sweep, problem, i, value)
@@ -336,67 +337,6 @@ contains
          call problem%matrix%stiffness%add_column(i, -change, sweep%residual)
       end if
    end subroutine set_unknown
-
-   !> Relaxes the force of one point, and cuts it to the contact law.
-   pure subroutine relax_force(sweep, problem, n)
-      type(relaxation_t), intent(inout) :: sweep !! the sweeps
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      integer, intent(in) :: n !! the point
-      real(dp) :: change(2), solved(2)
-      integer :: t
-
-      t = n + problem%n_points
-      associate (x => sweep%unknown, w => sweep%residual, a => sweep%diagonal, a_nt => sweep%block(2, 1, n))
-         if (sweep%is_block) then
-            solved = solve_point(a(n), a_nt, a(t), [w(n) + a(n)*x(n) + a_nt*x(t), w(t) + a_nt*x(n) + a(t)*x(t)], &
-               problem%friction(n), problem%slip_bound(n), [x(n), x(t)])
-            change = sweep%omega*(solved - [x(n), x(t)])
-            call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + change(1)))
-         else
-            call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + sweep%omega*sweep%rho(n)*w(n)))
-            change(2) = sweep%omega*sweep%rho(t)*w(t)
-         end if
-         call set_unknown(sweep, problem, t, bounded(x(t) + change(2), &
-            problem%slip_bound(n) + problem%friction(n)*x(n)))
-      end associate
-   end subroutine relax_force
-
-   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is reduced by what friction
-   !> holds. A block is solved as a whole, and put exactly on the gap where it is closed.
-   pure subroutine relax_displacement(sweep, problem, n)
-      type(relaxation_t), intent(inout) :: sweep !! the sweeps
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: n !! the point
-      real(dp), parameter :: singular = 1.0e-12_dp
-      real(dp) :: bound, det, w_nn, w_nt, w_tt, free(2), force(2), slip, distance
-      integer :: t
-
-      t = n + problem%n_points
-      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal, omega => sweep%omega)
-         det = s(n)*s(t) - sweep%block(2, 1, n)**2
-         if (sweep%is_block .and. det > singular*s(n)*s(t)) then
-            w_nn = s(t)/det
-            w_nt = -sweep%block(2, 1, n)/det
-            w_tt = s(n)/det
-            free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
-               v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
-            force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
-            distance = free(1) - w_nn*force(1) - w_nt*force(2)
-            slip = free(2) - w_nt*force(1) - w_tt*force(2)
-            slip = v(t) + omega*(problem%anchor(n) + slip - v(t))
-            distance = min(problem%gap(n), v(n) + omega*(problem%gap(n) + distance - v(n)))
-            call set_unknown(sweep, problem, n, merge(problem%gap(n), distance, force(1) > 0.0_dp))
-            call set_unknown(sweep, problem, t, slip)
-         else
-            call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
-            bound = problem%slip_bound(n)
-            if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
-            slip = v(t) - problem%anchor(n) + omega*f(t)/s(t)
-            call set_unknown(sweep, problem, t, problem%anchor(n) &
-               + sign(max(0.0_dp, abs(slip) - omega*bound/s(t)), slip))
-         end if
-      end associate
-   end subroutine relax_displacement
 
    !> Displacements and forces at the end of a sweep; in the primal space the forces are the residual of equilibrium,
    !> cut to the contact law.
@@ -444,19 +384,18 @@ contains
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: before(:) !! the unknowns before (n)
+      real(dp), allocatable :: cut(:)
       real(dp) :: bound
-      integer :: n, t
+      integer :: i, n
 
       do n = 1, problem%n_points
-         t = n + problem%n_points
          if (self%is_dual) then
             call set_unknown(self, problem, n, max(0.0_dp, self%unknown(n)))
             bound = problem%slip_bound(n) + problem%friction(n)*self%unknown(n)
-            if (problem%matrix%n_tangents == 2) then
-               call set_tangential(self, problem, n, cut_to_bound(self%unknown([t, t + problem%n_points]), [bound]))
-            else
-               call set_unknown(self, problem, t, bounded(self%unknown(t), bound))
-            end if
+            cut = cut_to_bound(self%unknown(self%at(2:, n)), [bound])
+            do i = 1, size(cut)
+               call set_unknown(self, problem, self%at(1 + i, n), cut(i))
+            end do
          else if (before(n) < problem%gap(n)) then
             call set_unknown(self, problem, n, min(self%unknown(n), problem%gap(n)))
          else

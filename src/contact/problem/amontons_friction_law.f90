@@ -19,8 +19,8 @@ module amontons_friction_law
    private
 
    public :: bounded, contact_status, cut_to_bound, disc_violation, law_violation, open_point, point_violations, &
-      point_violations_t, slip_minus, slip_plus, slip_point, solve_point, solve_point_in_space, status_names, &
-      stick_point, tangential_norm, turned_away
+      point_violations_t, slip_minus, slip_plus, slip_point, solve_point, status_names, stick_point, tangential_norm, &
+      turned_away
 
    !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
@@ -214,131 +214,52 @@ contains
       end do
    end function turned_away
 
-   !> The force that fulfills the contact law best; of several the one nearest to a given force.
-   pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)
-      real(dp), intent(in) :: w_nn !! normal compliance, at least 0 [L/F]
-      real(dp), intent(in) :: w_nt !! compliance that couples normal and tangent [L/F]
-      real(dp), intent(in) :: w_tt !! tangential compliance, at least 0 [L/F]
-      real(dp), intent(in) :: free(2) !! distance u_N - d and slip u_T without force [L]
+   !> The force on a point that fulfills the contact law best; of several the one nearest to a given force. In the plane
+   !> a sliding point goes one way or the other; in space the angle of its slip is a zero of a function of one variable.
+   pure function solve_point(w, free, friction, slip_bound, force) result(best)
+      real(dp), intent(in) :: w(:, :)
+         !! compliance in (n, t) or (n, t1, t2), positive semidefinite (1 + n_tangents, 1 + n_tangents) [L/F]
+      real(dp), intent(in) :: free(:) !! distance u_N - d and slip u_T without force (1 + n_tangents) [L]
       real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
-      real(dp), intent(in) :: force(2) !! a force (lambda_N, lambda_T) to stay near [F]
-      real(dp) :: best(2)
-      ! Difference of two evaluations of one solution.
-      real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp
-      integer, parameter :: n_trials = 5
-      real(dp) :: trial(2, n_trials), pair(2), rho(2), cost, least, det
-      integer :: i
-
-      rho = max(w_nn, w_tt)
-      if (.not. rho(1) > 0.0_dp) rho = 1.0_dp
-      if (w_nn > 0.0_dp) rho(1) = w_nn
-      if (w_tt > 0.0_dp) rho(2) = w_tt
-      rho = 1.0_dp/rho
-      det = w_nn*w_tt - w_nt**2
-      ! One component after the other; open; sliding either way; sticking.
-      trial(1, 1) = max(0.0_dp, rho(1)*(free(1) - w_nt*force(2)))
-      trial(2, 1) = bounded(rho(2)*(free(2) - w_nt*trial(1, 1)), slip_bound + friction*trial(1, 1))
-      trial(1, 2) = 0.0_dp
-      trial(2, 2) = bounded(rho(2)*free(2), slip_bound)
-      trial(:, 3) = sliding(1.0_dp)
-      trial(:, 4) = sliding(-1.0_dp)
-      trial(:, 5) = trial(:, 1)
-      if (det > singular*w_nn*w_tt) trial(:, 5) = [w_tt*free(1) - w_nt*free(2), w_nn*free(2) - w_nt*free(1)]/det
-      least = huge(least)
-      best = force
-      do i = 1, n_trials
-         pair = free - [w_nn*trial(1, i) + w_nt*trial(2, i), w_nt*trial(1, i) + w_tt*trial(2, i)]
-         cost = max(law_violation(trial(1, i), pair(1), trial(2, i), pair(2), friction, slip_bound, rho(1), rho(2)), &
-            rounding*maxval(abs(trial(:, i) - force)))
-         if (.not. cost < least) cycle
-         least = cost
-         best = trial(:, i)
-      end do
-      best(1) = max(0.0_dp, best(1))
-      best(2) = bounded(best(2), slip_bound + friction*best(1))
-
-   contains
-
-      !> The force and slip of a closed point that slides along a direction; empty if no force is determined.
-      pure function sliding(direction) result(pair)
-         real(dp), intent(in) :: direction !! 1 or -1
-         real(dp) :: pair(2)
-
-         pair(1) = w_nn + direction*friction*w_nt
-         if (abs(pair(1)) > singular*w_nn) then
-            pair(1) = max(0.0_dp, (free(1) - direction*w_nt*slip_bound)/pair(1))
-         else
-            pair(1) = 0.0_dp
-         end if
-         pair(2) = direction*(slip_bound + friction*pair(1))
-      end function sliding
-
-   end function solve_point
-
-   !> The force on a point in space that fulfills the contact law best; of several the one nearest to a given force. For
-   !> a sliding point the angle of the slip is a zero of a function of one variable.
-   pure function solve_point_in_space(w, free, friction, slip_bound, force) result(best)
-      real(dp), intent(in) :: w(3, 3) !! compliance in (n, t1, t2), positive semidefinite [L/F]
-      real(dp), intent(in) :: free(3) !! distance u_N - d and slip u_T without force [L]
-      real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
-      real(dp), intent(in) :: slip_bound !! given slip bound g [F]
-      real(dp), intent(in) :: force(3) !! a force (lambda_N, lambda_T) to stay near [F]
-      real(dp) :: best(3)
+      real(dp), intent(in) :: force(:) !! a force (lambda_N, lambda_T) to stay near (1 + n_tangents) [F]
+      real(dp) :: best(size(force))
       ! What two evaluations of one solution differ by; determinants that are none; steps of a full turn, in each of
       ! which there is at most one zero but where two of them nearly meet.
       real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp, full_turn = 8.0_dp*atan(1.0_dp)
       integer, parameter :: n_steps = 32, most_steps = 60
-      real(dp) :: rho(2), least, angle, last_angle, value, last, low, high, low_value, high_value
-      integer :: i, k
+      real(dp), dimension(size(force) - 1) :: coupling, alone
+      real(dp) :: rho(2), least, normal, angle, last_angle, value, last
+      integer :: i
 
-      rho = [w(1, 1), 0.5_dp*(w(2, 2) + w(3, 3)) + hypot(0.5_dp*(w(2, 2) - w(3, 3)), w(2, 3))]
+      rho = [w(1, 1), w(2, 2)]
+      if (size(alone) == 2) rho(2) = 0.5_dp*(w(2, 2) + w(3, 3)) + hypot(0.5_dp*(w(2, 2) - w(3, 3)), w(2, 3))
       rho = 1.0_dp/merge(rho, merge(maxval(rho), 1.0_dp, any(rho > 0.0_dp)), rho > 0.0_dp)
       least = huge(least)
       best = force
       ! One component after the other; open, and held by a given bound; sticking; sliding.
-      associate (normal => max(0.0_dp, rho(1)*(free(1) - dot_product(w(1, 2:), force(2:)))))
-         call keep_better([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), &
-            [slip_bound + friction*normal])], best, least)
-      end associate
-      call keep_better([0.0_dp, cut_to_bound(pair_force(free(2:)), [slip_bound])], best, least)
-      associate (coupling => pair_force(w(2:, 1)), alone => pair_force(free(2:)))
-         value = w(1, 1) - dot_product(w(1, 2:), coupling)
-         if (value > singular*w(1, 1)) then
-            value = (free(1) - dot_product(w(1, 2:), alone))/value
-            call keep_better([value, alone - coupling*value], best, least)
-         end if
-      end associate
-      if (friction + slip_bound > 0.0_dp) then
+      normal = max(0.0_dp, rho(1)*(free(1) - dot_product(w(1, 2:), force(2:))))
+      call keep_better([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), [slip_bound + friction*normal])], &
+         best, least)
+      coupling = pair_force(w(2:, 1))
+      alone = pair_force(free(2:))
+      call keep_better([0.0_dp, cut_to_bound(alone, [slip_bound])], best, least)
+      value = w(1, 1) - dot_product(w(1, 2:), coupling)
+      if (value > singular*w(1, 1)) then
+         value = (free(1) - dot_product(w(1, 2:), alone))/value
+         call keep_better([value, alone - coupling*value], best, least)
+      end if
+      if (size(alone) == 1) then
+         call keep_better(sliding([1.0_dp]), best, least)
+         call keep_better(sliding([-1.0_dp]), best, least)
+      else if (friction + slip_bound > 0.0_dp) then
          last_angle = 0.0_dp
          last = turning(last_angle)
          do i = 1, n_steps
             angle = full_turn*i/n_steps
             value = turning(angle)
-            if (last*value <= 0.0_dp) then
-               ! The secant through values of both signs; the older one is halved where it stays (Illinois).
-               low = last_angle
-               high = angle
-               low_value = last
-               high_value = value
-               do k = 1, most_steps
-                  if (.not. abs(high_value - low_value) > 0.0_dp) exit
-                  associate (middle => (low*high_value - high*low_value)/(high_value - low_value))
-                     if (abs(middle - high) <= epsilon(high)*full_turn) exit
-                     associate (middle_value => turning(middle))
-                        if (middle_value*high_value > 0.0_dp) then
-                           low_value = 0.5_dp*low_value
-                        else
-                           low = high
-                           low_value = high_value
-                        end if
-                        high = middle
-                        high_value = middle_value
-                     end associate
-                  end associate
-               end do
-               call keep_better(sliding(high), best, least)
-            end if
+            if (last*value <= 0.0_dp) call keep_better(sliding(axis(zero_between(last_angle, angle, last, value))), &
+               best, least)
             last_angle = angle
             last = value
          end do
@@ -350,14 +271,20 @@ contains
 
       !> Replaces the best force so far by a trial force if that is better.
       pure subroutine keep_better(trial, best, least)
-         real(dp), intent(in) :: trial(3) !! the force [F]
-         real(dp), intent(inout) :: best(3) !! the best force so far [F]
+         real(dp), intent(in) :: trial(:) !! the force [F]
+         real(dp), intent(inout) :: best(:) !! the best force so far [F]
          real(dp), intent(inout) :: least !! its violation of the law [F]
-         real(dp) :: distance(3), cost
+         real(dp) :: distance(size(trial)), bound, cost
 
          distance = free - matmul(w, trial)
-         cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
-            distance(3), slip_bound + friction*max(0.0_dp, trial(1)), rho(2)), rounding*maxval(abs(trial - force)))
+         if (size(trial) == 2) then
+            cost = law_violation(trial(1), distance(1), trial(2), distance(2), friction, slip_bound, rho(1), rho(2))
+         else
+            bound = slip_bound + friction*max(0.0_dp, trial(1))
+            cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
+               distance(3), bound, rho(2)))
+         end if
+         cost = max(cost, rounding*maxval(abs(trial - force)))
          if (.not. cost < least) return
          least = cost
          best = trial
@@ -365,43 +292,77 @@ contains
 
       !> The tangential force for a given slip; a limited one if the tangential block is singular.
       pure function pair_force(slip) result(pair)
-         real(dp), intent(in) :: slip(2) !! the slip [L]
-         real(dp) :: pair(2)
+         real(dp), intent(in) :: slip(:) !! the slip [L]
+         real(dp) :: pair(size(slip))
 
+         pair = rho(2)*slip
+         if (size(slip) == 1) return
          associate (det => w(2, 2)*w(3, 3) - w(2, 3)*w(3, 2))
-            if (det > singular*w(2, 2)*w(3, 3)) then
-               pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), w(2, 2)*slip(2) - w(3, 2)*slip(1)]/det
-            else
-               pair = rho(2)*slip
-            end if
+            if (det > singular*w(2, 2)*w(3, 3)) pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), &
+               w(2, 2)*slip(2) - w(3, 2)*slip(1)]/det
          end associate
       end function pair_force
 
-      !> The force on a point that slides along an angle: that of a closed point if it is compressive, otherwise 0.
-      pure function sliding(angle) result(trial)
-         real(dp), intent(in) :: angle !! the angle [rad]
-         real(dp) :: trial(3)
+      !> The force on a point that slides along an axis: that of a closed point if it is compressive, otherwise 0.
+      pure function sliding(along) result(trial)
+         real(dp), intent(in) :: along(:) !! the axis, a unit vector (n_tangents) [-]
+         real(dp) :: trial(1 + size(along)), projected
 
-         associate (axis => [cos(angle), sin(angle)])
-            associate (coupling => dot_product(w(1, 2:), axis))
-               trial(1) = 0.0_dp
-               if (abs(w(1, 1) + friction*coupling) > singular*w(1, 1)) trial(1) = max(0.0_dp, &
-                  (free(1) - coupling*slip_bound)/(w(1, 1) + friction*coupling))
-               trial(2:) = (slip_bound + friction*trial(1))*axis
-            end associate
-         end associate
+         projected = dot_product(w(1, 2:), along)
+         trial(1) = 0.0_dp
+         if (abs(w(1, 1) + friction*projected) > singular*w(1, 1)) trial(1) = max(0.0_dp, &
+            (free(1) - projected*slip_bound)/(w(1, 1) + friction*projected))
+         trial(2:) = (slip_bound + friction*trial(1))*along
       end function sliding
+
+      !> The axis in space at an angle [-].
+      pure function axis(angle)
+         real(dp), intent(in) :: angle !! the angle [rad]
+         real(dp) :: axis(2)
+
+         axis = [cos(angle), sin(angle)]
+      end function axis
 
       !> Component of the slip, under the force along an angle, perpendicular to this direction, positive to its left
       !> [L].
       pure real(dp) function turning(angle)
          real(dp), intent(in) :: angle !! the angle [rad]
 
-         associate (slip => free(2:) - matmul(w(2:, :), sliding(angle)))
+         associate (slip => free(2:) - matmul(w(2:, :), sliding(axis(angle))))
             turning = cos(angle)*slip(2) - sin(angle)*slip(1)
          end associate
       end function turning
 
-   end function solve_point_in_space
+      !> The angle between two others at which nothing turns, by the secant through values of both signs; the older one
+      !> is halved where it stays (Illinois) [rad].
+      pure real(dp) function zero_between(from, to, from_value, to_value) result(high)
+         real(dp), intent(in) :: from !! one angle [rad]
+         real(dp), intent(in) :: to !! the other [rad]
+         real(dp), intent(in) :: from_value !! `turning` at the one [L]
+         real(dp), intent(in) :: to_value !! `turning` at the other, of another sign [L]
+         real(dp) :: low, middle, low_value, high_value, middle_value
+         integer :: k
+
+         low = from
+         high = to
+         low_value = from_value
+         high_value = to_value
+         do k = 1, most_steps
+            if (.not. abs(high_value - low_value) > 0.0_dp) return
+            middle = (low*high_value - high*low_value)/(high_value - low_value)
+            if (abs(middle - high) <= epsilon(high)*full_turn) return
+            middle_value = turning(middle)
+            if (middle_value*high_value > 0.0_dp) then
+               low_value = 0.5_dp*low_value
+            else
+               low = high
+               low_value = high_value
+            end if
+            high = middle
+            high_value = middle_value
+         end do
+      end function zero_between
+
+   end function solve_point
 
 end module amontons_friction_law
