@@ -389,6 +389,43 @@ class Pairs(ProgramTest):
                         self.assertLess(results["max_contact_pressure"],
                                         3.0*abs(results["contact_force_y"])/results["contact_width"])
 
+    def test_pressures_do_not_jump_where_the_master_ends_within_a_side(self):
+        # The corner beyond the end had a multiplier from 28 % of the side on, and 54 for its pressure, 8 below.
+        for element in ("quad4", "quad8"):
+            # The moments are those of quadratic elements an eighth as long.
+            for share, moment in ((0.02, 29.851), (0.1, 29.912), (0.27, 30.039), (0.29, 30.053), (0.5, 30.204),
+                                  (0.8, 30.407), (0.94, 30.498), (0.96, 30.510), (1.0, 30.535)):
+                with self.subTest(element=element, share=share):
+                    width = 5.0 + 0.5*share
+                    summary = self.solve(f"""&mesh name = 'u'  size = 8.0, 2.0  cells = 16, 4  element = '{element}' /
+&mesh name = 'm'  size = {width}, 3.0  cells = 11, 5  origin = 0.0, -3.0  element = '{element}' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'u.left'  ux = 0.0 /
+&support set = 'm.left'  ux = 0.0 /
+&support set = 'm.bottom'  uy = 0.0 /
+&load set = 'u.top'  pressure = 1.0 /
+&contact set = 'u.bottom'  against = 'm.top'  friction = 0.3 /
+""").summary
+                    results = summary["key_results"]
+                    self.assertLess(results["max_contact_pressure"], 10.0)
+                    self.assertGreater(results["max_contact_pressure"], 5.0)
+                    self.assertAlmostEqual(results["contact_force_y"], 8.0, delta=1e-9)
+                    self.assertAlmostEqual(results["contact_moment"], moment, delta=1e-3*moment)
+                    lengths = summary["lengths"]
+                    self.assertAlmostEqual(sum(lengths.values()), width, delta=1e-9)
+
+    def test_a_load_beyond_the_end_of_the_master_tips_the_slave(self):
+        # It acts at 4.0, where a corner of the slave lies 0.5 beyond the end and had a multiplier.
+        for multipliers in ("mortar", "constant"):
+            run = self.run_program(self.write("case.nml", f"""&mesh name = 'u'  size = 8.0, 2.0  cells = 4, 2 /
+&mesh name = 'm'  size = 3.5, 3.0  cells = 5, 5  origin = 0.0, -3.0 /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'm.bottom'  ux = 0.0  uy = 0.0 /
+&load set = 'u.top'  pressure = 1.0 /
+&contact set = 'u.bottom'  against = 'm.top'  friction = 0.5  multipliers = '{multipliers}' /
+"""), status=2)
+            self.assertIn("no equilibrium", run.stderr)
+
     def test_sticking_sweep_slips_by_nothing(self):
         # What the grid leaves of the displacements of points at rest is no slip.
         self.run_program("--quiet", self.write(

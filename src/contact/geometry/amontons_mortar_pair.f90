@@ -16,7 +16,8 @@
 !> times D_p.
 !>
 !> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
-!> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Constant multipliers
+!> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Where the master ends
+!> within a side, the functions of the side before it go on, linearly, up to this end. Constant multipliers
 !> are 1 on their cell. A bonded corner that a support guides has no multiplier along its tangent: the tangential
 !> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
 !> then another one than that of the normal.
@@ -44,6 +45,9 @@ module amontons_mortar_pair
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is no
    !> simple fraction, as ends of regular meshes have [-].
    real(dp), parameter :: least_cover = 0.28_dp
+
+   !> The identity matrix.
+   real(dp), parameter :: identity(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
 
    !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
@@ -94,14 +98,22 @@ module amontons_mortar_pair
       integer, allocatable :: partner(:)
          !! the node of the master at the same place that a bonded point is joined to alone, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
-         !! share of the side that follows a corner that faces the master; not allocated with cells (n) [-]
+         !! share of the side that follows a corner that faces the master, with what its functions go on over; not
+         !! allocated with cells (n) [-]
+      integer, allocatable :: lead_side(:)
+         !! the side whose functions each side has: of one that the master covers in part the whole side before it,
+         !! else the side itself (sides)
+      real(dp), allocatable :: reach(:, :)
+         !! how far the functions of each side go on beyond both of its corners, in lengths of the side (2, sides) [-]
+      real(dp), allocatable :: basis(:, :, :)
+         !! the hats of its leading side at both corners of each side (2, 2, sides) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
       logical, allocatable :: gives_shear(:)
          !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
-      integer, allocatable :: open_node(:) !! corners that face nothing
+      integer, allocatable :: open_node(:) !! corners of sides that face nothing
       real(dp), allocatable :: idle_side(:, :)
          !! middles of sides that transmit nothing, since earlier sets have both ends, but not the side (2, sides) [L]
       integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
@@ -157,15 +169,13 @@ contains
 
    !> Gives the segments the dual functions of the corners that are points. If one corner of a side is no point, the
    !> function of the other is 1, so that constants remain among the multipliers.
-   pure subroutine corner_pieces(pieces, segments, point_of, gives_shear, slave, n_points)
+   pure subroutine corner_pieces(pieces, pair, segments, n_points)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
+      type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
-      integer, intent(in) :: point_of(:, :) !! point of each corner of each side of the slave, 0 for none (2, sides)
-      logical, intent(in) :: gives_shear(:) !! whether a point has no shear of its own, and its neighbors take it (n)
-      type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
-      integer :: first, last, k
+      integer :: first, last, k, side, lead
 
       allocate (pieces(size(segments)))
       first = 1
@@ -175,14 +185,27 @@ contains
             if (segments(last + 1)%slave /= segments(first)%slave) exit
             last = last + 1
          end do
-         piece = mortar_piece_t(segments(first), point_of(:, segments(first)%slave))
+         side = segments(first)%slave
+         lead = pair%lead_side(side)
+         piece = mortar_piece_t(segments(first), pair%point_of(:, lead))
          if (all(piece%point > 0)) then
-            piece%psi = dual_functions(segments(first:last), slave, n_points)
-            piece%shear = piece%psi
-            piece%hat = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
-            do k = 1, 2
-               if (gives_shear(piece%point(3 - k)) .and. .not. gives_shear(piece%point(k))) piece%shear(k, :) = 1.0_dp
-            end do
+            piece%psi = dual_functions(segments(first:last), pair%slave, n_points)
+            piece%hat = identity
+            if (any(pair%reach(:, lead) > 0.0_dp)) then
+               ! The function of the corner between both sides is still orthogonal to the hat of the other corner of
+               ! the whole side; the force of that other corner still acts there.
+               k = maxloc(pair%reach(:, lead), dim=1)
+               if (lead /= side) piece%psi = dual_functions(pack(segments, segments%slave == lead), pair%slave, &
+                  n_points)
+               piece%psi(k, :) = piece%psi(k, :)/(1.0_dp + 2.0_dp*pair%reach(k, lead))
+               piece%psi(3 - k, :) = 1.0_dp - piece%psi(k, :)
+               piece%hat(:, k) = piece%hat(:, k)/(1.0_dp + pair%reach(k, lead))
+               piece%hat(3 - k, k) = 1.0_dp - piece%hat(k, k)
+               piece%psi = matmul(piece%psi, pair%basis(:, :, side))
+               piece%hat = matmul(piece%hat, pair%basis(:, :, side))
+            end if
+            piece%shear = merge(1.0_dp, piece%psi, spread(pair%gives_shear(piece%point([2, 1])) .and. &
+               .not. pair%gives_shear(piece%point), 2, 2))
          end if
          pieces(first:last) = piece
          pieces(first:last)%segment = segments(first:last)
@@ -273,7 +296,7 @@ contains
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
       else
-         call corner_pieces(pieces, segments, pair%point_of, pair%gives_shear, pair%slave, n_points)
+         call corner_pieces(pieces, pair, segments, n_points)
       end if
       n = size(pair%normal, 2)
       n_pieces = 0
@@ -506,22 +529,25 @@ contains
       type(boundary_line_t), intent(in) :: master_line !! the master's line
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(2, size(follower))
-      logical :: is_corner(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
+      logical :: is_open(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
       integer :: i, k, point(size(follower))
       real(dp) :: part(2, pair%slave%n_sides), share(pair%slave%n_sides)
 
-      is_corner = .false.
-      faces = .false.
       part = covered_parts(pair)
       share = sum(part, dim=1)
-      do i = 1, pair%slave%n_sides
-         is_corner(pair%slave%side(:2, i)) = .true.
-         normal(:, pair%slave%side(:2, i)) = pair%slave%normal(:, :2, i)
-         ! The mean of a corner's hat over a part that begins at the other corner is half its share.
-         where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(pair%slave%side(:2, i)) = .true.
+      call continue_sides(pair, part, share, constraints)
+      is_open(pair%line%node) = .true.
+      faces = .false.
+      do i = 1, size(share)
+         associate (nodes => pair%slave%side(:3, i))
+            normal(:, nodes(:2)) = pair%slave%normal(:, :2, i)
+            if (share(i) > 0.0_dp) is_open(nodes(:2)) = .false.
+            if (nodes(3) > 0) is_open(nodes(3)) = .false.
+            if (pair%lead_side(i) == i) where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(nodes(:2)) = .true.
+         end associate
       end do
-      pair%open_node = pack(pair%line%node, is_corner(pair%line%node) .and. .not. faces(pair%line%node))
+      pair%open_node = pack(pair%line%node, is_open(pair%line%node))
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
       facing = pack(pair%line%node, faces(pair%line%node))
       do i = 1, size(facing)
@@ -550,7 +576,7 @@ contains
          associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
             pair%point_of(:, i) = point(nodes(:2))
             if (first > 0) pair%next(first) = pair%point_of(2, i)
-            if (first > 0) pair%covered_share(first) = share(i)
+            if (first > 0) pair%covered_share(first) = share(i) + sum(pair%reach(:, i))
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
                .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
                follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
@@ -558,6 +584,43 @@ contains
       end do
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine number_points
+
+   !> Finds the sides that the master covers in part, from a corner on. The functions of the side before this corner go
+   !> on over them if it is covered as a whole, and no support holds or guides its corners: these have tangential
+   !> functions of their own. A side with two such sides beside it goes on over neither.
+   pure subroutine continue_sides(pair, part, share, constraints)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair
+      real(dp), intent(in) :: part(:, :) !! covered parts of the hats of both corners of each side (2, sides) [-]
+      real(dp), intent(in) :: share(:) !! their sums: the covered share of each side (sides) [-]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      ! Share of a whole side: a corner so close beyond the master's end has a multiplier. Rounding error of a mean.
+      real(dp), parameter :: whole = 0.95_dp, rounding = 1.0e-6_dp
+      real(dp) :: length(size(share)), ratio
+      integer :: i, k, n
+
+      pair%lead_side = [(i, i=1, size(share))]
+      allocate (pair%reach(2, size(share)), source=0.0_dp)
+      pair%basis = spread(identity, 3, size(share))
+      length = norm2(pair%slave%corner(:, 2, :) - pair%slave%corner(:, 1, :), dim=1)
+      do i = 1, size(share)
+         if (share(i) >= whole .or. .not. share(i) > 0.0_dp) cycle
+         do k = 1, 2
+            ! The mean of a corner's hat over a part that begins at the other corner is half its share.
+            n = findloc(pair%slave%side(3 - k, :), pair%slave%side(k, i), dim=1)
+            if (n == 0 .or. part(3 - k, i) > 0.5_dp*(1.0_dp + rounding)*share(i)**2) cycle
+            if (share(n) < whole .or. .not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
+            pair%lead_side(i) = n
+            ratio = length(i)/length(n)
+            pair%reach(3 - k, n) = share(i)*ratio
+            pair%basis(:, :, i) = reshape(merge([0.0_dp, 1.0_dp, -ratio, 1.0_dp + ratio], &
+               [1.0_dp + ratio, -ratio, 1.0_dp, 0.0_dp], k == 1), [2, 2])
+         end do
+      end do
+      do i = 1, size(share)
+         if (all(pair%reach(:, pair%lead_side(i)) > 0.0_dp)) pair%lead_side(i) = i
+      end do
+      where (spread(all(pair%reach > 0.0_dp, dim=1), 1, 2)) pair%reach = 0.0_dp
+   end subroutine continue_sides
 
    !> The part of the hats of both corners of each side of the slave that faces the master; their sum is the share of
    !> the side that does (2, sides) [-].
@@ -594,19 +657,16 @@ contains
       ! Rounding error of the length of a side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp) :: share(pair%slave%n_sides)
-      integer :: i
+      integer :: nodes(3), i
 
       share = sum(covered_parts(pair), dim=1)
       do i = 1, pair%slave%n_sides
-         if (.not. share(i) > 0.0_dp) cycle
-         associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
-            if (nodes(3) > 0) then
-               call mark_side(follower, nodes([1, 3]), is_whole)
-               call mark_side(follower, nodes([3, 2]), is_whole)
-            else
-               call mark_side(follower, nodes(:2), is_whole)
-            end if
-         end associate
+         nodes = pair%slave%side(:3, i)
+         ! The corner beyond the master's end has no function.
+         if (pair%lead_side(i) /= i) nodes(:2) = nodes(3)
+         if (.not. share(i) > 0.0_dp .or. nodes(2) == 0) cycle
+         if (nodes(3) > 0) call mark_side(follower, nodes([1, 3]), share(i) >= 1.0_dp - rounding)
+         call mark_side(follower, nodes([merge(3, 1, nodes(3) > 0), 2]), share(i) >= 1.0_dp - rounding)
       end do
    end subroutine mark_facing_sides
 

@@ -2,8 +2,9 @@
 !> unknowns, and are 0 between bonded surfaces; and the pairs of bonded surfaces.
 !>
 !> With dual functions the row of a slave's corner p contains no other corner that is a point, `w_p = c_p u_p + sum c_q
-!> u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical unknowns, in which that of a
-!> middle node is its deviation from the mean of the corners.
+!> u_q`, so that it can be solved for u_p; or, beside an end of the master within a side, one whose row does not contain
+!> p. On a quadratic side this holds in hierarchical unknowns, in which that of a middle node is its deviation from the
+!> mean of the corners.
 module amontons_pair_substitution
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t, substitution_t
@@ -123,9 +124,11 @@ contains
       integer, allocatable :: ends(:, :)
 
       if (fault > 0) return
+      allocate (ends(2, size(sums)), source=0)
       do side = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, side))
             if (nodes(3) == 0 .or. all(pair%point_of(:, side) == 0)) cycle
+            ends(:, nodes(3)) = nodes(:2)
             half = 0.5_dp*constraints%free_projector(nodes(3))
             do k = 1, 2
                if (pair%point_of(k, side) == 0) cycle
@@ -142,11 +145,6 @@ contains
       end do
       if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
-      allocate (ends(2, size(sums)), source=0)
-      do i = 1, pair%slave%n_sides
-         if (pair%slave%side(3, i) == 0 .or. all(pair%point_of(:, i) == 0)) cycle
-         ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
-      end do
       do i = 1, size(pair%node)
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
       end do

@@ -96,26 +96,22 @@ contains
       type(outline_t) :: outline
       type(extended_set_t) :: set, master
       real(dp) :: least
-      integer :: i, p, n_from(body%mesh%n_nodes), n_to(body%mesh%n_nodes), n
+      integer :: i, p, n
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
       ! List the sides of the boundary.
       allocate (outline%side(4, size(body%outer)))
       allocate (outline%from(body%mesh%n_nodes), outline%to(body%mesh%n_nodes), source=0)
-      n_from = 0
-      n_to = 0
       do n = 1, size(body%outer)
          outline%side(:3, n) = body%mesh%side(side_element(body%outer(n)), side_place(body%outer(n)))
          outline%side(4, n) = side_element(body%outer(n))
-         outline%from(outline%side(1, n)) = n
-         outline%to(outline%side(2, n)) = n
-         n_from(outline%side(1, n)) = n_from(outline%side(1, n)) + 1
-         n_to(outline%side(2, n)) = n_to(outline%side(2, n)) + 1
+         ! Where parts of a body meet in a single node the boundary branches.
+         outline%from(outline%side(1, n)) = merge(n, -1, outline%from(outline%side(1, n)) == 0)
+         outline%to(outline%side(2, n)) = merge(n, -1, outline%to(outline%side(2, n)) == 0)
       end do
-      ! Where parts of a body meet in a single node the boundary branches.
-      where (n_from > 1) outline%from = 0
-      where (n_to > 1) outline%to = 0
+      outline%from = max(0, outline%from)
+      outline%to = max(0, outline%to)
       allocate (outline%is_taken(size(body%outer)), outline%is_taken_node(body%mesh%n_nodes), source=.false.)
       do i = 1, size(contacts)
          call mark_set(outline, body%mesh, contacts(i)%set)
