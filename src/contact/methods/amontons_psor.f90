@@ -259,9 +259,10 @@ contains
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
-      real(dp) :: goal(3), bound
+      real(dp) :: goal(3), bound, length
       integer :: i
 
+      goal = 0.0_dp
       associate (x => sweep%unknown, w => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
          omega => sweep%omega, k => size(at))
          if (sweep%is_block) then
@@ -275,9 +276,10 @@ contains
             end do
          end if
          bound = problem%slip_bound(n) + problem%friction(n)*x(n)
-         bound = bound/max(bound, norm2(goal(2:k)), tiny(bound))
+         length = hypot(goal(2), goal(3))
+         if (length > bound) goal(2:) = bound/length*goal(2:)
          do i = 2, k
-            call set_unknown(sweep, problem, at(i), bound*goal(i))
+            call set_unknown(sweep, problem, at(i), goal(i))
          end do
       end associate
    end subroutine relax_force
@@ -289,9 +291,10 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
       real(dp), dimension(3) :: free, force, goal, reference
-      real(dp) :: bound, left
+      real(dp) :: bound, length
       integer :: i
 
+      goal = 0.0_dp
       associate (v => sweep%unknown, f => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
          omega => sweep%omega, k => size(at))
          reference(1) = problem%gap(n)
@@ -310,8 +313,9 @@ contains
             do i = 2, k
                goal(i) = v(at(i)) - reference(i) + omega*sweep%rho(at(i))*f(at(i))
             end do
-            left = max(0.0_dp, 1.0_dp - omega*sweep%rho(at(2))*bound/max(norm2(goal(2:k)), tiny(left)))
-            goal(2:k) = reference(2:k) + left*goal(2:k)
+            bound = omega*sweep%rho(at(2))*bound
+            length = hypot(goal(2), goal(3))
+            goal(2:k) = reference(2:k) + max(0.0_dp, length - bound)/max(length, tiny(bound))*goal(2:k)
          end if
          do i = 2, k
             call set_unknown(sweep, problem, at(i), goal(i))
