@@ -373,8 +373,7 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       type(condensed_load_t) :: rest
-      real(dp), allocatable :: refined(:, :), unknowns(:, :)
-      real(dp) :: loads(size(displacement, 1), body%mesh%n_nodes), imbalance(body%dof_map%n_dofs)
+      real(dp), allocatable :: loads(:, :), imbalance(:), refined(:, :), unknowns(:, :)
 
       loads = load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
       imbalance = imbalance_of(displacement)
