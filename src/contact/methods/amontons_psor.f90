@@ -40,8 +40,8 @@ module amontons_psor
       real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
       integer, allocatable, private :: at(:, :) !! components of each point (1 + n_tangents, m)
       real(dp), allocatable, private :: block(:, :, :)
-         !! compliance of each point: its block of A, or the inverse of that of S, 0 if there is none (1 + n_tangents,
-         !! 1 + n_tangents, m) [L/F]
+         !! compliance of each point in (n, t1, t2): its block of A, or the inverse of that of S, 0 if there is none
+         !! (3, 3, m) [L/F]
       real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal of A or S (n)
    contains
       procedure :: advance => relaxation_advance
@@ -189,7 +189,7 @@ contains
          sweep%rho = 1.0_dp/problem%matrix%stiffness%diagonal()
       end if
       n = problem%matrix%n_tangents
-      allocate (sweep%block(1 + n, 1 + n, m))
+      allocate (sweep%block(3, 3, m), source=0.0_dp)
       sweep%at = transpose(reshape([(i, i=1, (1 + n)*m)], [m, 1 + n]))
       do i = 1, m
          do j = 0, n
@@ -198,7 +198,7 @@ contains
                if (.not. is_dual) sweep%block(j + 1, k + 1, i) = problem%matrix%stiffness%element(i + j*m, i + k*m)
             end do
          end do
-         if (.not. is_dual) call invert(sweep%block(:, :, i))
+         if (.not. is_dual) call invert(sweep%block(:1 + n, :1 + n, i))
       end do
       call sweep%refresh(problem)
 
@@ -259,15 +259,21 @@ contains
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
-      real(dp) :: goal(3), bound, length
+      real(dp) :: here(3), free(3), goal(3), bound, length
       integer :: i
 
+      here = 0.0_dp
+      free = 0.0_dp
       goal = 0.0_dp
       associate (x => sweep%unknown, w => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
          omega => sweep%omega, k => size(at))
          if (sweep%is_block) then
-            goal(:k) = solve_point(own, w(at) + matmul(own, x(at)), problem%friction(n), problem%slip_bound(n), x(at))
-            goal(:k) = x(at) + omega*(goal(:k) - x(at))
+            do i = 1, k
+               here(i) = x(at(i))
+               free(i) = w(at(i))
+            end do
+            goal = solve_point(own, free + matmul(own, here), problem%friction(n), problem%slip_bound(n), here)
+            goal = here + omega*(goal - here)
             call set_unknown(sweep, problem, n, max(0.0_dp, goal(1)))
          else
             call set_unknown(sweep, problem, n, max(0.0_dp, x(n) + omega*sweep%rho(n)*w(n)))
@@ -290,11 +296,14 @@ contains
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, contiguous, intent(in) :: at(:) !! the components of the point (1 + n_tangents)
-      real(dp), dimension(3) :: free, force, goal, reference
+      real(dp), dimension(3) :: here, force, free, goal, reference
       real(dp) :: bound, length
       integer :: i
 
+      here = 0.0_dp
+      force = 0.0_dp
       goal = 0.0_dp
+      reference = 0.0_dp
       associate (v => sweep%unknown, f => sweep%residual, n => at(1), own => sweep%block(:, :, at(1)), &
          omega => sweep%omega, k => size(at))
          reference(1) = problem%gap(n)
@@ -302,9 +311,13 @@ contains
             reference(i) = problem%anchor(at(i) - problem%n_points)
          end do
          if (sweep%is_block .and. own(1, 1) > 0.0_dp) then
-            free(:k) = v(at) - reference(:k) + matmul(own, f(at))
-            force(:k) = solve_point(own, free(:k), problem%friction(n), problem%slip_bound(n), f(at))
-            goal(:k) = v(at) + omega*(reference(:k) + free(:k) - matmul(own, force(:k)) - v(at))
+            do i = 1, k
+               here(i) = v(at(i))
+               force(i) = f(at(i))
+            end do
+            free = here - reference + matmul(own, force)
+            force = solve_point(own, free, problem%friction(n), problem%slip_bound(n), force)
+            goal = here + omega*(reference + free - matmul(own, force) - here)
             call set_unknown(sweep, problem, n, merge(problem%gap(n), min(problem%gap(n), goal(1)), force(1) > 0.0_dp))
          else
             call set_unknown(sweep, problem, n, min(v(n) + omega*sweep%rho(n)*f(n), problem%gap(n)))

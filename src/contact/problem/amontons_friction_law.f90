@@ -215,43 +215,40 @@ contains
    end function turned_away
 
    !> The force on a point that fulfills the contact law best; of several the one nearest to a given force. In the plane
-   !> a sliding point goes one way or the other; in space the angle of its slip is a zero of a function of one variable.
+   !> all that belongs to t2 is 0, and a sliding point goes one way or the other; in space the angle of its slip is a
+   !> zero of a function of one variable.
    pure function solve_point(w, free, friction, slip_bound, force) result(best)
-      real(dp), intent(in) :: w(:, :)
-         !! compliance in (n, t) or (n, t1, t2), positive semidefinite (1 + n_tangents, 1 + n_tangents) [L/F]
-      real(dp), intent(in) :: free(:) !! distance u_N - d and slip u_T without force (1 + n_tangents) [L]
+      real(dp), intent(in) :: w(3, 3) !! compliance in (n, t1, t2), positive semidefinite [L/F]
+      real(dp), intent(in) :: free(3) !! distance u_N - d and slip u_T without force [L]
       real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
-      real(dp), intent(in) :: force(:) !! a force (lambda_N, lambda_T) to stay near (1 + n_tangents) [F]
-      real(dp) :: best(size(force))
+      real(dp), intent(in) :: force(3) !! a force (lambda_N, lambda_T) to stay near [F]
+      real(dp) :: best(3)
       ! What two evaluations of one solution differ by; determinants that are none; steps of a full turn, in each of
       ! which there is at most one zero but where two of them nearly meet.
       real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp, full_turn = 8.0_dp*atan(1.0_dp)
       integer, parameter :: n_steps = 32, most_steps = 60
-      real(dp), dimension(size(force) - 1) :: coupling, alone
-      real(dp) :: rho(2), least, normal, angle, last_angle, value, last
+      real(dp) :: rho(2), coupling(2), alone(2), least, normal, angle, last_angle, value, last
       integer :: i
 
-      rho = [w(1, 1), w(2, 2)]
-      if (size(alone) == 2) rho(2) = 0.5_dp*(w(2, 2) + w(3, 3)) + hypot(0.5_dp*(w(2, 2) - w(3, 3)), w(2, 3))
+      rho = [w(1, 1), 0.5_dp*(w(2, 2) + w(3, 3)) + hypot(0.5_dp*(w(2, 2) - w(3, 3)), w(2, 3))]
       rho = 1.0_dp/merge(rho, merge(maxval(rho), 1.0_dp, any(rho > 0.0_dp)), rho > 0.0_dp)
       least = huge(least)
       best = force
       ! One component after the other; open, and held by a given bound; sticking; sliding.
       normal = max(0.0_dp, rho(1)*(free(1) - dot_product(w(1, 2:), force(2:))))
-      call keep_better([normal, cut_to_bound(rho(2)*(free(2:) - w(2:, 1)*normal), [slip_bound + friction*normal])], &
-         best, least)
+      call keep_better([normal, within(rho(2)*(free(2:) - w(2:, 1)*normal), slip_bound + friction*normal)], best, least)
       coupling = pair_force(w(2:, 1))
       alone = pair_force(free(2:))
-      call keep_better([0.0_dp, cut_to_bound(alone, [slip_bound])], best, least)
+      call keep_better([0.0_dp, within(alone, slip_bound)], best, least)
       value = w(1, 1) - dot_product(w(1, 2:), coupling)
       if (value > singular*w(1, 1)) then
          value = (free(1) - dot_product(w(1, 2:), alone))/value
          call keep_better([value, alone - coupling*value], best, least)
       end if
-      if (size(alone) == 1) then
-         call keep_better(sliding([1.0_dp]), best, least)
-         call keep_better(sliding([-1.0_dp]), best, least)
+      if (.not. (w(3, 3) > 0.0_dp .or. abs(free(3)) > 0.0_dp)) then
+         call keep_better(sliding([1.0_dp, 0.0_dp]), best, least)
+         call keep_better(sliding([-1.0_dp, 0.0_dp]), best, least)
       else if (friction + slip_bound > 0.0_dp) then
          last_angle = 0.0_dp
          last = turning(last_angle)
@@ -265,38 +262,41 @@ contains
          end do
       end if
       best(1) = max(0.0_dp, best(1))
-      best(2:) = cut_to_bound(best(2:), [slip_bound + friction*best(1)])
+      best(2:) = within(best(2:), slip_bound + friction*best(1))
 
    contains
 
       !> Replaces the best force so far by a trial force if that is better.
       pure subroutine keep_better(trial, best, least)
-         real(dp), intent(in) :: trial(:) !! the force [F]
-         real(dp), intent(inout) :: best(:) !! the best force so far [F]
+         real(dp), intent(in) :: trial(3) !! the force [F]
+         real(dp), intent(inout) :: best(3) !! the best force so far [F]
          real(dp), intent(inout) :: least !! its violation of the law [F]
-         real(dp) :: distance(size(trial)), bound, cost
+         real(dp) :: distance(3), cost
 
          distance = free - matmul(w, trial)
-         if (size(trial) == 2) then
-            cost = law_violation(trial(1), distance(1), trial(2), distance(2), friction, slip_bound, rho(1), rho(2))
-         else
-            bound = slip_bound + friction*max(0.0_dp, trial(1))
-            cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
-               distance(3), bound, rho(2)))
-         end if
-         cost = max(cost, rounding*maxval(abs(trial - force)))
+         cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
+            distance(3), slip_bound + friction*max(0.0_dp, trial(1)), rho(2)), rounding*maxval(abs(trial - force)))
          if (.not. cost < least) return
          least = cost
          best = trial
       end subroutine keep_better
 
+      !> A tangential force cut to a bound, along itself [F].
+      pure function within(vector, bound) result(cut)
+         real(dp), intent(in) :: vector(2) !! the force [F]
+         real(dp), intent(in) :: bound !! the bound, at least 0 [F]
+         real(dp) :: cut(2)
+
+         cut = vector
+         if (hypot(vector(1), vector(2)) > bound) cut = vector*(bound/hypot(vector(1), vector(2)))
+      end function within
+
       !> The tangential force for a given slip; a limited one if the tangential block is singular.
       pure function pair_force(slip) result(pair)
-         real(dp), intent(in) :: slip(:) !! the slip [L]
-         real(dp) :: pair(size(slip))
+         real(dp), intent(in) :: slip(2) !! the slip [L]
+         real(dp) :: pair(2)
 
          pair = rho(2)*slip
-         if (size(slip) == 1) return
          associate (det => w(2, 2)*w(3, 3) - w(2, 3)*w(3, 2))
             if (det > singular*w(2, 2)*w(3, 3)) pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), &
                w(2, 2)*slip(2) - w(3, 2)*slip(1)]/det
@@ -305,8 +305,8 @@ contains
 
       !> The force on a point that slides along an axis: that of a closed point if it is compressive, otherwise 0.
       pure function sliding(along) result(trial)
-         real(dp), intent(in) :: along(:) !! the axis, a unit vector (n_tangents) [-]
-         real(dp) :: trial(1 + size(along)), projected
+         real(dp), intent(in) :: along(2) !! the axis, a unit vector [-]
+         real(dp) :: trial(3), projected
 
          projected = dot_product(w(1, 2:), along)
          trial(1) = 0.0_dp
