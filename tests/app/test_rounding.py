@@ -147,7 +147,7 @@ class Rounding(Verification):
 &material young = 2e8  poisson = 0.3  region = 'low' /
 &material young = 6e9  poisson = 0.3  region = 'high' /
 &support set = 'high.top'  spring_t = 3.5e8 /
-&load set = 'high.top'  pressure = 2e-13 /
+&load set = 'high.top'  pressure = 1e-11 /
 &contact set = 'low.bottom'  slip_bound = 15000.0  obstacle = 'circle'  radius = 0.1  point = 0.004, 0.0 /
 &contact set = 'low.top'  against = 'high.bottom'  friction = 0.1 /
 """)
