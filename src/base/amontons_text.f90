@@ -385,17 +385,22 @@ contains
       character(*), intent(in) :: old !! the part
       character(*), intent(in) :: new !! the replacement
       character(:), allocatable :: changed
-      integer :: first, length
+      integer :: i, last, length
+      logical :: is_old
 
-      changed = ''
-      first = 1
-      do
-         length = index(text(first:), old) - 1
-         if (length < 0) exit
-         changed = changed//text(first:first + length - 1)//new
-         first = first + length + len(old)
+      allocate (character(len(text)*max(1, len(new))) :: changed)
+      length = 0
+      i = 1
+      do while (i <= len(text))
+         last = i + len(old) - 1
+         is_old = last <= len(text)
+         if (is_old) is_old = text(i:last) == old
+         if (.not. is_old) last = i
+         if (is_old) call put_text(changed, length, new)
+         if (.not. is_old) call put_text(changed, length, text(i:i))
+         i = last + 1
       end do
-      changed = changed//text(first:)
+      changed = changed(:length)
    end function replaced
 
    !> The text with its letters in lower case (ASCII).

@@ -24,7 +24,7 @@ module amontons_verify_case
       word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
-   use amontons_text, only: read_real, to_text
+   use amontons_text, only: read_reals, replaced, to_text
    use amontons_vtu, only: show_body, show_contact_line
    implicit none (type, external)
    private
@@ -121,23 +121,14 @@ contains
       type(verified_case_t), intent(inout) :: case !! the case; gains the fault
       type(contact_solution_t), intent(inout) :: solution !! the solution; gains its record
       character(:), allocatable :: list
-      integer :: first, i
       logical :: ok
 
       solution%is_converged = case%value('', 'converged') == 'true'
       solution%residual = case%number('', 'residual')
       list = case%value('', 'residual_history')
-      solution%history = spread(0.0_dp, 1, len(list))
-      solution%n_iterations = 0
-      first = 2
-      do i = first, len(list)
-         if (list(i:i) /= ',' .and. list(i:i) /= ']' .or. i == first) cycle
-         solution%n_iterations = solution%n_iterations + 1
-         call read_real(list(first:i - 1), solution%history(solution%n_iterations), ok)
-         if (.not. ok) exit
-         first = i + 2
-      end do
-      solution%history = solution%history(:solution%n_iterations)
+      call read_reals(replaced(list(2:len(list) - 1), ' ', ''), solution%history, ok)
+      if (.not. ok) solution%history = spread(0.0_dp, 1, 0)
+      solution%n_iterations = size(solution%history)
       if (nint(case%number('', 'iterations')) /= solution%n_iterations) call case%fault('.summary.json', &
          'iterations is '//case%value('', 'iterations')//', but residual_history has '// &
          to_text(solution%n_iterations)//' numbers')
