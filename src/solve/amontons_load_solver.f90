@@ -22,7 +22,7 @@ module amontons_load_solver
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_equilibrium, only: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, &
-      least_squares_amounts, on_round_line, round_normals
+      imbalance_of_points, least_squares_amounts, on_round_line, round_normals
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
@@ -51,12 +51,15 @@ module amontons_load_solver
       type(load_family_t) :: loads !! loads, obstacles and friction
       class(contact_method_t), allocatable :: method !! the deck's method
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
+      logical :: shares_factor = .false. !! whether ranks that share one factor solve members side by side
       real(dp) :: size_of_body = 0.0_dp !! the larger side of the bounding box of the mesh [L]
       logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
       logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
    contains
       procedure :: find_free_motions => load_solver_find_free_motions
       procedure :: solve => load_solver_solve
+      procedure, private :: refine => load_solver_refine
+      procedure, private :: solve_from_motion => load_solver_solve_from_motion
    end type load_solver_t
 
 contains
@@ -109,35 +112,27 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
-      logical :: is_loose
       real(dp), allocatable :: motion(:)
       type(newton_t) :: quick
 
       reason = ''
       error_kind = numerical_failure
-      is_loose = any(body%motions%n_free > 0)
       start = solution
       call solution%reset()
       if (self%is_auto .and. has_start_position(solution)) then
          quick = newton_t(tolerance=self%method%tolerance, max_iterations=min(n_newton_steps, &
             self%method%max_iterations), patience=patience, decrease=decrease)
-         ! If memory does not suffice for these steps, it may for the deck's method.
-         if (is_loose) then
-            ! Displacements are counted from the rigid motion of the start, if the start is hardly anything else.
-            call fit_travel(motion, body, solution%displacement)
-            call solve_from_motion(motion, quick, body, problem, solution, ignored)
-         else
-            call solve_components(quick, problem, solution, ignored)
-         end if
+         ! Displacements are counted from the rigid motion of the start, if the start is hardly anything else. If
+         ! memory does not suffice for these steps, it may for the deck's method.
+         call fit_travel(motion, body, solution%displacement)
+         call self%solve_from_motion(motion, quick, body, acting, problem, solution, ignored)
       end if
       if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
          > self%size_of_body) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
          !$omp critical (texts_of_solver)
-         if (is_loose) then
-            call self%loads%load_case(body, acting, load_case)
-            call check_balance(body, load_case, error)
-         end if
+         call self%loads%load_case(body, acting, load_case)
+         call check_balance(body, load_case, error)
          if (allocated(error)) reason = error%message
          !$omp end critical (texts_of_solver)
          if (allocated(error)) then
@@ -149,13 +144,9 @@ contains
          if (.not. solution%is_converged) then
             first = solution
             solution = start
-            if (is_loose) then
-               ! Displacements are counted from where the body meets its obstacles.
-               call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_start_position(solution))
-               call solve_from_motion(motion, self%method, body, problem, solution, error)
-            else
-               call solve_components(self%method, problem, solution, error)
-            end if
+            ! Displacements are counted from where the body meets its obstacles.
+            call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_start_position(solution))
+            call self%solve_from_motion(motion, self%method, body, acting, problem, solution, error)
             call solution%prepend(first)
          end if
       end if
@@ -226,47 +217,78 @@ contains
          problem%matrix%n_tangents)
    end subroutine forget_start
 
-   !> Solves a contact problem, with displacements counted from a rigid motion. If the displacements found are mostly
-   !> another rigid motion, solves it again with displacements counted from the sum of both.
-   subroutine solve_from_motion(motion, method, body, problem, solution, error)
+   !> Solves a contact problem, with displacements counted from a rigid motion, and refines the solution.
+   subroutine load_solver_solve_from_motion(self, motion, method, body, acting, problem, solution, error)
+      class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
-      real(dp), parameter :: most_residual = 1.0_dp
-      type(contact_solution_t) :: first
-      real(dp), allocatable :: travel(:), origin(:)
-      real(dp) :: scale, strain
 
-      origin = motion
-      if (has_start_position(solution)) solution%displacement = solution%displacement - origin
-      call solve_components(method, problem_from(origin, body, problem), solution, error)
-      ! If the motion were included, its rounding errors would look like a further motion.
-      call fit_travel(travel, body, solution%displacement)
-      if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
-         first = solution
-         solution%displacement = solution%displacement - travel
-         if (.not. any(abs(problem%load) > 0.0_dp)) solution%force = 0.0_dp
-         ! What two long motions leave of each other has their rounding errors: only its rigid part is a motion.
-         origin = matmul(body%travel, matmul(motion + travel, body%travel))
-         call solve_components(method, problem_from(origin, body, problem), solution, error)
-         if (solution%is_converged .or. .not. first%is_converged) then
-            call solution%prepend(first)
-         else
-            solution = first
-            origin = motion
-         end if
-      end if
-      solution%displacement = solution%displacement + origin
-      if (allocated(error) .or. solution%is_converged .or. .not. solution%residual < most_residual) return
+      if (has_start_position(solution)) solution%displacement = solution%displacement - motion
+      call solve_components(method, problem_from(motion, body, problem), solution, error)
+      if (.not. allocated(error)) call self%refine(motion, method%tolerance, body, acting, problem, solution)
+      solution%displacement = solution%displacement + motion
+   end subroutine load_solver_solve_from_motion
+
+   !> Refines a solution if the rounding errors of S may count. Its change is the solution of a contact problem with the
+   !> same S, whose load is what the strains of the whole body leave unbalanced, and whose gaps are those that are left.
+   !> S of a stiff body that only soft ones hold, or of a slender one, has errors as large as its forces, and long
+   !> displacements have as large ones in the product with it.
+   subroutine load_solver_refine(self, origin, tolerance, body, acting, problem, solution)
+      class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
+      real(dp), intent(in) :: origin(:) !! motion that displacements are counted from (n_rows) [L]
+      real(dp), intent(in) :: tolerance !! residual that counts as solved [-]
+      type(body_t), intent(in) :: body !! the body, condensed
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(inout) :: solution
+         !! a solution, or one that is not converged for rounding errors; improved if it can be
+      integer, parameter :: most_steps = 4
+      real(dp), parameter :: least_gain = 0.5_dp, explained = 10.0_dp
+      type(contact_problem_t) :: change
+      type(contact_solution_t) :: next
+      type(load_case_t) :: load_case
+      type(newton_t) :: newton
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: lacking(:), strained(:)
+      real(dp) :: scale, before, errors
+      integer :: step
+
+      ! No rank can use a shared factor by itself.
+      if (self%shares_factor .or. solution%is_at_rest) return
       scale = problem%force_scale(solution%force, solution%displacement)
-      strain = maxval(abs(solution%displacement - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, &
-         solution%displacement))))
-      solution%residual = solution%residual*scale/max(scale, problem%rounding/least_residual*strain)
-      solution%is_converged = solution%residual <= method%tolerance
-   end subroutine solve_from_motion
+      strained = merge(origin, 0.0_dp, body%is_motion_strained)
+      errors = max(problem%rounding, epsilon(errors)*body%condensation%condenser%matrix_norm)*maxval(abs( &
+         solution%displacement + strained))
+      if (errors <= least_residual*scale) return
+      if (.not. (solution%is_converged .or. solution%residual*scale <= explained*errors)) return
+      !$omp critical (texts_of_solver)
+      call self%loads%load_case(body, acting, load_case)
+      !$omp end critical (texts_of_solver)
+      newton = newton_t(tolerance=tolerance, max_iterations=n_newton_steps)
+      lacking = imbalance_of_points(body, load_case, solution%displacement + strained, solution%force)
+      do step = 1, most_steps
+         before = problem%largest(lacking)
+         if (solution%is_converged .and. before <= least_residual*scale) return
+         change = problem_from(origin, body, problem)
+         change%gap = change%gap - solution%displacement(:problem%n_points)
+         change%anchor = change%anchor - solution%displacement(problem%n_points + 1:)
+         change%load = lacking + solution%force
+         next = solution
+         next%displacement = 0.0_dp
+         call solve_components(newton, change, next, error)
+         next%displacement = solution%displacement + next%displacement
+         if (allocated(error) .or. .not. next%is_converged) return
+         lacking = imbalance_of_points(body, load_case, next%displacement + strained, next%force)
+         if (solution%is_converged .and. .not. problem%largest(lacking) < least_gain*before) return
+         call next%prepend(solution)
+         solution = next
+      end do
+   end subroutine load_solver_refine
 
    !> Finds the rigid motion from which displacements are counted: none if nothing acts on a body at rest; the one
    !> closest to the gaps, if it is close and, without loads, leaves no overlap; otherwise that of a rigid body pressed

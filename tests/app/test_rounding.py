@@ -42,6 +42,18 @@ PRESSED = """&mesh name = 'low'  size = 10.0, 5.0  cells = 40, 20 /
 &contact set = 'soft.bottom'  against = 'low.top'  friction = 0.3 /
 """
 
+# A stiff block on two soft ones, held by contact or a tie alone.
+LOOSE = """&mesh name = 'low'  size = 2.1, 1.1  cells = 13, 4  element = 'tri3' /
+&mesh name = 'mid'  size = 1.4, 2.0  cells = 6, 2  origin = 0.2, {mid}  element = 'quad9' /
+&mesh name = 'high'  size = 1.7, 1.2  cells = 7, 3  origin = 0.3, {high}  element = 'quad8' /
+&material region = 'low'  young = 3.0  poisson = 0.3 /
+&material region = 'mid'  young = 20.0  poisson = 0.3 /
+&material region = 'high'  young = {stiff}  poisson = 0.0 /
+&contact set = 'low.bottom'  friction = 0.3  point = 0.0, -0.0001 /
+&contact set = 'mid.top'  against = 'high.bottom'  friction = 0.6 /
+&load name = 'push'  set = 'high.top'  pressure = 3e-4 /
+"""
+
 
 class Rounding(Verification):
     """Cases that were refused because of rounding errors."""
@@ -286,6 +298,39 @@ class Rounding(Verification):
         force = [self.summary_of(PRESSED.format(stiff=stiff))["key_results"]["force_normal_soft.top"]
                  for stiff in (1e5, 1e6, 1e7)]
         self.assertAlmostEqual((force[0] - force[2])/(force[1] - force[2]), 11.0, delta=0.1)
+
+    def test_a_stiff_body_that_only_soft_ones_hold(self):
+        # The condensed stiffness has rounding errors as large as the forces. These come near those of a rigid block.
+        joints = ("contact set = 'mid.bottom'  against = 'low.top'  friction = 0.1",
+                  "tie set = 'mid.bottom'  to = 'low.top'")
+        for joint in joints:
+            for gap in (0.0, 7e-4, 0.05):
+                peaks = [self.summary_of(LOOSE.format(stiff=stiff, mid=1.1 + gap, high=3.1 + 1.5*gap) + f"&{joint} /\n")[
+                    "key_results"]["max_contact_pressure"] for stiff in (2e5, 2e6, 2e7)]
+                with self.subTest(joint=joint, gap=gap):
+                    self.assertAlmostEqual((peaks[0] - peaks[2])/(peaks[1] - peaks[2]), 11.0, delta=0.1)
+
+    def test_rows_and_steps_of_a_stiff_body_that_only_soft_ones_hold(self):
+        deck = LOOSE.format(stiff=2e7, mid=1.1, high=3.1) + "&tie set = 'mid.bottom'  to = 'low.top' /\n"
+        peak = self.summary_of(deck)["key_results"]["max_contact_pressure"]
+        step = self.summary_of(deck + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.1, 1.0 /\n")
+        self.assertAlmostEqual(step["key_results"]["max_contact_pressure"]/peak, 1.0, places=7)
+        self.solve_into_results(deck + "&sweep load = 'push'  factor = 0.5, 1.0 /\n")
+        self.verify()
+
+    def test_energies_of_a_long_body_that_is_tied_to_a_nearly_incompressible_one(self):
+        # No contact: the works of the parts of the load are those of their own displacements.
+        for stiff in (12.0, 1e4):
+            self.summary_of(f"""&mesh name = 'low'  size = 3.0, 1.0  cells = 15, 4  element = 'quad8' /
+&mesh name = 'high'  size = 19.0, 1.2  cells = 3, 6  origin = -0.5, 1.0  element = 'tri6' /
+&material young = 12.0  poisson = 0.499  region = 'low' /
+&material young = {stiff}  poisson = 0.499  region = 'high' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&tie set = 'high.bottom'  to = 'low.top' /
+&load name = 'push'  set = 'high.top'  traction = 2e-5, -1e-3 /
+&history times = 0.0, 1.0, 2.0  substeps = 2 /
+&steps load = 'push'  factor = 0.2, 1.0, 0.1 /
+""")
 
     def test_a_body_that_is_released_is_at_rest(self):
         results = self.summary_of(STACK)["key_results"]

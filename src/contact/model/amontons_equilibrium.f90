@@ -30,8 +30,8 @@ module amontons_equilibrium
    implicit none (type, external)
    private
 
-   public :: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, least_squares_amounts, on_round_line, &
-      recover_with_travel, round_normals, travel_of_nodes
+   public :: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, imbalance_of_points, &
+      least_squares_amounts, on_round_line, recover_with_travel, round_normals, travel_of_nodes
 
    !> Number of directions of the extreme forces of a disc.
    integer, parameter :: n_directions = 16
@@ -373,27 +373,44 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       type(condensed_load_t) :: rest
-      real(dp), allocatable :: loads(:, :), imbalance(:), refined(:, :), unknowns(:, :)
+      real(dp), allocatable :: lacking(:), refined(:, :), unknowns(:, :)
 
-      loads = load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
-      imbalance = imbalance_of(displacement)
-      call body%condensation%condense_load(imbalance, rest)
+      lacking = imbalance(body, load_case, displacement, force)
+      call body%condensation%condense_load(lacking, rest)
       call body%condensation%recover([rest], spread(0.0_dp*force, 2, 1), unknowns)
       refined = displacement + from_unknowns(unknowns(:, 1), 0.0_dp*displacement, body%constraints, body%dof_map)
-      if (norm2(imbalance_of(refined)) < norm2(imbalance)) displacement = refined
-
-   contains
-
-      !> Loads and contact forces less the forces of stresses and springs on all unknowns (n) [F].
-      function imbalance_of(field) result(imbalance)
-         real(dp), contiguous, intent(in) :: field(:, :) !! displacement of the nodes (components, n_nodes) [L]
-         real(dp), allocatable :: imbalance(:), internal(:, :)
-
-         call body%internal_forces(internal, field, load_case%thermal_strain)
-         imbalance = to_unknowns(loads - internal, body%constraints, body%dof_map)
-      end function imbalance_of
-
+      if (norm2(imbalance(body, load_case, refined, force)) < norm2(lacking)) displacement = refined
    end subroutine refine_displacement
+
+   !> The load q - S v - lambda that contact displacements and forces leave unbalanced, from the strains of the whole
+   !> body: S itself, and q, have the rounding errors of the factorization (n_rows) [F].
+   function imbalance_of_points(body, load_case, solution, force) result(lacking)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case, condensed
+      real(dp), intent(in) :: solution(:)
+         !! displacements v of the contact problem, which may be counted from a free rigid motion (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      real(dp), allocatable :: lacking(:)
+      type(condensed_load_t) :: rest
+      real(dp), allocatable :: displacement(:, :)
+
+      call recover_displacement(displacement, body, load_case, solution)
+      call body%condensation%condense_load(imbalance(body, load_case, displacement, force), rest)
+      lacking = rest%load
+   end function imbalance_of_points
+
+   !> Loads and contact forces less the forces of stresses and springs on all unknowns (n) [F].
+   function imbalance(body, load_case, displacement, force)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      real(dp), allocatable :: imbalance(:), internal(:, :)
+
+      call body%internal_forces(internal, displacement, load_case%thermal_strain)
+      imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, &
+         size(displacement, 1)) - internal, body%constraints, body%dof_map)
+   end function imbalance
 
    !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,
    !> n_nodes) [L].

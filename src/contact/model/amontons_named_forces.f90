@@ -9,8 +9,9 @@ module amontons_named_forces
    use amontons_assembly, only: spring_forces
    use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
    use amontons_contact_rows, only: turned
+   use amontons_equilibrium, only: recover_with_travel
    use amontons_kinds, only: dp
-   use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
+   use amontons_load_family, only: condensed_force, load_case_t
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
@@ -298,7 +299,7 @@ contains
       end associate
       allocate (at_rest(body%zone%n_rows), source=0.0_dp)
       do i = 1, size(parts)
-         call recover_displacement(field, body, parts(i), at_rest)
+         call recover_with_travel(field, body, parts(i), at_rest, at_rest)
          fields(:, :, i) = field
          call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
          loads(:, :, i) = parts(i)%force - field

@@ -61,6 +61,7 @@ contains
       end if
       if (is_shared) is_shared = on_all_ranks(.true.)
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
+      task%solver%shares_factor = is_shared .and. is_spread(cache)
       call condense_task(task, cache%body, cache%problem)
       call task%solver%method%prepare(cache%problem, error)
       if (is_shared) is_shared = is_same(task, cache, .not. allocated(error))
@@ -81,6 +82,7 @@ contains
       if (.not. allocated(error)) call prepare_sweep(taken%task, taken%cache, taken%config, taken%result, error)
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
+      if (.not. allocated(error)) taken%task%solver%shares_factor = is_spread(taken%cache)
       if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem)
       if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
