@@ -264,7 +264,7 @@ contains
       strained = merge(origin, 0.0_dp, body%is_motion_strained)
       errors = max(problem%rounding, epsilon(errors)*body%condensation%condenser%matrix_norm)*maxval(abs( &
          solution%displacement + strained))
-      if (errors <= least_residual*scale) return
+      if (errors <= tolerance*scale) return
       if (.not. (solution%is_converged .or. solution%residual*scale <= explained*errors)) return
       !$omp critical (texts_of_solver)
       call self%loads%load_case(body, acting, load_case)

@@ -305,8 +305,9 @@ class Rounding(Verification):
                   "tie set = 'mid.bottom'  to = 'low.top'")
         for joint in joints:
             for gap in (0.0, 7e-4, 0.05):
-                peaks = [self.summary_of(LOOSE.format(stiff=stiff, mid=1.1 + gap, high=3.1 + 1.5*gap) + f"&{joint} /\n")[
-                    "key_results"]["max_contact_pressure"] for stiff in (2e5, 2e6, 2e7)]
+                peaks = [
+                    self.summary_of(LOOSE.format(stiff=stiff, mid=1.1 + gap, high=3.1 + 1.5*gap) + f"&{joint} /\n")
+                    ["key_results"]["max_contact_pressure"] for stiff in (2e5, 2e6, 2e7)]
                 with self.subTest(joint=joint, gap=gap):
                     self.assertAlmostEqual((peaks[0] - peaks[2])/(peaks[1] - peaks[2]), 11.0, delta=0.1)
 
@@ -380,6 +381,21 @@ class Rounding(Verification):
                                   "&load set = 'top'  pressure = 5e-4 /\n&contact set = 'bottom'  friction = 0.3  "
                                   "obstacle = 'circle'  radius = 2000.0  point = 100.0, 0.0 /\n")
         self.assertAlmostEqual(summary["key_results"]["contact_force_y"], 0.1, delta=1e-7)
+
+    def test_slender_strip_lifted_at_its_end(self):
+        # It bends by up to 60 times its length: products of its stiffness with such displacements have no digit left.
+        for length in (160.0, 300.0):
+            weight, force = 0.05*length, 0.022*length
+            results = self.summary_of(f"""&mesh size = {length}, 1.0  cells = 54, 2  element = 'quad9' /
+&material young = 200000.0  poisson = 0.3 /
+&contact set = 'bottom'  friction = 0.1 /
+&load body_force = 0.0, -0.05 /
+&load point = {length}, 1.0  force = 0.0, {force!r} /
+""")["key_results"]
+            # The floor bears what is left, at the place that balances the moments.
+            rest = weight - force
+            self.assertAlmostEqual(results["contact_force_y"]/rest, 1.0, delta=1e-9)
+            self.assertAlmostEqual(results["contact_centroid_x"]/length, (0.5*weight - force)/rest, delta=1e-9)
 
     def test_cells_of_a_body_on_soft_springs(self):
         # The springs are 1e-10 as stiff as the body.

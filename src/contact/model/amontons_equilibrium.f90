@@ -364,22 +364,28 @@ contains
       call refine_displacement(displacement, body, load_case, force)
    end subroutine recover_with_travel
 
-   !> Improves displacements of all nodes by a step of iterative refinement, if it leaves less imbalance. A stiff body
-   !> that supports move by far more than it is strained would otherwise keep forces of rounding size, as large as those
-   !> of a soft body that it presses.
+   !> Improves displacements by a step of iterative refinement with those of the contact points as they are, if the
+   !> others need it and it leaves less imbalance. A stiff body that supports move by far more than it is strained would
+   !> otherwise keep forces of rounding size, as large as those of a soft body that it presses.
    subroutine refine_displacement(displacement, body, load_case, force)
       real(dp), allocatable, intent(inout) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      real(dp), parameter :: negligible = 1.0e-12_dp
       type(condensed_load_t) :: rest
-      real(dp), allocatable :: lacking(:), refined(:, :), unknowns(:, :)
+      real(dp), allocatable :: lacking(:), lacking_then(:), refined(:, :), unknowns(:, :)
+      real(dp) :: forces
+      integer :: n_inside
 
-      lacking = imbalance(body, load_case, displacement, force)
+      n_inside = body%dof_map%n_dofs - body%dof_map%n_schur
+      call find_imbalance(lacking, forces, body, load_case, displacement, force)
+      if (norm2(lacking(:n_inside)) <= negligible*forces) return
       call body%condensation%condense_load(lacking, rest)
       call body%condensation%recover([rest], spread(0.0_dp*force, 2, 1), unknowns)
       refined = displacement + from_unknowns(unknowns(:, 1), 0.0_dp*displacement, body%constraints, body%dof_map)
-      if (norm2(imbalance(body, load_case, refined, force)) < norm2(lacking)) displacement = refined
+      call find_imbalance(lacking_then, forces, body, load_case, refined, force)
+      if (norm2(lacking_then(:n_inside)) < norm2(lacking(:n_inside))) displacement = refined
    end subroutine refine_displacement
 
    !> The load q - S v - lambda that contact displacements and forces leave unbalanced, from the strains of the whole
@@ -393,24 +399,29 @@ contains
       real(dp), allocatable :: lacking(:)
       type(condensed_load_t) :: rest
       real(dp), allocatable :: displacement(:, :)
+      real(dp) :: forces
 
       call recover_displacement(displacement, body, load_case, solution)
-      call body%condensation%condense_load(imbalance(body, load_case, displacement, force), rest)
+      call find_imbalance(lacking, forces, body, load_case, displacement, force)
+      call body%condensation%condense_load(lacking, rest)
       lacking = rest%load
    end function imbalance_of_points
 
-   !> Loads and contact forces less the forces of stresses and springs on all unknowns (n) [F].
-   function imbalance(body, load_case, displacement, force)
+   !> Finds the loads and contact forces less the forces of stresses and springs on all unknowns.
+   subroutine find_imbalance(imbalance, forces, body, load_case, displacement, force)
+      real(dp), allocatable, intent(out) :: imbalance(:) !! what the unknowns lack for equilibrium (n) [F]
+      real(dp), intent(out) :: forces !! norm of the forces of stresses and springs on all nodes, reactions included [F]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      real(dp), allocatable :: imbalance(:), internal(:, :)
+      real(dp), allocatable :: internal(:, :)
 
       call body%internal_forces(internal, displacement, load_case%thermal_strain)
+      forces = norm2(internal)
       imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, &
          size(displacement, 1)) - internal, body%constraints, body%dof_map)
-   end function imbalance
+   end subroutine find_imbalance
 
    !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,
    !> n_nodes) [L].
