@@ -274,9 +274,7 @@ contains
       do step = 1, most_steps
          before = problem%largest(lacking)
          if (solution%is_converged .and. before <= least_residual*scale) return
-         change = problem_from(origin, body, problem)
-         change%gap = change%gap - solution%displacement(:problem%n_points)
-         change%anchor = change%anchor - solution%displacement(problem%n_points + 1:)
+         change = problem_from(origin + solution%displacement, body, problem)
          change%load = lacking + solution%force
          next = solution
          next%displacement = 0.0_dp
