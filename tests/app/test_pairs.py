@@ -426,6 +426,58 @@ class Pairs(ProgramTest):
 """), status=2)
             self.assertIn("no equilibrium", run.stderr)
 
+    def test_a_slave_tips_over_the_end_of_its_master_wherever_that_lies_within_a_side(self):
+        # The corner beyond the end had a multiplier, and bore loads up to twice as far; or a single point, none at all.
+        # One master ends beyond one end of the slave, the other one beyond both.
+        for sides, left, end in ((1, -1.0, 0.06), (1, -1.0, 0.4), (4, -1.0, 0.2), (2, -1.0, 0.7), (4, -1.0, 0.97),
+                                 (1, 0.3, 0.6), (2, 0.45, 0.6), (2, 0.1, 0.65), (3, 0.2, 0.9)):
+            for element in ("quad4", "quad8"):
+                for at, status in ((end - 1e-3*(end - max(left, 0.0)), 0), (end + 1e-3*(end - max(left, 0.0)), 2)):
+                    with self.subTest(sides=sides, left=left, end=end, element=element, status=status):
+                        self.run_program("--quiet", self.write("case.nml", f"""
+&mesh name = 'u'  size = 1.0, 0.5  cells = {sides}, 2  element = '{element}' /
+&mesh name = 'm'  size = {end - left}, 1.0  cells = 4, 3  origin = {left}, -1.0  element = '{element}' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'm.bottom'  ux = 0.0  uy = 0.0 /
+&load point = 0.0, 0.5  force = 0.0, {at - 1.0} /
+&load point = 1.0, 0.5  force = 0.0, {-at} /
+&contact set = 'u.bottom'  against = 'm.top'  friction = 0.3 /
+"""), status=status)
+
+    def test_a_tie_along_a_part_of_a_side_is_no_hinge(self):
+        # A strut, a part of whose bottom is bonded, is turned by a couple. Below 28 % of the side it had one multiplier,
+        # and a singular stiffness.
+        ways = [self.solve(f"""&mesh name = 'u'  size = 1.0, 4.0  cells = 1, 8  element = '{element}' /
+&mesh name = 'm'  size = {end + 1.0}, 1.0  cells = 3, 2  origin = -1.0, -1.0 /
+&material young = 1000.0  poisson = 0.0 /
+&support set = 'm.bottom'  ux = 0.0  uy = 0.0 /
+&load point = 0.0, 4.0  force = 0.0, 1.0 /
+&load point = 1.0, 4.0  force = 0.0, -1.0 /
+&tie set = 'u.bottom'  to = 'm.top' /
+""").summary["key_results"]["max_displacement"] for element in ("quad4", "quad8") for end in (0.275, 0.285, 0.1, 0.001)]
+        for short, long in (ways[1::-1], ways[5:3:-1]):
+            self.assertLess(short, long)
+            self.assertLess(long, 1.05*short)
+        self.assertLess(max(ways), 1.0)
+
+    def test_one_slave_on_two_masters_that_meet_within_a_side(self):
+        # Its corner there was called slave and master of a ring of pairs.
+        for kind, parts in (("contact", "against"), ("tie", "to")):
+            for sides, border in ((2, 0.6), (2, 0.9), (3, 0.4), (3, 0.9)):
+                with self.subTest(kind=kind, sides=sides, border=border):
+                    summary = self.solve(f"""&mesh name = 'u'  size = 1.0, 0.5  cells = {sides}, 2 /
+&mesh name = 'm'  size = {border}, 1.0  cells = 4, 3  origin = 0.0, -1.0 /
+&mesh name = 'n'  size = {1.0 - border}, 1.0  cells = 3, 3  origin = {border}, -1.0 /
+&material young = 1000.0  poisson = 0.0 /
+&support set = 'm.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'n.bottom'  ux = 0.0  uy = 0.0 /
+&load set = 'u.top'  pressure = 1.0 /
+&{kind} set = 'u.bottom'  {parts} = 'm.top' /
+&{kind} set = 'u.bottom'  {parts} = 'n.top' /
+""").summary
+                    # Uniform pressure on a column 1.5 high.
+                    self.assertAlmostEqual(summary["key_results"]["max_displacement"], 1.5e-3, delta=1e-12)
+
     def test_sticking_sweep_slips_by_nothing(self):
         # What the grid leaves of the displacements of points at rest is no slip.
         self.run_program("--quiet", self.write(

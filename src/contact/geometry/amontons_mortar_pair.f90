@@ -3,7 +3,7 @@
 !>
 !> Nodes and sides that a contact set or tie has taken are left alone by later ones. A list of followers keeps them: for
 !> each node the next node on the taken side that begins there; the node itself where no taken side begins, as at the
-!> end of a line; 0 for a node that no set has.
+!> end of a line; 0 for a node that no set has, -1 while a later set has the same slave.
 !>
 !> Checks refuse contact points of a pair that do not go with its mesh or supports.
 !>
@@ -17,10 +17,11 @@
 !>
 !> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
 !> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Where the master ends
-!> within a side, the functions of the side before it go on, linearly, up to this end. Constant multipliers
-!> are 1 on their cell. A bonded corner that a support guides has no multiplier along its tangent: the tangential
-!> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
-!> then another one than that of the normal.
+!> within a side, they are dual to the hats of the part up to this end, where the force of the last one acts. The part
+!> begins where the side before begins if the master covers all of that side. Constant multipliers are 1 on their cell.
+!> A bonded corner that a support guides has no multiplier along its tangent: the tangential function of its neighbor
+!> on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is then another one than
+!> that of the normal.
 module amontons_mortar_pair
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t
@@ -38,7 +39,7 @@ module amontons_mortar_pair
    private
 
    public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      least_cover, mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, &
+      inverse, least_cover, mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, &
       n_quadrature_points, new_mortar_pair
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
@@ -189,20 +190,16 @@ contains
          lead = pair%lead_side(side)
          piece = mortar_piece_t(segments(first), pair%point_of(:, lead))
          if (all(piece%point > 0)) then
-            piece%psi = dual_functions(segments(first:last), pair%slave, n_points)
-            piece%hat = identity
             if (any(pair%reach(:, lead) > 0.0_dp)) then
-               ! The function of the corner between both sides is still orthogonal to the hat of the other corner of
-               ! the whole side; the force of that other corner still acts there.
+               ! Hats of the length up to the end of the master, and their dual functions on a straight line.
                k = maxloc(pair%reach(:, lead), dim=1)
-               if (lead /= side) piece%psi = dual_functions(pack(segments, segments%slave == lead), pair%slave, &
-                  n_points)
-               piece%psi(k, :) = piece%psi(k, :)/(1.0_dp + 2.0_dp*pair%reach(k, lead))
-               piece%psi(3 - k, :) = 1.0_dp - piece%psi(k, :)
-               piece%hat(:, k) = piece%hat(:, k)/(1.0_dp + pair%reach(k, lead))
+               piece%hat = identity
+               piece%hat(k, k) = 1.0_dp/(1.0_dp + pair%reach(k, lead))
                piece%hat(3 - k, k) = 1.0_dp - piece%hat(k, k)
-               piece%psi = matmul(piece%psi, pair%basis(:, :, side))
                piece%hat = matmul(piece%hat, pair%basis(:, :, side))
+               piece%psi = 3.0_dp*piece%hat - 1.0_dp
+            else
+               call dual_functions(piece, segments(first:last), pair%slave, n_points)
             end if
             piece%shear = merge(1.0_dp, piece%psi, spread(pair%gives_shear(piece%point([2, 1])) .and. &
                .not. pair%gives_shear(piece%point), 2, 2))
@@ -234,15 +231,14 @@ contains
       end do
    end subroutine cell_pieces
 
-   !> The functions dual to the hats of the corners over some segments of one side, as combinations of these hats.
-   !>
-   !> A = diag(d) M^-1 with d and M the integrals of the hats and of their products. Where the segments cover little of
-   !> the side, M is nearly singular: it is inverted in hats of the covered part.
-   pure function dual_functions(segments, slave, n_points) result(dual)
+   !> The hats of the part of a side that some segments cover, and the functions dual to them, both as combinations of
+   !> the side's hats: diag(d) M^-1 with d and M the integrals of these hats and of their products.
+   pure subroutine dual_functions(piece, segments, slave, n_points)
+      type(mortar_piece_t), intent(inout) :: piece !! gains the functions
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the side
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
-      real(dp) :: dual(2, 2), mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
+      real(dp) :: mean(2), mass(2, 2), local(2), at, area
       type(gauss_rule_t) :: rule
       type(surface_place_t) :: place
       integer :: i, k
@@ -250,25 +246,22 @@ contains
       rule = gauss_rule(n_points)
       mean = 0.0_dp
       mass = 0.0_dp
-      associate (first => segments(1)%range(1), last => segments(size(segments))%range(2))
-         do i = 1, size(segments)
-            do k = 1, n_points
-               associate (range => segments(i)%range)
-                  at = 0.5_dp*(sum(range) + (range(2) - range(1))*rule%xi(k))
-                  place = slave%place(segments(i)%slave, at)
-                  area = 0.5_dp*(range(2) - range(1))*rule%weight(k)*norm2(place%along)*place%depth
-               end associate
-               mean = mean + area*hats(at)
-               local = hats((2.0_dp*at - first - last)/(last - first))
-               mass(:, 1) = mass(:, 1) + area*local*local(1)
-               mass(:, 2) = mass(:, 2) + area*local*local(2)
-            end do
+      piece%hat = inverse(reshape([hats(segments(1)%range(1)), hats(segments(size(segments))%range(2))], [2, 2]))
+      do i = 1, size(segments)
+         do k = 1, n_points
+            associate (range => segments(i)%range)
+               at = 0.5_dp*(sum(range) + (range(2) - range(1))*rule%xi(k))
+               place = slave%place(segments(i)%slave, at)
+               area = 0.5_dp*(range(2) - range(1))*rule%weight(k)*norm2(place%along)*place%depth
+            end associate
+            local = matmul(piece%hat, hats(at))
+            mean = mean + area*local
+            mass(:, 1) = mass(:, 1) + area*local*local(1)
+            mass(:, 2) = mass(:, 2) + area*local*local(2)
          end do
-         to_part = inverse(reshape([hats(first), hats(last)], [2, 2]))
-      end associate
-      dual = matmul(transpose(to_part), matmul(inverse(mass), to_part))
-      dual = spread(mean, 2, 2)*dual
-   end function dual_functions
+      end do
+      piece%psi = spread(mean, 2, 2)*matmul(inverse(mass), piece%hat)
+   end subroutine dual_functions
 
    !> The inverse of a 2 by 2 matrix.
    pure function inverse(matrix)
@@ -548,6 +541,10 @@ contains
          end associate
       end do
       pair%open_node = pack(pair%line%node, is_open(pair%line%node))
+      ! A single point would be a hinge; but another set may need the corner beyond the end.
+      do i = 1, merge(size(share), 0, count(faces(pair%line%node)) == 1 .and. all(follower >= 0))
+         if (share(i) > 0.0_dp) faces(pair%slave%side(:2, i)) = .true.
+      end do
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
       facing = pack(pair%line%node, faces(pair%line%node))
       do i = 1, size(facing)
@@ -676,7 +673,7 @@ contains
       integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
       logical, intent(in) :: is_whole !! whether the set has all between them
 
-      where (follower(nodes) == 0) follower(nodes) = nodes
+      where (follower(nodes) <= 0) follower(nodes) = nodes
       if (is_whole) follower(nodes(1)) = nodes(2)
    end subroutine mark_side
 

@@ -12,7 +12,7 @@ module amontons_pair_substitution
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, mark_facing_sides, mortar_pair_t, mortar_points_t, &
+   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, mortar_points_t, &
       n_quadrature_points, new_mortar_pair
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
@@ -28,6 +28,7 @@ module amontons_pair_substitution
          !! factors of the nodes' displacements or unknowns (components, components, nodes) [-]
       logical, allocatable :: is_own(:) !! whether the own unknowns of the node are meant; else its displacement
       integer :: visit = 0 !! 0: not looked at, 1: being resolved, 2: all are own unknowns
+      integer :: line = 0 !! the first node of the slave's line; 0 for nodes that are no corners of a slave
    contains
       procedure :: add => sum_add
    end type sum_t
@@ -147,6 +148,7 @@ contains
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
       do i = 1, size(pair%node)
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
+         sums(pair%node(i))%line = pair%line%node(1)
       end do
    end subroutine add_pair
 
@@ -258,35 +260,57 @@ contains
       self%block = reshape([self%block, block], [shape(block), size(self%node)])
    end subroutine sum_add
 
-   !> Substitutes the sums of the displacements in a sum, until it contains unknowns only.
+   !> Substitutes the sums of the displacements in a sum, until it contains unknowns only, or also the displacements of
+   !> corners of the same slave that are being resolved: rows contain those of both corners of a side that its master, or
+   !> two pairs, cover in part. The own displacement is eliminated.
    recursive subroutine resolve(sums, node, fault)
       type(sum_t), intent(inout) :: sums(:) !! the sums, not allocated for a node without one (nodes)
       integer, intent(in) :: node !! the node to resolve
-      integer, intent(inout) :: fault !! a node that depends on itself, 0 for none
-      type(sum_t) :: resolved
+      integer, intent(inout) :: fault !! a node that depends on itself through other bodies, 0 for none
+      ! Of a part of a side, squared: less than the least that faces the master.
+      real(dp), parameter :: singular = 1.0e-13_dp
+      real(dp), dimension(size(sums(node)%block, 1), size(sums(node)%block, 1)) :: rest
+      type(sum_t) :: expanded, resolved
       integer :: i, k, other
 
-      associate (total => sums(node))
-         if (total%visit == 1) fault = node
-         if (total%visit > 0) return
-         total%visit = 1
-         do i = 1, size(total%node)
+      if (sums(node)%visit > 0) return
+      sums(node)%visit = 1
+      do i = 1, size(sums(node)%node)
+         associate (total => sums(node))
             other = total%node(i)
             if (total%is_own(i) .or. .not. allocated(sums(other)%node)) then
-               call resolved%add(other, total%block(:, :, i), .true.)
+               call expanded%add(other, total%block(:, :, i), .true.)
                cycle
             end if
             call resolve(sums, other, fault)
             if (fault > 0) return
-            associate (inner => sums(other))
-               do k = 1, size(inner%node)
-                  call resolved%add(inner%node(k), matmul(total%block(:, :, i), inner%block(:, :, k)), .true.)
-               end do
-            end associate
-         end do
-         resolved%visit = 2
-         total = resolved
-      end associate
+            if (sums(other)%visit == 1) then
+               call expanded%add(other, total%block(:, :, i), .false.)
+               cycle
+            end if
+            do k = 1, size(sums(other)%node)
+               call expanded%add(sums(other)%node(k), matmul(total%block(:, :, i), sums(other)%block(:, :, k)), &
+                  sums(other)%is_own(k))
+            end do
+         end associate
+      end do
+      rest = diagonal(spread(1.0_dp, 1, size(rest, 1)))
+      do i = 1, size(expanded%node)
+         if (expanded%is_own(i)) cycle
+         if (expanded%node(i) == node) rest = rest - expanded%block(:, :, i)
+         if (sums(expanded%node(i))%line /= sums(node)%line) fault = node
+      end do
+      if (abs(rest(1, 1)*rest(2, 2) - rest(1, 2)*rest(2, 1)) < singular) fault = node
+      if (fault > 0) return
+      rest(:2, :2) = inverse(rest(:2, :2))
+      rest(3:, 3:) = 1.0_dp/rest(3:, 3:)
+      do i = 1, size(expanded%node)
+         if (expanded%is_own(i) .or. expanded%node(i) /= node) &
+            call resolved%add(expanded%node(i), matmul(rest, expanded%block(:, :, i)), expanded%is_own(i))
+      end do
+      resolved%line = sums(node)%line
+      resolved%visit = merge(2, 0, all(resolved%is_own))
+      sums(node) = resolved
    end subroutine resolve
 
    !> Finds where the bonded boundary sets face each other.
@@ -298,13 +322,14 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
       type(pairing_t) :: pairing
-      integer :: i
+      integer :: i, k
 
       allocate (pairs(size(ties)))
       pairing%is_tied = .true.
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
+         follower = merge(merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))])), follower, follower <= 0)
          call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
          if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
          if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., &

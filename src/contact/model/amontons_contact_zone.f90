@@ -82,7 +82,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
       integer, intent(in), optional :: bonded(:)
          !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
-      integer :: follower(body%mesh%n_nodes), nothing(0), i
+      integer :: follower(body%mesh%n_nodes), nothing(0), i, k
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
          zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%idle_side(2, 0), zone%is_cell(0), &
@@ -94,6 +94,8 @@ contains
       follower = 0
       if (present(bonded)) follower = bonded
       do i = 1, size(contacts)
+         follower = merge(merge(-1, 0, any([(contacts(k)%set == contacts(i)%set, k=i + 1, size(contacts))])), &
+            follower, follower <= 0)
          if (contacts(i)%pairing%is_pair()) then
             call add_pair(zone, i, contacts(i), body, follower, error)
          else
