@@ -53,7 +53,6 @@ module amontons_load_solver
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
       logical :: shares_factor = .false. !! whether ranks that share one factor solve members side by side
       real(dp) :: size_of_body = 0.0_dp !! the larger side of the bounding box of the mesh [L]
-      logical, private :: may_move = .false. !! whether the body has a free motion that no contact point notices
       logical, private :: may_spin = .false. !! whether it may have one that friction alone opposes
    contains
       procedure :: find_free_motions => load_solver_find_free_motions
@@ -94,7 +93,6 @@ contains
             .not. self%loads%parting%moves_obstacles)
          self%may_spin = size(spins, 2) > 0
       end if
-      self%may_move = size(body%common_motions, 2) > 0
    end subroutine load_solver_find_free_motions
 
    !> Solves the contact problem of a member. Threads may solve members side by side, each with a problem of its own.
@@ -112,6 +110,7 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
+      logical :: is_sure
       real(dp), allocatable :: motion(:)
       type(newton_t) :: quick
 
@@ -127,8 +126,9 @@ contains
          call fit_travel(motion, body, solution%displacement)
          call self%solve_from_motion(motion, quick, body, acting, problem, solution, ignored)
       end if
-      if (self%may_move .or. .not. solution%is_converged .or. maxval([0.0_dp, abs(solution%displacement)]) &
-         > self%size_of_body) then
+      is_sure = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
+      if (is_sure) is_sure = .not. may_move(body, problem, solution%force)
+      if (.not. is_sure) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
          !$omp critical (texts_of_solver)
          call self%loads%load_case(body, acting, load_case)
@@ -171,6 +171,29 @@ contains
       if (outcome == outcome_no_equilibrium) error_kind = no_equilibrium
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
+
+   !> Whether a free motion moves no point that bears a normal force along the normal, nor one along the tangent whose
+   !> shear is below its bound: methods accept a solution for loads a little above what contact and friction bear.
+   logical function may_move(body, problem, force)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), intent(in) :: force(:) !! a solution's contact forces (n) [F]
+      ! Of the works on a motion; errors of forces, far above those that methods leave.
+      real(dp), parameter :: rounding = 1.0e-12_dp, negligible = 1.0e-7_dp
+      real(dp), dimension(size(body%rigid_modes, 2), size(body%rigid_modes, 2)) :: works
+      real(dp) :: eigenvalues(size(works, 1))
+      integer :: info, k
+
+      may_move = size(works) > 0
+      if (.not. may_move) return
+      associate (m => body%zone%n_points, shear => tangential_norm(force(body%zone%n_points + 1:), body%zone%n_points))
+         works = matmul(transpose(body%rigid_modes), body%rigid_modes*spread(merge(1.0_dp, 0.0_dp, &
+            [force(:m) > negligible*maxval(abs(force)), (shear < (1.0_dp - negligible)*problem%bound(force(:m)), &
+            k=1, body%zone%n_tangents)]), 2, size(works, 1)))
+      end associate
+      call symmetric_eigenvectors(works, eigenvalues, info)
+      may_move = .not. eigenvalues(1) > rounding*eigenvalues(size(eigenvalues))
+   end function may_move
 
    !> Finds the outcome of a solution: solved, no equilibrium, numbers out of range, or not converged.
    subroutine judge_solution(self, body, acting, problem, solution, outcome, reason)
