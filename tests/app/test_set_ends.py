@@ -90,6 +90,27 @@ class SetEnds(Verification, ProgramTest):
                 self.expect_sound(self.on_body(*ends, contact, bottom=lambda x: 0.0))
         self.expect_sound(self.on_obstacle(4.0, "obstacle = 'plane'"))
 
+    def test_guided_end_of_a_slave_keeps_its_normal_where_the_other_body_goes_on(self):
+        # A wedge pushed along the floor by an inclined wall: all of it slips. The normal of its corner was mirrored on
+        # the wall, as if it were a plane of symmetry; and the flank on the other side, which hangs over, slides along
+        # the floor without entering it.
+        for slope in (-0.3, 0.6):
+            lines = block_mesh({"top": ("top", *WHOLE), "wall": ("left", *WHOLE), "bottom": ("bottom", *WHOLE)},
+                               size=(4.0, 2.0), cells=(10, 12)).splitlines()
+            for k in range(lines.index("$Nodes") + 2, lines.index("$EndNodes")):
+                number, x, y, z = lines[k].split()
+                lines[k] = f"{number} {float(x) + slope*float(y)!r} {y} {z}"
+            self.write("wedge.msh", "\n".join(lines) + "\n")
+            for contact in ("set = 'upper.bottom'  against = 'lower.top'", "set = 'lower.top'  against = 'upper.bottom'"):
+                with self.subTest(slope=slope, contact=contact):
+                    self.expect_sound(
+                        "&mesh name = 'upper'  file = 'wedge.msh' /\n&mesh name = 'lower'  size = 12.0, 2.0  cells = 30, 3  "
+                        "origin = -4.0, -2.0 /\n&material young = 1000.0  poisson = 0.3 /\n"
+                        "&support set = 'lower.bottom'  ux = 0.0  uy = 0.0 /\n&support set = 'upper.wall'  un = -0.4 /\n"
+                        f"&load set = 'upper.top'  pressure = 1.0 /\n&contact {contact}  friction = 0.2 /\n")
+                    results = self.summary["key_results"]
+                    self.assertAlmostEqual(abs(results["contact_force_x"]), 0.2*abs(results["contact_force_y"]), delta=1e-8)
+
     def test_half_of_a_flat_block(self):
         self.expect_end(self.on_obstacle(2.0, "obstacle = 'plane'"), ("2.0, 0.0", "bottom"))
         self.expect_end(self.on_body(2.0, 6.0, ABOVE, bottom=lambda x: 0.0), ("2.0, 0.0", "upper.bottom"))

@@ -47,9 +47,6 @@ module amontons_mortar_pair
    !> simple fraction, as ends of regular meshes have [-].
    real(dp), parameter :: least_cover = 0.28_dp
 
-   !> The identity matrix.
-   real(dp), parameter :: identity(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
-
    !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
       real(dp), allocatable :: xi(:) !! abscissas [-]
@@ -106,8 +103,6 @@ module amontons_mortar_pair
          !! else the side itself (sides)
       real(dp), allocatable :: reach(:, :)
          !! how far the functions of each side go on beyond both of its corners, in lengths of the side (2, sides) [-]
-      real(dp), allocatable :: basis(:, :, :)
-         !! the hats of its leading side at both corners of each side (2, 2, sides) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
       logical, allocatable :: gives_shear(:)
          !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
@@ -193,10 +188,12 @@ contains
             if (any(pair%reach(:, lead) > 0.0_dp)) then
                ! Hats of the length up to the end of the master, and their dual functions on a straight line.
                k = maxloc(pair%reach(:, lead), dim=1)
-               piece%hat = identity
-               piece%hat(k, k) = 1.0_dp/(1.0_dp + pair%reach(k, lead))
-               piece%hat(3 - k, k) = 1.0_dp - piece%hat(k, k)
-               piece%hat = matmul(piece%hat, pair%basis(:, :, side))
+               piece%hat(k, 3 - k) = merge(0.0_dp, 1.0_dp, lead == side)
+               associate (chord => pair%slave%corner(:, 2, [lead, side]) - pair%slave%corner(:, 1, [lead, side]))
+                  piece%hat(k, k) = 1.0_dp + piece%hat(k, 3 - k)*norm2(chord(:, 2))/norm2(chord(:, 1))
+               end associate
+               piece%hat(k, :) = piece%hat(k, :)/(1.0_dp + pair%reach(k, lead))
+               piece%hat(3 - k, :) = 1.0_dp - piece%hat(k, :)
                piece%psi = 3.0_dp*piece%hat - 1.0_dp
             else
                call dual_functions(piece, segments(first:last), pair%slave, n_points)
@@ -430,9 +427,9 @@ contains
             return
          end do
       end associate
-      call new_surface(pair%slave, body, set, pair%line, error)
+      call new_surface(pair%slave, body, set, pair%line, master_line, error)
       if (allocated(error)) return
-      call new_surface(pair%master, body, pair%against, master_line, error)
+      call new_surface(pair%master, body, pair%against, master_line, pair%line, error)
       if (allocated(error)) return
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
@@ -592,12 +589,11 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       ! Share of a whole side: a corner so close beyond the master's end has a multiplier. Rounding error of a mean.
       real(dp), parameter :: whole = 0.95_dp, rounding = 1.0e-6_dp
-      real(dp) :: length(size(share)), ratio
+      real(dp) :: length(size(share))
       integer :: i, k, n
 
       pair%lead_side = [(i, i=1, size(share))]
       allocate (pair%reach(2, size(share)), source=0.0_dp)
-      pair%basis = spread(identity, 3, size(share))
       length = norm2(pair%slave%corner(:, 2, :) - pair%slave%corner(:, 1, :), dim=1)
       do i = 1, size(share)
          if (share(i) >= whole .or. .not. share(i) > 0.0_dp) cycle
@@ -607,10 +603,7 @@ contains
             if (n == 0 .or. part(3 - k, i) > 0.5_dp*(1.0_dp + rounding)*share(i)**2) cycle
             if (share(n) < whole .or. .not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
             pair%lead_side(i) = n
-            ratio = length(i)/length(n)
-            pair%reach(3 - k, n) = share(i)*ratio
-            pair%basis(:, :, i) = reshape(merge([0.0_dp, 1.0_dp, -ratio, 1.0_dp + ratio], &
-               [1.0_dp + ratio, -ratio, 1.0_dp, 0.0_dp], k == 1), [2, 2])
+            pair%reach(3 - k, n) = share(i)*length(i)/length(n)
          end do
       end do
       do i = 1, size(share)

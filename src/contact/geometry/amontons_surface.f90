@@ -93,11 +93,12 @@ contains
    end function side_order
 
    !> Makes the surface of a boundary set.
-   pure subroutine new_surface(surface, body, set, line, error)
+   pure subroutine new_surface(surface, body, set, line, facing, error)
       type(surface_t), intent(out) :: surface !! the surface
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
+      type(boundary_line_t), intent(in) :: facing !! the line of the other body's set
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       integer, allocatable :: sides(:, :)
       ! A direction at less than 60 degrees to the normal is held by a support, not by symmetry.
@@ -117,7 +118,7 @@ contains
                is_free = body%constraints%is_free(:2, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = body%constraints%held_direction(node)
-                  if (.not. is_on_mirror(body, node, held)) cycle
+                  if (.not. is_on_mirror(body, node, held, facing%node)) cycle
                else if (surface%material(i)%is_axisymmetric &
                   .and. .not. abs(body%mesh%coordinates(1, node)) > 0.0_dp) then
                   held = [1.0_dp, 0.0_dp]
@@ -183,29 +184,38 @@ contains
       end do
    end subroutine join_sides
 
-   !> Whether a node that is held along a direction lies on a plane of symmetry: one of its neighbors lies there and is
-   !> held along the same direction.
-   pure logical function is_on_mirror(body, node, held)
+   !> Whether a node that is held along a direction lies on a plane of symmetry: one of its neighbors and a node of the
+   !> other body lie there and are held along the same direction.
+   pure logical function is_on_mirror(body, node, held, facing)
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
+      integer, intent(in) :: facing(:) !! the nodes of the other body's set
       ! Rounding error of a right angle in mesh files.
       real(dp), parameter :: rounding = 1.0e-4_dp
-      real(dp) :: way(2)
       integer :: element, i
 
-      is_on_mirror = .true.
-      do element = 1, body%mesh%n_elements
+      is_on_mirror = any([(lies_there(facing(i)), i=1, size(facing))])
+      do element = 1, merge(body%mesh%n_elements, 0, is_on_mirror)
          associate (nodes => body%mesh%node(body%mesh%node_start(element):body%mesh%node_start(element + 1) - 1))
             if (all(nodes /= node)) cycle
-            do i = 1, size(nodes)
-               if (nodes(i) == node .or. body%constraints%leaves_free(nodes(i), held)) cycle
-               way = body%mesh%coordinates(:, nodes(i)) - body%mesh%coordinates(:, node)
-               if (abs(dot_product(way, held)) <= rounding*norm2(way)) return
-            end do
+            if (any([(nodes(i) /= node .and. lies_there(nodes(i)), i=1, size(nodes))])) return
          end associate
       end do
       is_on_mirror = .false.
+
+   contains
+
+      !> Whether another node lies on the plane and is held along the direction.
+      pure logical function lies_there(other)
+         integer, intent(in) :: other !! the node
+
+         associate (way => body%mesh%coordinates(:, other) - body%mesh%coordinates(:, node))
+            lies_there = .not. body%constraints%leaves_free(other, held) .and. &
+               abs(dot_product(way, held)) <= rounding*norm2(way)
+         end associate
+      end function lies_there
+
    end function is_on_mirror
 
    !> Evaluates position, derivative and normal at a local coordinate of a side.

@@ -476,10 +476,15 @@ contains
             call measure_node(node, contact, coordinates(:, node%node), gap, is_met)
             overlap = dot_product(node%normal, way) - gap
             if (.not. (is_met .and. overlap > depth)) cycle
-            ! Where the obstacle is no plane, a node that slides along it does not enter it.
+            ! Where the obstacle is no plane, a node that slides along it does not enter it; nor one that slides along
+            ! the other body, as an overhanging flank does.
             if (node%facing(1) == 0) then
                call measure_node(node, contact, coordinates(:, node%node) + way, gap, is_met)
                overlap = merge(min(overlap, -gap), 0.0_dp, is_met)
+            else
+               associate (along => coordinates(:, node%facing(2)) - coordinates(:, node%facing(1)))
+                  overlap = min(overlap, dot_product(gap*node%normal - way, unit_vector([along(2), -along(1)])))
+               end associate
             end if
             if (.not. overlap > depth) cycle
             depth = overlap
