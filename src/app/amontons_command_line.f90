@@ -90,8 +90,7 @@ contains
             '--all-solutions')
       else if (command_line%asks('--reduced') .and. any([(command_line%decks(i)%text == '-', &
          i=1, size(command_line%decks))])) then
-         call new_error(error, input_refused, &
-            'amontons: --reduced takes files; standard input (-) can only be a deck')
+         call new_error(error, input_refused, 'amontons: --reduced takes files; standard input (-) can only be a deck')
       end if
    end subroutine check_decks
 

@@ -152,8 +152,7 @@ contains
 
       assignment = find_key(contents, group, key)
       if (assignment > 0) then
-         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
-            assignment > contents%groups(group)%last_judged
+         hides_meaning = contents%assignments(assignment)%is_faulty .or. assignment > contents%groups(group)%last_judged
       else
          hides_meaning = contents%groups(group)%is_malformed
       end if

@@ -53,8 +53,7 @@ module amontons_constraints
 
    !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent, around
    !> the axis, and the angle of a rotation about it.
-   character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'un', 'ut', 'utheta', &
-      'turn']
+   character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'un', 'ut', 'utheta', 'turn']
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.

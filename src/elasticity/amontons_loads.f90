@@ -335,8 +335,7 @@ contains
                   temperature(mesh%parents%node(first:last)))
             end associate
          else
-            call new_error(error, input_refused, load%temperature_file//': no temperature of node '// &
-               to_text(tag))
+            call new_error(error, input_refused, load%temperature_file//': no temperature of node '//to_text(tag))
             return
          end if
       end do

@@ -515,8 +515,7 @@ contains
       do i = 1, mesh%n_nodes
          do k = incidence%start(i), incidence%start(i + 1) - 1
             do same = incidence%start(i), k
-               if (materials%of_element(incidence%element(same)) &
-                  == materials%of_element(incidence%element(k))) exit
+               if (materials%of_element(incidence%element(same)) == materials%of_element(incidence%element(k))) exit
             end do
             if (same == k) then
                n = n + 1

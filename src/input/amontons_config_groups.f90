@@ -208,8 +208,7 @@ contains
       key_results = key_result_names(merge(3, merge(2, 1, sweep%has_forces), sweep%has_body_results))
       call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, of the contact points;'// &
          ' these and forces by name; or all, with the largest von Mises stress and displacement of the body, which'// &
-         ' take longer', &
-         default="`'contact'`"), key_results, key_result_names, has_key_results)
+         ' take longer', default="`'contact'`"), key_results, key_result_names, has_key_results)
       sweep%has_body_results = key_results == key_result_names(3)
       sweep%has_forces = key_results /= key_result_names(1)
       ! Describes what a history leaves of its steps.
@@ -380,8 +379,7 @@ contains
       call visitor%require(size(poisson) == size(young), 'poisson', 'poisson must have as many numbers as young')
       call visitor%require(size(expansion) == 1 .or. size(expansion) == size(young), 'expansion', &
          'expansion must be one number, or as many as young has')
-      call visitor%require(visitor%has('shear') .or. .not. is_orthotropic, 'young', &
-         'three numbers in young need shear')
+      call visitor%require(visitor%has('shear') .or. .not. is_orthotropic, 'young', 'three numbers in young need shear')
       call visitor%require(material%formulation /= 'b-bar' .or. .not. is_orthotropic, 'formulation', &
          "formulation must not be 'b-bar' with an orthotropic material")
       if (.not. ((size(young) == 1 .or. is_orthotropic) .and. size(poisson) == size(young) &
@@ -753,8 +751,7 @@ contains
          ' the body', is_nonzero=.true.), contact%obstacle%normal, has_normal)
       call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
          ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), &
-            contact%obstacle%radius, &
-         has_radius)
+            contact%obstacle%radius, has_radius)
       call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
          is_filled=.true., also='file'), contact%obstacle%file, has_line)
       call visitor%table('line', contact%obstacle%file, contact%obstacle%line)

@@ -86,8 +86,7 @@ module amontons_history
    !> The group of a change.
    type(group_t), parameter, public :: steps_group = group_t('steps', is_repeatable=.true.)
    !> Keys that name the target of a change.
-   type(key_t), parameter :: name_keys(4) = [ &
-      key_t(moved_things(stepped_load), 'with `factor`: the name of the load'), &
+   type(key_t), parameter :: name_keys(4) = [key_t(moved_things(stepped_load), 'with `factor`: the name of the load'), &
       key_t(moved_things(stepped_support), 'with `factor`: the name of the support, whose prescribed'// &
       ' displacements are multiplied'), &
       key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y` and `turn`: the `name` or `set` of the'// &

@@ -302,8 +302,7 @@ contains
                if (len(loads(i)%name) > 0) names = names//', '//loads(i)%name
             end do
             call visitor%require(any([(len(loads(i)%name) > 0 .and. loads(i)%name == axis%name, &
-               i=1, size(loads))]), 'load', &
-               "no load has the name '"//axis%name//"'"//names_text('named loads', names))
+               i=1, size(loads))]), 'load', "no load has the name '"//axis%name//"'"//names_text('named loads', names))
          end if
       end associate
       ! Checks a quantity against those before it: nothing varies twice, and what is paired has as many values.

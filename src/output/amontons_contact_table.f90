@@ -188,8 +188,7 @@ contains
          call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
          call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
-         call add('slip', 'slip', 'L', motion(:m), max(length, &
-            maxval(abs(load_case%obstacle_motion))), .true.)
+         call add('slip', 'slip', 'L', motion(:m), max(length, maxval(abs(load_case%obstacle_motion))), .true.)
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
          call add('tangential_force', 'tang. force', 'F', force(m + 1:2*m), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
@@ -213,8 +212,7 @@ contains
       end associate
       if (.not. allocated(result%slip_record)) return
       do i = 1, size(result%slip_record, 2)
-         call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
-            slip_scales(i), .true.)
+         call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), slip_scales(i), .true.)
       end do
 
    contains

@@ -260,8 +260,7 @@ contains
 
       text = "set '"//contact%set//"'"
       if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
-      text = text//field_text('friction', contact%friction)// &
-         field_text('slip bound', contact%slip_bound)
+      text = text//field_text('friction', contact%friction)//field_text('slip bound', contact%slip_bound)
       associate (obstacle => contact%obstacle)
          if (contact%pairing%is_pair()) then
             if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
@@ -501,8 +500,7 @@ contains
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
          if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status, &
-            1 + body%zone%n_tangents)// &
-            quantities_text(result%lengths%quantities(), label%units)// &
+            1 + body%zone%n_tangents)//quantities_text(result%lengths%quantities(), label%units)// &
             intervals_text('Closed zone', result%closed, label%units)// &
             intervals_text('Stick zone', result%stuck, label%units), [max(0.0_dp, maxval(abs(body%zone%position)))])
          associate (certificate => result%certificate)
@@ -531,8 +529,7 @@ contains
       character(:), allocatable :: text
 
       text = ''
-      if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status, &
-         dimension))
+      if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status, dimension))
    end function counts_text
 
    !> The scale of sums of forces and of energies, for rounding to 0.
@@ -730,8 +727,7 @@ contains
 
       first = 2 + max(20, maxval([(len_trim(list(i)%quantity%label), i=1, size(list))]))
       rows(0) = repeat(' ', first)//flush_right('finest mesh', width)//flush_right('+-', width)// &
-         flush_right('extrapolated', width)// &
-         flush_right('order', 8)//'  from mesh to mesh'
+         flush_right('extrapolated', width)//flush_right('order', 8)//'  from mesh to mesh'
       if (len_trim(units) > 0) rows(0) = trim(rows(0))//'  unit'
       do i = 1, size(list)
          associate (quantity => list(i)%quantity, judged => list(i)%convergence)
@@ -746,8 +742,7 @@ contains
          end associate
       end do
       text = heading('Refined meshes ('//to_text(size(list(1)%convergence%value))// &
-         ', each of half the element size)')// &
-         as_lines(rows)
+         ', each of half the element size)')//as_lines(rows)
    end function convergence_text
 
 end module amontons_listing

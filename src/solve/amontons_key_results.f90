@@ -305,8 +305,7 @@ contains
       type(quantity_t) :: list(2)
 
       list = [quantity_t('normal_force', 'Normal forces', sum(force(:m)), sum(abs(force)), dimension='F'), &
-         quantity_t('tangential_force', 'Tangential forces', sum(force(m + 1:2*m)), &
-         sum(abs(force)), dimension='F')]
+         quantity_t('tangential_force', 'Tangential forces', sum(force(m + 1:2*m)), sum(abs(force)), dimension='F')]
    end function resultants
 
    !=key_results `max_contact_pressure` | F/L² | largest contact pressure of a contact point

@@ -236,8 +236,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem, posed
       type(contact_solution_t), intent(inout) :: solution !! the start
 
-      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points, &
-         problem%matrix%n_tangents)
+      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
    end subroutine forget_start
 
    !> Solves a contact problem, with displacements counted from a rigid motion, and refines the solution.

@@ -267,8 +267,7 @@ contains
             if (axis%target == swept_friction) call add_large_friction(warnings, name, maxval(axis%values))
             if (axis%target /= swept_friction_factor) cycle
             is_varied = [(axis%acts_on(load_case%contacts(k)%set), k=1, size(is_varied))]
-            call add_large_friction(warnings, name, maxval(axis%values)*maxval(load_case%friction, &
-               mask=is_varied(set)))
+            call add_large_friction(warnings, name, maxval(axis%values)*maxval(load_case%friction, mask=is_varied(set)))
             is_varied = is_varied .and. [(.not. load_case%contacts(k)%friction%vanishes(), k=1, size(is_varied))]
             if (.not. any(is_varied)) call warnings%add(name//'no effect: the friction is 0')
          end associate

@@ -290,8 +290,7 @@ contains
       m = body%zone%n_points
       is_raised = .false.
       if (m == 0) return
-      is_raised(1) = maxval(hypot(solution%displacement(:m), &
-         tangential_norm(solution%displacement(m + 1:), m))) &
+      is_raised(1) = maxval(hypot(solution%displacement(:m), tangential_norm(solution%displacement(m + 1:), m))) &
          > large_displacement*size_of_body
       is_raised(2:3) = lacks_points(solution%status)
       is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young(1))

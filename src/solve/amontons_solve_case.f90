@@ -372,8 +372,7 @@ contains
       end associate
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
-         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
-            result%solution%force)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
       end if
    end subroutine evaluate
 

@@ -268,8 +268,7 @@ contains
       real(dp) :: now
 
       now = wall_seconds()
-      is_due = sum(self%tables%length) > many .or. &
-         now - self%last_save > max(1.0_dp, 0.01_dp*(now - self%start))
+      is_due = sum(self%tables%length) > many .or. now - self%last_save > max(1.0_dp, 0.01_dp*(now - self%start))
    end function checkpoint_is_due
 
    !> Writes the added rows to the disk, and the progress that belongs to them.

@@ -526,8 +526,7 @@ contains
          value = transfer(bytes, value)
          if (ieee_is_finite(value)) return
          value = 0.0_dp
-         call self%refuse('expected '//what//', found a number that is not finite', &
-            self%position - 8)
+         call self%refuse('expected '//what//', found a number that is not finite', self%position - 8)
       else
          call self%skip_blanks()
          call scan_real(self%text, self%position, value, ok)

@@ -210,8 +210,7 @@ contains
          if (index(computed, '  "') == 1 .and. index(stated, computed(:i - 1)) == 1) fault = computed(4:i - 4)// &
             ' is '//without_comma(stated(i:))//', but '//without_comma(computed(i:))
       end if
-      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
-         trim(adjustl(computed))//"'"
+      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"//trim(adjustl(computed))//"'"
       if (len(fault) > 0) fault = fault//' follows from the other files'
    end subroutine compare_line
 

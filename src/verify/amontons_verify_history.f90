@@ -26,8 +26,7 @@ module amontons_verify_history
    use amontons_solve_case, only: cache_t, take_no_equilibrium
    use amontons_text, only: newline, read_reals, to_text
    use amontons_time_stepping, only: new_time_stepping, time_stepping_t
-   use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, &
-      verify_result
+   use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, verify_result
    implicit none (type, external)
    private
 
@@ -196,8 +195,7 @@ contains
                call stepping%accept(again%model, next)
                call again%result%record_step(cache%body, again%model)
                call again%indicator%update(numbers(4), stepping%n_steps)
-               call compare_rows(case, steps, table_rows(steps%history_table_t, again%model, cache%body, &
-                  stepping), row)
+               call compare_rows(case, steps, table_rows(steps%history_table_t, again%model, cache%body, stepping), row)
             end if
             call case%fault(steps%ending//':'//to_text(row + 1), fault)
          end associate
@@ -311,8 +309,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
 
-      hovers = any(body%motions%n_free > 0) .and. &
-         all(abs(state%solution%force(:body%zone%n_points)) <= scales%force)
+      hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force(:body%zone%n_points)) <= scales%force)
    end function hovers
 
    !> Compares the next rows of a table with the expected ones.

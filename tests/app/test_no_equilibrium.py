@@ -274,8 +274,9 @@ class NoEquilibrium(ProgramTest):
     def test_steps_have_the_limit_of_single_cases(self):
         # Newton's method from the step before accepts a residual of 1e-10, above what the loads exceed friction by.
         for load, contact in (("body_force = 0.3, 0.0", "friction = 0.3"), ("body_force = 2.0, 0.0", "friction = 3.0")):
-            text = block("load body_force = 0.0, -1.0", f"load name = 't'  {load}", f"contact set = 'bottom'  {contact}",
-                         "history times = 0.0, 1.0  substeps = 1", "steps load = 't'  factor = 0.5, {}",
+            text = block("load body_force = 0.0, -1.0", f"load name = 't'  {load}",
+                         f"contact set = 'bottom'  {contact}", "history times = 0.0, 1.0  substeps = 1",
+                         "steps load = 't'  factor = 0.5, {}",
                          mesh="size = 4.0, 2.0  cells = 6, 3")
             for factor, status in ((1.0 - 2e-11, 0), (1.0 + 2e-11, 2)):
                 with self.subTest(load=load, factor=factor):

@@ -445,8 +445,8 @@ class Pairs(ProgramTest):
 """), status=status)
 
     def test_a_tie_along_a_part_of_a_side_is_no_hinge(self):
-        # A strut, a part of whose bottom is bonded, is turned by a couple. Below 28 % of the side it had one multiplier,
-        # and a singular stiffness.
+        # A strut, a part of whose bottom is bonded, is turned by a couple. Below 28 % of the side it had one
+        # multiplier, and a singular stiffness.
         ways = [self.solve(f"""&mesh name = 'u'  size = 1.0, 4.0  cells = 1, 8  element = '{element}' /
 &mesh name = 'm'  size = {end + 1.0}, 1.0  cells = 3, 2  origin = -1.0, -1.0 /
 &material young = 1000.0  poisson = 0.0 /
@@ -454,7 +454,8 @@ class Pairs(ProgramTest):
 &load point = 0.0, 4.0  force = 0.0, 1.0 /
 &load point = 1.0, 4.0  force = 0.0, -1.0 /
 &tie set = 'u.bottom'  to = 'm.top' /
-""").summary["key_results"]["max_displacement"] for element in ("quad4", "quad8") for end in (0.275, 0.285, 0.1, 0.001)]
+""").summary["key_results"]["max_displacement"] for element in ("quad4", "quad8")
+            for end in (0.275, 0.285, 0.1, 0.001)]
         for short, long in (ways[1::-1], ways[5:3:-1]):
             self.assertLess(short, long)
             self.assertLess(long, 1.05*short)

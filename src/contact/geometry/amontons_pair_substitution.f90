@@ -12,8 +12,8 @@ module amontons_pair_substitution
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, mortar_points_t, &
-      n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, &
+      mortar_points_t, n_quadrature_points, new_mortar_pair
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)
@@ -261,8 +261,8 @@ contains
    end subroutine sum_add
 
    !> Substitutes the sums of the displacements in a sum, until it contains unknowns only, or also the displacements of
-   !> corners of the same slave that are being resolved: rows contain those of both corners of a side that its master, or
-   !> two pairs, cover in part. The own displacement is eliminated.
+   !> corners of the same slave that are being resolved: rows contain those of both corners of a side that is covered
+   !> in part. The own displacement is eliminated.
    recursive subroutine resolve(sums, node, fault)
       type(sum_t), intent(inout) :: sums(:) !! the sums, not allocated for a node without one (nodes)
       integer, intent(in) :: node !! the node to resolve
@@ -305,8 +305,8 @@ contains
       rest(:2, :2) = inverse(rest(:2, :2))
       rest(3:, 3:) = 1.0_dp/rest(3:, 3:)
       do i = 1, size(expanded%node)
-         if (expanded%is_own(i) .or. expanded%node(i) /= node) &
-            call resolved%add(expanded%node(i), matmul(rest, expanded%block(:, :, i)), expanded%is_own(i))
+         if (expanded%node(i) == node .and. .not. expanded%is_own(i)) cycle
+         call resolved%add(expanded%node(i), matmul(rest, expanded%block(:, :, i)), expanded%is_own(i))
       end do
       resolved%line = sums(node)%line
       resolved%visit = merge(2, 0, all(resolved%is_own))
@@ -329,11 +329,11 @@ contains
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
-         follower = merge(merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))])), follower, follower <= 0)
+         follower = merge(merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))])), &
+            follower, follower <= 0)
          call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
          if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
-         if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., &
-            body%constraints, error)
+         if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
          call mark_facing_sides(follower, pairs(i))

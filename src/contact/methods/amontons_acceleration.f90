@@ -93,8 +93,7 @@ contains
       end do
       if (any(norm(:n) <= tiny(1.0_dp))) return
       ! Differences are scaled to equal length; otherwise the old, large ones would dominate.
-      normal = matmul(transpose(difference(:, :n)), difference(:, :n))/ &
-         (spread(norm(:n), 1, n)*spread(norm(:n), 2, n))
+      normal = matmul(transpose(difference(:, :n)), difference(:, :n))/(spread(norm(:n), 1, n)*spread(norm(:n), 2, n))
       right = matmul(self%step(:, n + 1), difference(:, :n))/norm(:n)
       call cholesky_factor_regularized(normal, spread(1.0_dp, 1, n), is_regularized)
       call cholesky_solve(normal, right)

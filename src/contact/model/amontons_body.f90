@@ -557,8 +557,7 @@ contains
          do k = 1, size(pairs(i)%segments)
             associate (segment => pairs(i)%segments(k))
                bonds = reshape([bonds, pairs(i)%slave%side(1, segment%slave), &
-                  pairs(i)%master%side(1, segment%master), merge(i, 0, pairs(i)%is_jump_free)], &
-                  [3, size(bonds, 2) + 1])
+                  pairs(i)%master%side(1, segment%master), merge(i, 0, pairs(i)%is_jump_free)], [3, size(bonds, 2) + 1])
             end associate
          end do
       end do

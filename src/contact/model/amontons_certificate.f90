@@ -162,8 +162,7 @@ contains
          call check_resultants(certificate, body, max(least_scale, rounding_share*load_case%carried_force, &
             sums%springs), sums, loads, contact, reaction, springs)
          certificate%named = named_quantities(body)
-         call set_named_values(certificate%named, body, named, max(least_scale, sums%forces), &
-            maxval(abs(displacement)))
+         call set_named_values(certificate%named, body, named, max(least_scale, sums%forces), maxval(abs(displacement)))
          certificate%imbalance = relative(certificate%equilibrium, max(force_size, least_scale))
          ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants
          ! and energy are not affected: a share of |K| |u| is a scale, too.
@@ -557,8 +556,7 @@ contains
       list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), of_law(1), &
          quantity_t('penetration_outside', 'Penetration outside the sets', self%penetration_outside, 1.0_dp), &
          quantity_t('penetration_between', 'Penetration between points', self%penetration_between, 1.0_dp), &
-         of_law(2:), &
-         quantity_t('resultant', 'Resultant', self%resultant, 1.0_dp), &
+         of_law(2:), quantity_t('resultant', 'Resultant', self%resultant, 1.0_dp), &
          quantity_t('moment', 'Moment', self%moment, 1.0_dp), &
          quantity_t('energy', 'Energy balance', self%energy, 1.0_dp)]
       if (self%has_pairs) list = [list, quantity_t('pair_force', 'Forces of pairs', self%pair_force, 1.0_dp), &
@@ -572,8 +570,7 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy, &
-         dimension='F L'), &
+      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy, dimension='F L'), &
          quantity_t('work_of_friction', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
    end function certificate_energies
 

@@ -249,8 +249,7 @@ contains
          rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
       associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
          if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
-            motion = merge(aim, motion, counts .and. &
-               is_unloaded(body%rigid_modes, load, body%zone%n_points))
+            motion = merge(aim, motion, counts .and. is_unloaded(body%rigid_modes, load, body%zone%n_points))
          end if
       end associate
    end subroutine fit_rigid_motion
@@ -440,8 +439,7 @@ contains
             n = size(displacement, 1)
             allocate (modes(n*size(motions%node), motions%n_free))
             do i = 1, size(motions%node)
-               modes(n*(i - 1) + 1:n*i, :) = motions%displacement(coordinates(:, motions%node(i)), &
-                  motions%node(i))
+               modes(n*(i - 1) + 1:n*i, :) = motions%displacement(coordinates(:, motions%node(i)), motions%node(i))
             end do
             travel(:, motions%node) = reshape(matmul(modes, least_squares_amounts(modes, &
                reshape(displacement(:, motions%node), [size(modes, 1)]))), [n, size(motions%node)])

@@ -373,8 +373,7 @@ contains
       call body%condensation%recover(load_cases%condensed, v, unknowns)
       allocate (displacement(size(load_cases(1)%prescribed, 1), body%mesh%n_nodes, size(load_cases)))
       do k = 1, size(load_cases)
-         displacement(:, :, k) = from_unknowns(unknowns(:, k), load_cases(k)%prescribed, body%constraints, &
-            body%dof_map)
+         displacement(:, :, k) = from_unknowns(unknowns(:, k), load_cases(k)%prescribed, body%constraints, body%dof_map)
       end do
    end subroutine recover_displacements
 

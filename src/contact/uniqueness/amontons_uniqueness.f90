@@ -604,8 +604,7 @@ contains
 
    !> Eliminates unknowns by the equations in the last rows, the largest pivot first; equations without a pivot are kept
    !> for the points that follow.
-   pure subroutine eliminate(rows, n_kept, n_equations, n_left, least_pivot, is_possible, &
-      is_singular)
+   pure subroutine eliminate(rows, n_kept, n_equations, n_left, least_pivot, is_possible, is_singular)
       real(dp), intent(inout) :: rows(:, 0:)
          !! the rows; on return equations and unknowns that are left follow those before them without gaps
       integer, intent(in) :: n_kept !! number of the first unknowns, which are not to be eliminated

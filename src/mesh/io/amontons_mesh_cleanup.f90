@@ -306,8 +306,7 @@ contains
          if (n == n_element_nodes(mesh%element_kind(element))) is_sound = is_sound .and. all([(cross( &
             x(:, mod(i, n) + 1) - x(:, i), x(:, mod(i + 1, n) + 1) - x(:, mod(i, n) + 1)) > 0.0_dp, i=1, n)])
          if (.not. is_sound) then
-            call refuse_cell(input, raw, cell_of(element), &
-               'is degenerate: its corners must go round a convex area')
+            call refuse_cell(input, raw, cell_of(element), 'is degenerate: its corners must go round a convex area')
             return
          end if
          if (n == n_element_nodes(mesh%element_kind(element))) cycle

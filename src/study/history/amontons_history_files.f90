@@ -28,8 +28,7 @@ module amontons_history_files
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_table_t, history_tables, open_history_files, read_start, &
-      step_numbers, table_rows
+   public :: history_files_t, history_table_t, history_tables, open_history_files, read_start, step_numbers, table_rows
 
    !> Content of a table: the steps.
    integer, parameter :: of_steps = 1
@@ -484,8 +483,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
       integer :: table, number
 
-      if (self%grids_table > 0) call self%checkpoint%end_table(self%grids_table, &
-         collection_tail, error)
+      if (self%grids_table > 0) call self%checkpoint%end_table(self%grids_table, collection_tail, error)
       do number = 1, min(n_steps, n_resumed)
          if (allocated(error)) return
          if (.not. is_shown(number, model%history%fields_every)) cycle

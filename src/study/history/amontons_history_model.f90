@@ -140,8 +140,7 @@ contains
       m = body%zone%n_rows
       n = size(parts)
       form%stiffness = body%condensation%condenser%matrix_norm
-      allocate (form%strain(n, n), form%load(n, n), form%strain_row(m, n), form%load_row(m, n), &
-         form%prescribed(m, n))
+      allocate (form%strain(n, n), form%load(n, n), form%strain_row(m, n), form%load_row(m, n), form%prescribed(m, n))
       named = named_tests(body)
       allocate (tests(n + size(named)))
       tests(n + 1:) = named
@@ -247,8 +246,7 @@ contains
          if (model%history%has_fretting) then
             if (allocated(model%surface)) deallocate (model%surface)
             allocate (model%surface)
-            call new_surface_stress(model%surface, body, loads%base%contacts, loads%parts, model%energies%field, &
-               error)
+            call new_surface_stress(model%surface, body, loads%base%contacts, loads%parts, model%energies%field, error)
             if (allocated(error)) return
          end if
       end associate
@@ -672,8 +670,7 @@ contains
       whole_change(:m) = v_change(:m) + moved(:m)
       energy_change = after%strain_energy - before%strain_energy
       own_energy = model%energies%strain_energy(problem, change, v_change)
-      end_work = model%energies%load_work(after%instant%factor, change, v_change) &
-         + dot_product(after%reaction, change)
+      end_work = model%energies%load_work(after%instant%factor, change, v_change) + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
          abs(load_work + support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
          rounding_share*model%energies%stiffness*max(sum(after%solution%displacement**2), &

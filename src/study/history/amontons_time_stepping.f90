@@ -200,8 +200,7 @@ contains
       force = max(tiny(1.0_dp), maxval(abs(state%solution%force)), maxval(abs(self%points(:, :1 + t))))
       changes = [(dissipation - self%dissipation_before)/max(tiny(1.0_dp), dissipation, self%dissipation_before, &
          rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :1 + t), &
-         shape(state%solution%force))))/force, &
-         maxval(abs(drift - reshape(self%points(:, 2*t + 4:), shape(drift))))]
+         shape(state%solution%force))))/force, maxval(abs(drift - reshape(self%points(:, 2*t + 4:), shape(drift))))]
       self%numbers = 0.0_dp
       self%numbers(:n_plain_numbers) = [real(model%cycle_at(state%instant%time), dp), self%begin, state%instant%time, &
          real(self%n_steps, dp), work(state) - self%work, state%strain_energy - self%strain_energy, dissipation, &

@@ -242,8 +242,7 @@ contains
    pure logical function reduced_system_is_dense(self) result(is_dense)
       class(reduced_system_t), intent(in) :: self !! the reduced problem
 
-      is_dense = size(self%q) <= most_dense_rows .or. size(self%entry) &
-         >= sparse_fill*real(size(self%q), dp)**2
+      is_dense = size(self%q) <= most_dense_rows .or. size(self%entry) >= sparse_fill*real(size(self%q), dp)**2
    end function reduced_system_is_dense
 
    !> The diagonal of W (n) [L/F].
@@ -348,8 +347,7 @@ contains
       real(dp), intent(in) :: force(:) !! lambda, in the units of the contact problem (n)
 
       problem%free_displacement = self%by_component(self%q/self%length_unit())
-      if (self%asymmetry > 0.0_dp) problem%free_displacement = problem%free_displacement &
-         + self%skew_displacement(force)
+      if (self%asymmetry > 0.0_dp) problem%free_displacement = problem%free_displacement + self%skew_displacement(force)
    end subroutine reduced_system_set_free_displacement
 
    !> The displacements by the skew part of W at forces of the contact problem, in the units of the methods (2m).

@@ -302,8 +302,7 @@ contains
       character(:), allocatable :: line
       integer :: origin, n_entries, row, column, place
 
-      call take_choice(input, origin, 'the origin of W: 1 (triplets) or 2 (columns)', &
-         [origin_triplets, origin_columns])
+      call take_choice(input, origin, 'the origin of W: 1 (triplets) or 2 (columns)', [origin_triplets, origin_columns])
       if (allocated(input%error)) return
       call input%skip_white()
       place = input%position

@@ -437,8 +437,7 @@ contains
       do k = 1, size(sweep%axes)
          associate (axis => sweep%axes(k), loads => load_case%loads, supports => load_case%supports, &
             contacts => load_case%contacts)
-            call add_part(parting, &
-               [(axis%target == swept_load .and. axis%name == loads(i)%name, i=1, size(loads))], &
+            call add_part(parting, [(axis%target == swept_load .and. axis%name == loads(i)%name, i=1, size(loads))], &
                [(axis%target == swept_load .and. supports(i)%is_driven() .and. axis%name == supports(i)%name, &
                i=1, size(supports))], [(axis%acts_on(contacts(i)%set), i=1, size(contacts))])
          end associate
