@@ -352,6 +352,14 @@ class History(HistoryTest):
         grids = [f"{step}.{kind}" for step in (1, 21) for kind in ("vtu", "contact.vtu")]
         self.assertEqual(self.grids(), sorted([*grids, *others]))
 
+    def test_rounding_of_forces_decides_no_identity_where_loads_strain_nothing(self):
+        # The nodal forces of weight and pull cancel at the top, and the weight at the bottom is on the floor itself.
+        self.write("case.nml", block(
+            "load body_force = 0.0, -0.7", "load name = 't'  set = 'top'  traction = 0.0, 0.7",
+            "contact set = 'bottom'  friction = 0.5", "support set = 'left'  ux = 0.0", "history times = 0.0, 1.0",
+            "steps load = 't'  factor = 0.4999999, 0.999999", mesh="size = 4.0, 1.0  cells = 9, 1"))
+        self.run_program("--quiet", "case.nml")
+
     def test_several_contact_sets_have_columns_of_their_own(self):
         text = (BAR.replace("&contact set", "&contact set = 'left'  friction = 0.2  obstacle = 'plane'"
                             "  point = -1.0, 0.0  normal = 1.0, 0.0 /\n&contact set"))

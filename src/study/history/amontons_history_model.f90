@@ -674,8 +674,9 @@ contains
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
          abs(load_work + support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
          rounding_share*model%energies%stiffness*max(sum(after%solution%displacement**2), &
-         sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force) &
-         *sqrt(max(0.0_dp, after%strain_energy)/model%energies%stiffness))
+         sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force)*max( &
+         norm2(after%solution%force)/model%energies%stiffness, sqrt(max(0.0_dp, after%strain_energy) &
+         /model%energies%stiffness)))
       if (.not. size_of_terms > 0.0_dp) return
       after%imbalance = max(abs(load_work + support_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
