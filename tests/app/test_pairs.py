@@ -430,7 +430,8 @@ class Pairs(ProgramTest):
         # The corner beyond the end had a multiplier, and bore loads up to twice as far; or a single point, none at all.
         # One master ends beyond one end of the slave, the other one beyond both.
         for sides, left, end in ((1, -1.0, 0.06), (1, -1.0, 0.4), (4, -1.0, 0.2), (2, -1.0, 0.7), (4, -1.0, 0.97),
-                                 (1, 0.3, 0.6), (2, 0.45, 0.6), (2, 0.1, 0.65), (3, 0.2, 0.9)):
+                                 (1, 0.3, 0.6), (2, 0.45, 0.6), (2, 0.1, 0.65), (3, 0.2, 0.9),
+                                 (3, 0.3, 0.7), (5, 0.43, 0.798)):
             for element in ("quad4", "quad8"):
                 for at, status in ((end - 1e-3*(end - max(left, 0.0)), 0), (end + 1e-3*(end - max(left, 0.0)), 2)):
                     with self.subTest(sides=sides, left=left, end=end, element=element, status=status):

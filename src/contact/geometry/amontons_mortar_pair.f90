@@ -171,7 +171,8 @@ contains
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
-      integer :: first, last, k, side, lead
+      real(dp) :: at(2)
+      integer :: first, last, side, lead
 
       allocate (pieces(size(segments)))
       first = 1
@@ -186,14 +187,13 @@ contains
          piece = mortar_piece_t(segments(first), pair%point_of(:, lead))
          if (all(piece%point > 0)) then
             if (any(pair%reach(:, lead) > 0.0_dp)) then
-               ! Hats of the length up to the end of the master, and their dual functions on a straight line.
-               k = maxloc(pair%reach(:, lead), dim=1)
-               piece%hat(k, 3 - k) = merge(0.0_dp, 1.0_dp, lead == side)
+               ! Hats of the length up to the ends of the master, and their dual functions on a straight line.
                associate (chord => pair%slave%corner(:, 2, [lead, side]) - pair%slave%corner(:, 1, [lead, side]))
-                  piece%hat(k, k) = 1.0_dp + piece%hat(k, 3 - k)*norm2(chord(:, 2))/norm2(chord(:, 1))
+                  at = [0.0_dp, norm2(chord(:, 2))/norm2(chord(:, 1))]
                end associate
-               piece%hat(k, :) = piece%hat(k, :)/(1.0_dp + pair%reach(k, lead))
-               piece%hat(3 - k, :) = 1.0_dp - piece%hat(k, :)
+               if (lead /= side) at = at + merge(1.0_dp, -at(2), pair%slave%side(1, side) == pair%slave%side(2, lead))
+               piece%hat(2, :) = (at + pair%reach(1, lead))/(1.0_dp + sum(pair%reach(:, lead)))
+               piece%hat(1, :) = 1.0_dp - piece%hat(2, :)
                piece%psi = 3.0_dp*piece%hat - 1.0_dp
             else
                call dual_functions(piece, segments(first:last), pair%slave, n_points)
@@ -581,7 +581,7 @@ contains
 
    !> Finds the sides that the master covers in part, from a corner on. The functions of the side before this corner go
    !> on over them if it is covered as a whole, and no support holds or guides its corners: these have tangential
-   !> functions of their own. A side with two such sides beside it goes on over neither.
+   !> functions of their own.
    pure subroutine continue_sides(pair, part, share, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair
       real(dp), intent(in) :: part(:, :) !! covered parts of the hats of both corners of each side (2, sides) [-]
@@ -601,15 +601,11 @@ contains
             ! The mean of a corner's hat over a part that begins at the other corner is half its share.
             n = findloc(pair%slave%side(3 - k, :), pair%slave%side(k, i), dim=1)
             if (n == 0 .or. part(3 - k, i) > 0.5_dp*(1.0_dp + rounding)*share(i)**2) cycle
-            if (share(n) < whole .or. .not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
+            if (share(n) < 1.0_dp - rounding .or. .not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
             pair%lead_side(i) = n
             pair%reach(3 - k, n) = share(i)*length(i)/length(n)
          end do
       end do
-      do i = 1, size(share)
-         if (all(pair%reach(:, pair%lead_side(i)) > 0.0_dp)) pair%lead_side(i) = i
-      end do
-      where (spread(all(pair%reach > 0.0_dp, dim=1), 1, 2)) pair%reach = 0.0_dp
    end subroutine continue_sides
 
    !> The part of the hats of both corners of each side of the slave that faces the master; their sum is the share of
