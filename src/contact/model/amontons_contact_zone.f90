@@ -549,15 +549,16 @@ contains
    pure function segments_again(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
-      ! Parts of a side to begin with, for each side of the master that is near; a part is cut further where its ends
-      ! meet different sides. What a side meets last at either end may be short.
+      ! Parts of a side to begin with, for each side of the master that is near, or would be if all were as short as the
+      ! shortest; a part is cut further where its ends meet different sides. What a side meets last at either end may be
+      ! short.
       integer, parameter :: n_parts = 8
-      real(dp), parameter :: edge = 1.0e-9_dp
+      real(dp), parameter :: edge = 1.0e-9_dp, most = 1.0e5_dp
       type(meeting_t) :: meeting
       integer, allocatable :: near(:)
       logical, allocatable :: counts(:)
       real(dp) :: low, high
-      integer :: side, part
+      integer :: side, part, n
 
       allocate (segments(0))
       do side = 1, pair%slave%n_sides
@@ -565,8 +566,12 @@ contains
          near = sides_near(pair%slave, side, pair%master, pair%search)
          low = edge - 1.0_dp
          segments = [segments, mortar_segment_t(side, met_side(pair, side, near, low), [-1.0_dp, -1.0_dp])]
-         do part = 1, n_parts*size(near)
-            high = min(1.0_dp - edge, 2.0_dp*part/(n_parts*size(near)) - 1.0_dp)
+         associate (master => pair%master%corner(:, :, near), slave => pair%slave%corner(:, :, side))
+            n = n_parts*max(size(near), ceiling(min(most, norm2(slave(:, 2) - slave(:, 1)) &
+               /minval(norm2(master(:, 2, :) - master(:, 1, :), dim=1)))))
+         end associate
+         do part = 1, n
+            high = min(1.0_dp - edge, 2.0_dp*part/n - 1.0_dp)
             call cut_by_rays(segments, pair, near, low, high, met_side(pair, side, near, high))
             low = high
          end do
