@@ -446,6 +446,23 @@ class Pairs(ProgramTest):
 &contact set = 'u.bottom'  against = 'm.top'  friction = 0.3 /
 """), status=status)
 
+    def test_ends_of_masters_around_an_axis(self):
+        # The areas grow with the radius: functions that are dual without it had an integral of 0 at the axis.
+        for inner, end in ((0.0, 1.1), (0.0, 1.7), (0.0, 3.5), (2.0, 2.3), (0.5, 1.2)):
+            for joint in ("contact set = 'a.top'  against = 'b.bottom'  friction = 0.6",
+                          "tie set = 'a.top'  to = 'b.bottom'"):
+                with self.subTest(inner=inner, end=end, joint=joint):
+                    summary = self.summary_of(f"""
+&mesh name = 'a'  size = {8.0 - inner}, 1.0  cells = 8, 4  origin = {inner}, 0.0 /
+&mesh name = 'b'  size = {end}, 1.0  cells = 6, 4  origin = {inner}, 1.0 /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric' /
+&support set = 'a.bottom'  uy = 0.0 /
+&{joint} /
+&load set = 'b.top'  pressure = 1.0 /
+""")
+                    self.assertTrue(summary["certificate"]["passed"])
+                    self.assertLess(summary["key_results"]["max_von_mises"], 10.0)
+
     def test_a_tie_along_a_part_of_a_side_is_no_hinge(self):
         # A strut, a part of whose bottom is bonded, is turned by a couple. Below 28 % of the side it had one
         # multiplier, and a singular stiffness.

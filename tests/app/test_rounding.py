@@ -392,10 +392,10 @@ class Rounding(Verification):
 &load body_force = 0.0, -0.05 /
 &load point = {length}, 1.0  force = 0.0, {force!r} /
 """)["key_results"]
-            # The floor bears what is left, at the place that balances the moments.
+            # The floor bears what is left, at the place that balances the moments: to the limit of the certificate.
             rest = weight - force
-            self.assertAlmostEqual(results["contact_force_y"]/rest, 1.0, delta=1e-9)
-            self.assertAlmostEqual(results["contact_centroid_x"]/length, (0.5*weight - force)/rest, delta=1e-9)
+            self.assertAlmostEqual(results["contact_force_y"]/rest, 1.0, delta=1e-8)
+            self.assertAlmostEqual(results["contact_centroid_x"]/length, (0.5*weight - force)/rest, delta=1e-8)
 
     def test_cells_of_a_body_on_soft_springs(self):
         # The springs are 1e-10 as stiff as the body.

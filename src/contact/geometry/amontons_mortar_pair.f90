@@ -171,7 +171,6 @@ contains
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
-      real(dp) :: at(2)
       integer :: first, last, side, lead
 
       allocate (pieces(size(segments)))
@@ -186,17 +185,12 @@ contains
          lead = pair%lead_side(side)
          piece = mortar_piece_t(segments(first), pair%point_of(:, lead))
          if (all(piece%point > 0)) then
+            piece%hat = part_hats(pair, side, segments(first:last))
             if (any(pair%reach(:, lead) > 0.0_dp)) then
-               ! Hats of the length up to the ends of the master, and their dual functions on a straight line.
-               associate (chord => pair%slave%corner(:, 2, [lead, side]) - pair%slave%corner(:, 1, [lead, side]))
-                  at = [0.0_dp, norm2(chord(:, 2))/norm2(chord(:, 1))]
-               end associate
-               if (lead /= side) at = at + merge(1.0_dp, -at(2), pair%slave%side(1, side) == pair%slave%side(2, lead))
-               piece%hat(2, :) = (at + pair%reach(1, lead))/(1.0_dp + sum(pair%reach(:, lead)))
-               piece%hat(1, :) = 1.0_dp - piece%hat(2, :)
-               piece%psi = 3.0_dp*piece%hat - 1.0_dp
+               piece%psi = matmul(dual_factors(pair, pack(segments, pair%lead_side(segments%slave) == lead), &
+                  n_points), piece%hat)
             else
-               call dual_functions(piece, segments(first:last), pair%slave, n_points)
+               piece%psi = matmul(dual_factors(pair, segments(first:last), n_points), piece%hat)
             end if
             piece%shear = merge(1.0_dp, piece%psi, spread(pair%gives_shear(piece%point([2, 1])) .and. &
                .not. pair%gives_shear(piece%point), 2, 2))
@@ -228,14 +222,35 @@ contains
       end do
    end subroutine cell_pieces
 
-   !> The hats of the part of a side that some segments cover, and the functions dual to them, both as combinations of
-   !> the side's hats: diag(d) M^-1 with d and M the integrals of these hats and of their products.
-   pure subroutine dual_functions(piece, segments, slave, n_points)
-      type(mortar_piece_t), intent(inout) :: piece !! gains the functions
-      type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the side
-      type(surface_t), intent(in) :: slave !! the slave
+   !> The hats of the part of the slave that the functions of a side are for, as combinations of the side's own hats: of
+   !> the part of the side that faces the master, or of the length up to the ends of the master (2, 2) [-].
+   pure function part_hats(pair, side, segments) result(part)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      integer, intent(in) :: side !! the side of the slave
+      type(mortar_segment_t), intent(in) :: segments(:) !! its segments
+      real(dp) :: part(2, 2), at(2)
+      integer :: lead
+
+      lead = pair%lead_side(side)
+      if (any(pair%reach(:, lead) > 0.0_dp)) then
+         associate (chord => pair%slave%corner(:, 2, [lead, side]) - pair%slave%corner(:, 1, [lead, side]))
+            at = [0.0_dp, norm2(chord(:, 2))/norm2(chord(:, 1))]
+         end associate
+         if (lead /= side) at = at + merge(1.0_dp, -at(2), pair%slave%side(1, side) == pair%slave%side(2, lead))
+         part(2, :) = (at + pair%reach(1, lead))/(1.0_dp + sum(pair%reach(:, lead)))
+         part(1, :) = 1.0_dp - part(2, :)
+      else
+         part = inverse(reshape([hats(segments(1)%range(1)), hats(segments(size(segments))%range(2))], [2, 2]))
+      end if
+   end function part_hats
+
+   !> The functions dual to the hats of a part of the slave, as combinations of these hats: diag(d) M^-1 with d and M
+   !> the integrals of the hats and of their products (2, 2) [-].
+   pure function dual_factors(pair, segments, n_points) result(dual)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the part
       integer, intent(in) :: n_points !! number of points of the quadrature
-      real(dp) :: mean(2), mass(2, 2), local(2), at, area
+      real(dp) :: dual(2, 2), part(2, 2), mean(2), mass(2, 2), local(2), at, area
       type(gauss_rule_t) :: rule
       type(surface_place_t) :: place
       integer :: i, k
@@ -243,22 +258,22 @@ contains
       rule = gauss_rule(n_points)
       mean = 0.0_dp
       mass = 0.0_dp
-      piece%hat = inverse(reshape([hats(segments(1)%range(1)), hats(segments(size(segments))%range(2))], [2, 2]))
       do i = 1, size(segments)
+         part = part_hats(pair, segments(i)%slave, segments)
          do k = 1, n_points
             associate (range => segments(i)%range)
                at = 0.5_dp*(sum(range) + (range(2) - range(1))*rule%xi(k))
-               place = slave%place(segments(i)%slave, at)
+               place = pair%slave%place(segments(i)%slave, at)
                area = 0.5_dp*(range(2) - range(1))*rule%weight(k)*norm2(place%along)*place%depth
             end associate
-            local = matmul(piece%hat, hats(at))
+            local = matmul(part, hats(at))
             mean = mean + area*local
             mass(:, 1) = mass(:, 1) + area*local*local(1)
             mass(:, 2) = mass(:, 2) + area*local*local(2)
          end do
       end do
-      piece%psi = spread(mean, 2, 2)*matmul(inverse(mass), piece%hat)
-   end subroutine dual_functions
+      dual = spread(mean, 2, 2)*inverse(mass)
+   end function dual_factors
 
    !> The inverse of a 2 by 2 matrix.
    pure function inverse(matrix)

@@ -373,18 +373,14 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(condensed_load_t) :: rest
-      real(dp), allocatable :: lacking(:), lacking_then(:), refined(:, :), unknowns(:, :)
-      real(dp) :: forces
-      integer :: n_inside
+      real(dp), allocatable :: lacking(:), refined(:, :), unknowns(:, :)
 
-      n_inside = body%dof_map%n_dofs - body%dof_map%n_schur
-      call find_imbalance(lacking, forces, body, load_case, displacement, force)
-      if (norm2(lacking(:n_inside)) <= negligible*forces) return
+      lacking = imbalance(body, load_case, displacement, force)
+      if (norm2(lacking) <= negligible*max(load_case%uncanceled(1), norm2(force))) return
       call body%condensation%condense_load(lacking, rest)
       call body%condensation%recover([rest], spread(0.0_dp*force, 2, 1), unknowns)
       refined = displacement + from_unknowns(unknowns(:, 1), 0.0_dp*displacement, body%constraints, body%dof_map)
-      call find_imbalance(lacking_then, forces, body, load_case, refined, force)
-      if (norm2(lacking_then(:n_inside)) < norm2(lacking(:n_inside))) displacement = refined
+      if (norm2(imbalance(body, load_case, refined, force)) < norm2(lacking)) displacement = refined
    end subroutine refine_displacement
 
    !> The load q - S v - lambda that contact displacements and forces leave unbalanced, from the strains of the whole
@@ -398,29 +394,24 @@ contains
       real(dp), allocatable :: lacking(:)
       type(condensed_load_t) :: rest
       real(dp), allocatable :: displacement(:, :)
-      real(dp) :: forces
 
       call recover_displacement(displacement, body, load_case, solution)
-      call find_imbalance(lacking, forces, body, load_case, displacement, force)
-      call body%condensation%condense_load(lacking, rest)
+      call body%condensation%condense_load(imbalance(body, load_case, displacement, force), rest)
       lacking = rest%load
    end function imbalance_of_points
 
-   !> Finds the loads and contact forces less the forces of stresses and springs on all unknowns.
-   subroutine find_imbalance(imbalance, forces, body, load_case, displacement, force)
-      real(dp), allocatable, intent(out) :: imbalance(:) !! what the unknowns lack for equilibrium (n) [F]
-      real(dp), intent(out) :: forces !! norm of the forces of stresses and springs on all nodes, reactions included [F]
+   !> Loads and contact forces less the forces of stresses and springs on all unknowns (n) [F].
+   function imbalance(body, load_case, displacement, force)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      real(dp), allocatable :: internal(:, :)
+      real(dp), allocatable :: imbalance(:), internal(:, :)
 
       call body%internal_forces(internal, displacement, load_case%thermal_strain)
-      forces = norm2(internal)
       imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, &
          size(displacement, 1)) - internal, body%constraints, body%dof_map)
-   end subroutine find_imbalance
+   end function imbalance
 
    !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,
    !> n_nodes) [L].

@@ -299,7 +299,7 @@ contains
       end associate
       allocate (at_rest(body%zone%n_rows), source=0.0_dp)
       do i = 1, size(parts)
-         call recover_with_travel(field, body, parts(i), at_rest, at_rest)
+         call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
          fields(:, :, i) = field
          call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
          loads(:, :, i) = parts(i)%force - field
