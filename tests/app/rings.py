@@ -2,19 +2,20 @@
 import math
 
 
-def ring(wave, radii=(1.0, 1.5, 2.0)):
-    """A Gmsh file of a ring whose 48 cells around are of unequal length if `wave` is not 0, with sets hole and rim."""
-    angles = [2*math.pi*k/48 + wave*math.sin(5*k) for k in range(48)]
+def ring(wave, radii=(1.0, 1.5, 2.0), sides=48):
+    """A Gmsh file of a ring whose cells around are of unequal length if `wave` is not 0, with sets hole and rim."""
+    angles = [2*math.pi*k/sides + wave*math.sin(5*k) for k in range(sides)]
     nodes = [(radius*math.cos(angle), radius*math.sin(angle)) for radius in radii for angle in angles]
     cells = []
-    for k in range(48):
-        near = (k + 1) % 48
+    for k in range(sides):
+        near = (k + 1) % sides
         cells.append(f"1 2 1 1 {k + 1} {near + 1}")
-        cells.append(f"1 2 3 3 {97 + near} {97 + k}")
-        cells += [f"3 2 2 2 {first + k} {first + 48 + k} {first + 48 + near} {first + near}" for first in (1, 49)]
+        cells.append(f"1 2 3 3 {2*sides + 1 + near} {2*sides + 1 + k}")
+        cells += [f"3 2 2 2 {first + k} {first + sides + k} {first + sides + near} {first + near}"
+                  for first in (1, sides + 1)]
     return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '1 1 "hole"', '2 2 "ring"',
-                      '1 3 "rim"', "$EndPhysicalNames", "$Nodes", "144",
-                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes", "$Elements", "192",
+                      '1 3 "rim"', "$EndPhysicalNames", "$Nodes", str(3*sides),
+                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes", "$Elements", str(4*sides),
                       *(f"{i} {cell}" for i, cell in enumerate(cells, 1)), "$EndElements", ""])
 
 

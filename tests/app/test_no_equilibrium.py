@@ -96,6 +96,11 @@ class NoEquilibrium(ProgramTest):
             else:
                 self.run_program("--output", "results", self.write("free.nml", deck))
 
+    def test_twelve_sides_are_a_circle(self):
+        # The line bends by 30 degrees on the average. Where it bends by more, facets would bear the moment.
+        self.write("ring.msh", ring(0.02, sides=12))
+        self.assert_no_equilibrium(hung_ring(0.02, 0, 0.0, (0.0, -1e-2)), BUT_FOR_THE_MESH.format("rotate clockwise"))
+
     def test_ring_on_a_rough_pin_turns_under_its_load(self):
         # Contact on one side of the pin bears what passes within sin(arctan(friction)) of the center, times what the
         # pressures add up to over their resultant, at most 4/pi; the load passes at 2 and at 2 sin(2 pi/48) = 0.26.

@@ -6,6 +6,7 @@ import unittest
 
 from harness import ProgramTest
 from histories import CLUTCH, DISC, TO_AND_FRO
+from mapped_mesh import mapped_mesh
 
 
 # A rigid plate on the clutch.
@@ -255,6 +256,22 @@ class Twist(ProgramTest):
         loose = self.rigid("", bolt.format("shortening = 0.01"))
         self.assertAlmostEqual(loose["rigid_p_turn"], tight["rigid_p_turn"], delta=1e-12)
         self.assertAlmostEqual(loose["preload_bolt_force"], 0.01*260.0*math.pi*4.0/6.0, delta=1e-9)
+
+    def test_rotation_strains_no_bond_across_a_gap(self):
+        # The lower side of the upper ring is bulged: normals of the slave meet the master at other radii.
+        self.write("upper.msh", mapped_mesh((4, 2), "quad8", lambda s, t: (1.0 + s, 0.5 + 0.5*t + 0.1*s*s*(1.0 - t))))
+        stack = ("&mesh name = 'lower'  size = 1.0, 0.5  cells = 6, 3  origin = 1.0, 0.0 /\n"
+                 "&mesh name = 'upper'  file = 'upper.msh' /\n"
+                 "&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric'  twist = .true. /\n"
+                 "&tie set = 'upper.bottom'  to = 'lower.top' /\n")
+        result = self.solve(stack + "&support set = 'lower.bottom'  uy = 0.0 /\n"
+                            "&support set = 'upper.top'  turn = 0.1 /\n")
+        self.assertLess(result.summary["key_results"]["max_von_mises"], 1e-11*1000.0)
+        # On a floor friction alone resists the rotation: it bears 2/3 pi mu p (b^3 - a^3) = 4.40, and no more.
+        stack += "&contact set = 'lower.bottom'  friction = 0.3 /\n&load set = 'upper.top'  pressure = 1.0  torque = "
+        result = self.solve(stack + "4.0 /\n")
+        self.assertAlmostEqual(result.summary["key_results"]["contact_torque"], -4.0, delta=1e-8)
+        self.run_program(self.write("case.nml", stack + "4.5 /\n"), status=2)
 
     def test_refused_of_a_rigid_plate(self):
         side = "&support set = 'upper.right'  {} /\n"

@@ -146,10 +146,12 @@ contains
             k = findloc(self%node(first:n), self%node(i), dim=1)
             if (k > 0) then
                self%part(:, first + k - 1) = self%part(:, first + k - 1) + self%part(:, i)
+               self%around(first + k - 1) = self%around(first + k - 1) + self%around(i)
             else
                n = n + 1
                self%node(n) = self%node(i)
                self%part(:, n) = self%part(:, i)
+               self%around(n) = self%around(i)
             end if
          end do
          self%start(p) = first
@@ -157,6 +159,7 @@ contains
       self%start(size(self%start)) = n + 1
       self%node = self%node(:n)
       self%part = self%part(:, :n)
+      self%around = self%around(:n)
    end subroutine contact_rows_merge_nodes
 
    !> C u: normal displacements of all points, then the tangential ones, at last those around the axis (components m)

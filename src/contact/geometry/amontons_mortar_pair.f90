@@ -326,7 +326,8 @@ contains
             if (p == 0) cycle
             first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
             associate (segment => pieces(i)%segment, node => points%rows%node, part => points%rows%part, &
-               quadrature => points%quadrature, slave => pair%slave, master => pair%master)
+               around => points%rows%around(first_node + 1:first_node + 6), quadrature => points%quadrature, &
+               slave => pair%slave, master => pair%master)
                ! Parts are shares in the normal and in the tangential displacement first.
                ! A straight side has no middle node: its part there is 0, and no entry remains of it.
                node(first_node + 1:first_node + 6) = [slave%side(:3, segment%slave), master%side(:3, segment%master)]
@@ -343,6 +344,8 @@ contains
                      part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
                      part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
                   end do
+                  ! Around the axis angles are compared: depths are circumferences.
+                  around = around + psi(1)*[place%values, -foot%values*place%depth/foot%depth]
                   points%area(p) = points%area(p) + psi(1)
                   shear_area(p) = shear_area(p) + psi(2)
                   points%length(p) = points%length(p) + hat/place%depth
@@ -368,6 +371,7 @@ contains
                points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
                points%rows%node(first:first + 1) = [pair%node(p), pair%partner(p)]
                points%rows%part(:, first:first + 1) = reshape([1.0_dp, 1.0_dp, -1.0_dp, -1.0_dp], [2, 2])
+               points%rows%around(first:first + 1) = [1.0_dp, -1.0_dp]
             end associate
             cycle
          end if
@@ -379,11 +383,11 @@ contains
          associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
             points%rows%part(1, first:last) = points%rows%part(1, first:last)/points%area(p)
             points%rows%part(2, first:last) = points%rows%part(2, first:last)/shear_area(p)
+            points%rows%around(first:last) = points%rows%around(first:last)/points%area(p)
          end associate
       end do
       call points%rows%merge_nodes()
       points%rows%tangent = points%rows%part
-      points%rows%around = points%rows%part(1, :)
       do p = 1, n
          do i = points%rows%start(p), points%rows%start(p + 1) - 1
             points%rows%tangent(:, i) = points%rows%part(2, i)*turned(pair%normal(:, p))

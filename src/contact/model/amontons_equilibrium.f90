@@ -202,11 +202,11 @@ contains
    end function on_round_line
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
-   !> turns by more than 30 degrees, those of the facets (2, m) [-].
+   !> turns by more than 35 degrees, those of the facets (2, m) [-]. A circle of twelve sides turns by 30.
    pure function round_normals(zone) result(normals)
       type(contact_zone_t), intent(in) :: zone !! the contact points; a cell keeps the normal of its sides
       real(dp), allocatable :: normals(:, :)
-      real(dp), parameter :: least_cosine = 0.8660254037844386_dp, straight = 1.0e-9_dp
+      real(dp), parameter :: least_cosine = 0.82_dp, straight = 1.0e-9_dp
       real(dp) :: before(2), after(2), tangent(2), lengths
       integer :: p, q, r
 
