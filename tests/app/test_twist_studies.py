@@ -272,6 +272,11 @@ class Twist(ProgramTest):
         result = self.solve(stack + "4.0 /\n")
         self.assertAlmostEqual(result.summary["key_results"]["contact_torque"], -4.0, delta=1e-8)
         self.run_program(self.write("case.nml", stack + "4.5 /\n"), status=2)
+        # A pair in the place of the tie exerts the same moment, not the same force, on both bodies.
+        pair = stack.replace("&tie ", "&contact friction = 0.5  ").replace("  to = ", "  against = ")
+        result = self.solve(pair.replace("lower.bottom'  friction = 0.3", "lower.bottom'  friction = 0.9") + "1.0 /\n")
+        self.assertAlmostEqual(result.summary["key_results"]["force_torque_upper.bottom"], -1.0, delta=1e-8)
+        self.assertLess(result.summary["certificate"]["pair_force"], 1e-12)
 
     def test_refused_of_a_rigid_plate(self):
         side = "&support set = 'upper.right'  {} /\n"

@@ -415,6 +415,9 @@ contains
       end do
       on_nodes = contact
       if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes, size(contact, 1))
+      ! Around the axis moments cancel, not forces.
+      if (size(on_nodes, 1) > 2) on_nodes(3, :) = on_nodes(3, :)*body%mesh%coordinates(1, :) &
+         /maxval(body%mesh%coordinates(1, :))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
       call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, 0.25_dp*body%zone%weight, &
@@ -541,7 +544,8 @@ contains
    !=   middle of the body | that sum times half the body's larger side
    !=certificate `energy` | $u \cdot (K u - f_\vartheta)$ minus the work of loads, contact forces and reactions | sum of
    !=   the magnitudes of the terms of the former or, if larger, of these works, or the strain energy (or more)
-   !=certificate `pair_force` | sum of the contact forces on both bodies of all pairs | sum of their magnitudes
+   !=certificate `pair_force` | sum of the contact forces on both bodies of all pairs; around an axis of their moments,
+   !=   over the largest radius | sum of their magnitudes
    !=certificate `pair_moment` | sum of their moments about the origin, less the couple that the forces make across the
    !=   gaps (0 where the bodies touch); none in a body of revolution | sum of their magnitudes times half the body's
    !=   larger side
