@@ -15,8 +15,9 @@ def ring(wave, radii=(1.0, 1.5, 2.0), sides=48):
                   for first in (1, sides + 1)]
     return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '1 1 "hole"', '2 2 "ring"',
                       '1 3 "rim"', "$EndPhysicalNames", "$Nodes", str(3*sides),
-                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes", "$Elements", str(4*sides),
-                      *(f"{i} {cell}" for i, cell in enumerate(cells, 1)), "$EndElements", ""])
+                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes",
+                      "$Elements", str(4*sides), *(f"{i} {cell}" for i, cell in enumerate(cells, 1)),
+                      "$EndElements", ""])
 
 
 def hung_ring(wave, angle, friction, force, clearance=0.001):

@@ -294,7 +294,7 @@ contains
       type(gauss_rule_t) :: rule
       real(dp), dimension(size(pair%normal, 2)) :: hat_area, shear_area
       integer, dimension(size(pair%normal, 2)) :: n_pieces, n_partners, filled
-      integer :: i, k, p, first_node, l, j, n, q
+      integer :: i, k, p, first_node, l, n, q
       type(surface_place_t) :: place, foot
       real(dp) :: at, area, psi(2), hat, normal(2)
 
@@ -305,11 +305,9 @@ contains
       end if
       n = size(pair%normal, 2)
       n_pieces = 0
-      do i = 1, size(pieces)
-         do k = 1, 2
-            p = pieces(i)%point(k)
-            if (p > 0) n_pieces(p) = n_pieces(p) + 1
-         end do
+      do k = 1, 2*size(pieces)
+         p = pieces((k + 1)/2)%point(2 - modulo(k, 2))
+         if (p > 0) n_pieces(p) = n_pieces(p) + 1
       end do
       n_partners = 0
       if (.not. allocated(pair%cells)) n_partners = merge(2, 0, pair%partner > 0)
@@ -325,7 +323,8 @@ contains
             p = pieces(i)%point(k)
             if (p == 0) cycle
             first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
-            associate (segment => pieces(i)%segment, node => points%rows%node, part => points%rows%part, &
+            associate (segment => pieces(i)%segment, node => points%rows%node, &
+               part => points%rows%part(:, first_node + 1:first_node + 6), &
                around => points%rows%around(first_node + 1:first_node + 6), quadrature => points%quadrature, &
                slave => pair%slave, master => pair%master)
                ! Parts are shares in the normal and in the tangential displacement first.
@@ -340,10 +339,7 @@ contains
                   area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
                   psi = [dot_product(pieces(i)%psi(k, :), hats(at)), dot_product(pieces(i)%shear(k, :), hats(at))]*area
                   hat = dot_product(pieces(i)%hat(k, :), hats(at))*area
-                  do j = 1, 3
-                     part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
-                     part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
-                  end do
+                  part = part + spread(psi, 2, 6)*spread([place%values, -foot%values], 1, 2)
                   ! Around the axis angles are compared: depths are circumferences.
                   around = around + psi(1)*[place%values, -foot%values*place%depth/foot%depth]
                   points%area(p) = points%area(p) + psi(1)
