@@ -21,10 +21,10 @@ module amontons_load_solver
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, &
-      imbalance_of_points, least_squares_amounts, on_round_line, round_normals
+   use amontons_equilibrium, only: can_be_wedged, check_balance, find_idle_motion, find_resting_motion, &
+      fit_rigid_motion, fit_travel, imbalance_of_points, least_squares_amounts, on_round_line, round_normals
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
-   use amontons_friction_law, only: tangential_norm
+   use amontons_friction_law, only: open_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, new_load_family, parting_t
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
@@ -110,14 +110,22 @@ contains
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
-      logical :: is_sure
-      real(dp), allocatable :: motion(:)
+      logical :: is_sure, is_wedged
+      real(dp), allocatable :: motion(:), idle(:)
       type(newton_t) :: quick
 
       reason = ''
       error_kind = numerical_failure
+      call find_idle_motion(idle, body, problem, solution%displacement, solution%force)
       start = solution
       call solution%reset()
+      if (allocated(idle)) then
+         is_wedged = any(abs(start%force) > 0.0_dp)
+         if (is_wedged) is_wedged = can_be_wedged(body, problem, acting%is_in_reach)
+         if (.not. is_wedged) call rest(idle, solution)
+         outcome = outcome_solved
+         if (.not. is_wedged) return
+      end if
       if (self%is_auto .and. has_start_position(solution)) then
          quick = newton_t(tolerance=self%method%tolerance, max_iterations=min(n_newton_steps, &
             self%method%max_iterations), patience=patience, decrease=decrease)
@@ -145,20 +153,14 @@ contains
             first = solution
             solution = start
             ! Displacements are counted from where the body meets its obstacles.
-            call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_start_position(solution))
+            call find_origin(motion, body, load_case, problem)
             call self%solve_from_motion(motion, self%method, body, acting, problem, solution, error)
             call solution%prepend(first)
          end if
       end if
-      if (solution%is_converged .and. problem%is_unloaded()) then
-         ! The unloaded body is where it was drawn, or where it has moved to: all else are errors of a state with loads.
-         first = solution
-         call fit_travel(motion, body, solution%displacement)
-         solution%displacement = merge(motion, 0.0_dp, any(abs(motion) > rounding*self%size_of_body))
-         solution%force = 0.0_dp
-         call solution%measure(problem)
-         if (.not. solution%residual <= self%method%tolerance) solution = first
-      end if
+      ! Forces of rounding errors of gaps are none.
+      if (allocated(idle) .and. maxval([0.0_dp, abs(solution%force)]) <= rounding*maxval(abs(body%zone%position)) &
+         *maxval(problem%matrix%augmentation)) call rest(idle, solution)
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
@@ -230,13 +232,14 @@ contains
          any(abs(solution%displacement(:size(solution%status))) > 0.0_dp)
    end function has_start_position
 
-   !> Resets the start to rest if nothing loads the body, whose position under the loads of another case is no
-   !> equilibrium position then.
+   !> Resets the start to rest if nothing loads the body: it stays where it is drawn, as far as overlaps allow, not
+   !> where the loads of another case have moved it.
    pure subroutine forget_start(problem, solution)
       type(contact_problem_t), intent(in) :: problem !! the contact problem, posed
       type(contact_solution_t), intent(inout) :: solution !! the start
 
-      if (problem%is_unloaded()) call new_contact_solution(solution, problem%n_points, problem%matrix%n_tangents)
+      if (.not. any(abs(problem%load) > 0.0_dp)) call new_contact_solution(solution, problem%n_points, &
+         problem%matrix%n_tangents)
    end subroutine forget_start
 
    !> Solves a contact problem, with displacements counted from a rigid motion, and refines the solution.
@@ -310,30 +313,30 @@ contains
       end do
    end subroutine load_solver_refine
 
-   !> Finds the rigid motion from which displacements are counted: none if nothing acts on a body at rest; the one
-   !> closest to the gaps, if it is close and, without loads, leaves no overlap; otherwise that of a rigid body pressed
-   !> onto its obstacles, if loads or overlaps move it.
-   subroutine find_origin(motion, body, load_case, problem, is_at_rest)
+   !> Finds the rigid motion from which displacements are counted: the one closest to the gaps, if it is close;
+   !> otherwise that of a rigid body that loads press onto its obstacles.
+   subroutine find_origin(motion, body, load_case, problem)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       type(contact_problem_t), intent(in) :: problem !! its contact problem
-      logical, intent(in) :: is_at_rest !! whether no force and no displacement is known of
-      real(dp), allocatable :: laid(:)
 
-      if (is_at_rest .and. problem%is_unloaded()) then
-         allocate (motion(problem%matrix%n), source=0.0_dp)
-         return
-      end if
-      call fit_rigid_motion(motion, body, load_case, problem%load)
-      if (any(abs(problem%load) > 0.0_dp)) then
-         if (any(abs(motion) > 0.0_dp)) return
-      else
-         if (all(problem%gap >= motion(:problem%n_points))) return
-      end if
-      call find_resting_motion(laid, body, load_case, problem%load)
-      if (any(abs(laid) > 0.0_dp)) motion = laid
+      call fit_rigid_motion(motion, body, load_case)
+      if (any(abs(motion) > 0.0_dp) .or. .not. any(abs(problem%load) > 0.0_dp)) return
+      call find_resting_motion(motion, body, load_case, problem%load)
    end subroutine find_origin
+
+   !> Puts a body that nothing loads at rest in its place.
+   pure subroutine rest(motion, solution)
+      real(dp), intent(in) :: motion(:) !! displacements of the points (n_rows) [L]
+      type(contact_solution_t), intent(inout) :: solution !! keeps its record alone
+
+      solution%displacement = motion
+      solution%force = 0.0_dp
+      solution%status = open_point
+      solution%residual = 0.0_dp
+      solution%is_converged = .true.
+   end subroutine rest
 
    !> The contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
    !> strains ties: its product with S is rounding.

@@ -260,7 +260,7 @@ contains
       call solver%loads%at_rest(acting)
       call solver%loads%pose(body, acting, problem)
       call result%timings%begin(phase_solve)
-      if (problem%is_unloaded() .and. allocated(result%started_from)) deallocate (result%started_from)
+      if (.not. any(abs(problem%load) > 0.0_dp) .and. allocated(result%started_from)) deallocate (result%started_from)
       call forget_start(problem, result%solution)
       call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
       deallocate (solver)

@@ -4,6 +4,7 @@ import shutil
 import unittest
 
 from histories import HistoryTest
+from mapped_mesh import mapped_mesh
 
 TIMES = "&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4"
 BLOCK = """&mesh size = 4.0, 2.0  cells = 12, 6  element = '{element}' /
@@ -29,6 +30,27 @@ STACK = """&mesh name = 'a'  size = 4.0, 2.0  cells = 10, 4 /
 &steps obstacle = 'floor'  shift_x = 0.0, 0.02, -0.03, 0.01  shift_y = 0.0, 0.02, 0.01, 0.04
        turn = 0.0, 0.003, -0.002, 0.001  pivot = 2.0, -2.0 /
 &steps contact = 'floor'  friction_factor = 1.0, 0.5, 1.5, 0.0 /
+"""
+RELEASED = """&case name = 'released' /
+&mesh size = 4.0, 2.0  cells = 8, 4 /
+&mesh name = 'high'  size = 2.0, 1.0  cells = 5, 3  origin = 1.0, 2.0 /
+&material young = 1000.0  poisson = 0.3 /
+&contact name = 'floor'  set = 'bottom'  friction = 0.5 /
+&contact set = 'high.bottom'  against = 'top'  friction = 0.3 /
+&load name = 'press'  set = 'high.top'  traction = 0.2, -1.0 /
+&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4 /
+&steps load = 'press'  factor = 0.0, 1.0, 0.0, 0.0 /
+&steps obstacle = 'floor'  shift_y = 0.0, 0.0, 0.0, -0.01 /
+&output probe = 0.0, 2.0, 3.0, 3.0 /
+"""
+WEDGE = """&case name = 'wedge' /
+&mesh file = 'wedge.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&contact set = 'left'  friction = {friction}  point = -1.0, 0.0  normal = 1.0, 0.2 /
+&contact set = 'right'  friction = {friction}  point = 1.0, 0.0  normal = -1.0, 0.2 /
+&load name = 'press'  set = 'top'  traction = 0.0, -1.0 /
+&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4 /
+&steps load = 'press'  factor = 0.0, 1.0, 0.0, 0.0 /
 """
 PLANE = BLOCK.format(element="quad4", hypothesis="plane strain")
 DECKS = {
@@ -230,6 +252,29 @@ class Bodies(HistoryTest):
         self.assertLess(max(abs(float(row["normal_force"])) for row in self.table("body.contact.csv")), 1e-15*1134.0)
         # The same of the energies, 5.04 before, where the bodies have moved: with the kernels of some processors.
         self.assertLess(abs(self.summary("body")["load_history"]["strain_energy"]), 1e-15*5.04)
+
+    def test_unloaded_bodies_stay_while_their_floor_moves_away(self):
+        # They were solved from the slips of the step before, and moved on by what rounding made of these.
+        self.walk(RELEASED)
+        for probe in ("ux_1", "uy_1", "ux_2", "uy_2"):
+            places = [float(row[probe]) for row in self.table("released.history.csv")][8:]
+            self.assertLess(max(places) - min(places), 1e-15)
+            if probe.startswith("uy"):
+                self.assertLess(max(map(abs, places)), 1e-15, msg="points that were pressed keep touching")
+
+    def test_wedged_body_keeps_its_forces_without_loads(self):
+        # Friction holds a trapezoid in a groove steeper than its angle; without friction it comes loose.
+        groove = mapped_mesh((8, 4), "quad4", lambda s, t: ((2.0*s - 1.0)*(1.0 + 0.2*t), t))
+        (self.directory / "wedge.msh").write_text(groove, encoding="utf-8")
+        for friction, is_wedged in ((0.5, True), (0.1, False)):
+            self.walk(WEDGE.format(friction=friction))
+            pressed, *released = [float(row["normal_force"]) for row in self.table("wedge.history.csv")][4:]
+            self.assertGreater(pressed, 3.0)
+            # The load went in four equal steps: the forces go on as in those before.
+            self.assertEqual([force > 0.6*pressed for force in released[3:]], [is_wedged]*5)
+            self.assertEqual(len(set(released[3:])), 1)
+            if not is_wedged:
+                self.assertEqual(released[3], 0.0)
 
 
 if __name__ == "__main__":

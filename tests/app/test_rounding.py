@@ -29,6 +29,17 @@ FALLEN = """&mesh name = 'low'  size = 5.6, 1.19  cells = 24, 6  element = 'tri3
 &steps load = 'weight'  factor = 0.7, 0.6, 1e-9 /
 """
 
+# A block that overlaps another one by little, without loads at first.
+OVERLAPPING = """&mesh name = 'low'  size = 4.0, 1.5  cells = 5, 2  element = 'tri3' /
+&mesh name = 'high'  size = 3.0, 1.2  cells = 4, 3  element = 'quad8'  origin = {shift}, {height!r} /
+&material young = 1000.0  poisson = 0.3 /
+&{held} /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /
+&load name = 'press'  set = 'high.top'  traction = 0.0, -0.01 /
+&history times = 0.0, 1.0, 2.0, 3.0 /
+&steps load = 'press'  factor = 0.0, 0.0, 1.0, 0.0 /
+"""
+
 # A soft block between two stiff ones, of which a support moves the upper one.
 PRESSED = """&mesh name = 'low'  size = 10.0, 5.0  cells = 40, 20 /
 &mesh name = 'soft'  size = 9.0, 5.0  cells = 36, 20  origin = 0.5, 5.0 /
@@ -75,6 +86,17 @@ class Rounding(Verification):
 &{held} /
 &contact set = 'b.bottom'  against = 'a.top'  friction = 0.3 /
 """)
+
+    def test_bodies_that_nothing_loads_leave_overlaps_by_a_rigid_motion(self):
+        # They had the overlaps themselves for displacements, which are rigid motions but for rounding errors: strains
+        # without forces in the first step.
+        for held in ("support set = 'low.bottom'  ux = 0.0  uy = 0.0", "contact set = 'low.bottom'  friction = 0.3",
+                     "support set = 'low.bottom'  spring_n = 10.0  spring_t = 10.0"):
+            for overlap in (1e-13, 1e-12, 1e-9, 1e-5):
+                for shift in (0.5, 1.7):
+                    with self.subTest(held=held, overlap=overlap, shift=shift):
+                        summary = self.summary_of(OVERLAPPING.format(held=held, height=1.5 - overlap, shift=shift))
+                        self.assertEqual(summary["resultants"]["normal_force"], 0.0)
 
     def test_loads_that_almost_cancel_have_a_sharp_limit(self):
         # The method measures by what is left of them on the contact points, the check before it by their sum.

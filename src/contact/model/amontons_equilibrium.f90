@@ -15,23 +15,25 @@
 !> Displacements that do cause forces may be millions of times smaller than the distance to the obstacle: counted from
 !> the body's position on the obstacle, they keep their digits. If the gaps do not determine this position, as for a
 !> hollow body that rests on its ends, it is found from the loads, which press a rigid body onto its obstacles, or from
-!> the displacements found.
+!> the displacements found. Without loads it is the least motion from where the body was that ends all overlaps.
 module amontons_equilibrium
    use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t, largest_motion
    use amontons_condensation, only: condensed_load_t
+   use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: bounded_remainder, symmetric_eigenvectors
    use amontons_error, only: error_t, new_error, no_equilibrium
+   use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t, recover_displacement
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
-   public :: check_balance, find_resting_motion, fit_rigid_motion, fit_travel, imbalance_of_points, &
-      least_squares_amounts, on_round_line, recover_with_travel, round_normals, travel_of_nodes
+   public :: can_be_wedged, check_balance, find_idle_motion, find_resting_motion, fit_rigid_motion, fit_travel, &
+      imbalance_of_points, least_squares_amounts, on_round_line, recover_with_travel, round_normals, travel_of_nodes
 
    !> Number of directions of the extreme forces of a disc.
    integer, parameter :: n_directions = 16
@@ -229,14 +231,11 @@ contains
    end function round_normals
 
    !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if much of
-   !> the gaps remains. For pieces without loads the result is the gaps themselves if only rounding errors remain: these
-   !> would otherwise be the only loads. A small load on a stiff body, however, needs an exact rigid motion, since any
-   !> other would disturb its equilibrium.
-   subroutine fit_rigid_motion(motion, body, load_case, load)
+   !> the gaps remains.
+   subroutine fit_rigid_motion(motion, body, load_case)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
-      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
       real(dp), parameter :: much = 0.1_dp
       real(dp) :: aim(body%zone%n_rows)
       logical :: counts(body%zone%n_rows)
@@ -247,24 +246,18 @@ contains
          size(body%rigid_modes, 2))), aim))
       if (maxval(abs(aim - motion), mask=counts) > max(much*maxval(abs(aim)), &
          rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
-      associate (lengths => max(maxval(abs(aim)), maxval(abs(body%zone%position))))
-         if (maxval(abs(aim - motion), mask=counts) <= rounding*lengths) then
-            motion = merge(aim, motion, counts .and. is_unloaded(body%rigid_modes, load, body%zone%n_points))
-         end if
-      end associate
    end subroutine fit_rigid_motion
 
    !> Finds the free rigid motion by which loads press a rigid body onto its obstacles, with the least possible slip: of
-   !> all positions without overlap the one nearest to a distant point in the direction of the loads. Without loads it
-   !> is the least motion from the closest fit to the gaps that removes all overlaps. None if there is no such position,
-   !> or if the motion is much longer than the gaps.
+   !> all positions without overlap the one nearest to a distant point in the direction of the loads. None if there is
+   !> no such position, or if the motion is much longer than the gaps.
    subroutine find_resting_motion(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
       real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
-      ! Length of the way without obstacles, and a gap that remains open without loads, both over the largest gap.
-      real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
+      ! Length of the way without obstacles, over the largest gap.
+      real(dp), parameter :: far = 100.0_dp
       ! The Gram matrix of the modes has half of their digits.
       real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp, negligible = 1.0e-12_dp
       real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:), slip(:, :)
@@ -300,8 +293,7 @@ contains
       amounts = least_squares_amounts(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), &
          aim)
       drive(:n) = matmul(load, way)
-      if (any(abs(load) > 0.0_dp)) amounts = amounts + far*unit*matmul(in_modes, &
-         drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
+      amounts = amounts + far*unit*matmul(in_modes, drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
       motion = matmul(body%rigid_modes, amounts)
       ! The least distance under inequalities, G x >= h, from least squares (Lawson and Hanson, chapter 23).
       allocate (columns(n + 1, count(counts(:m))))
@@ -309,7 +301,6 @@ contains
          columns(k, :) = -pack(way(:m, k), counts(:m))
       end do
       columns(n + 1, :) = pack(motion(:m) - aim(:m), counts(:m))/unit
-      if (.not. any(abs(load) > 0.0_dp)) columns(n + 1, :) = columns(n + 1, :) + apart
       remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), [spread(0.0_dp, 1, n), 1.0_dp])
       if (remainder(n + 1) <= impossible) then
          motion = 0.0_dp
@@ -320,6 +311,78 @@ contains
          if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
       end if
    end subroutine find_resting_motion
+
+   !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
+   !> was: points that were pressed keep touching. It causes no forces. There is none where a load acts, where overlaps
+   !> press, where a given slip bound resists the way, and where motions strain ties.
+   subroutine find_idle_motion(motion, body, problem, before, force)
+      real(dp), allocatable, intent(out) :: motion(:)
+         !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), intent(in) :: before(:) !! displacements of the points before (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces before (n_rows) [F]
+      ! Gaps that count as wide, over the largest overlap: no least motion reaches them. And what rounding leaves.
+      real(dp), parameter :: wide = 1.0e4_dp, impossible = 1.0e-10_dp, few = 1.0e-10_dp
+      real(dp) :: columns(size(body%travel, 2) + 1, problem%n_points), remainder(size(body%travel, 2) + 1)
+      real(dp) :: place(size(body%travel, 2)), none, unit
+      logical :: is_idle, is_pressed(body%zone%n_rows)
+      integer :: i
+
+      if (.not. all(abs(problem%load) <= 0.0_dp)) return
+      place = matmul(before, body%travel)
+      is_pressed = [(force(:problem%n_points) > 0.0_dp, i=0, body%zone%n_tangents)]
+      place = place + least_squares_amounts(merge(body%travel, 0.0_dp, spread(is_pressed, 2, size(place))), &
+         merge(before - matmul(body%travel, place), 0.0_dp, is_pressed))
+      ! A body is where it is drawn but for the rounding errors of coordinates.
+      if (all(abs(matmul(body%travel, place)) <= rounding*maxval(abs(body%zone%position)))) place = 0.0_dp
+      associate (m => problem%n_points, n => size(body%travel, 2))
+         motion = matmul(body%travel, place)
+         unit = maxval(motion(:m) - problem%gap)
+         if (unit > 0.0_dp) then
+            ! The least distance under inequalities, G x >= h, from least squares (Lawson and Hanson, chapter 23).
+            columns(:n, :) = -transpose(body%travel(:m, :))
+            columns(n + 1, :) = max((motion(:m) - problem%gap)/unit, -wide)
+            remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, m), [spread(0.0_dp, 1, n), 1.0_dp])
+            if (remainder(n + 1) > impossible) motion = matmul(body%travel, place &
+               - unit/remainder(n + 1)*remainder(:n))
+         end if
+         none = few*maxval(abs(motion))
+         is_idle = all(motion(:m) - problem%gap <= none .and. (.not. problem%slip_bound > 0.0_dp .or. &
+            tangential_norm(motion(m + 1:) - problem%anchor, m) <= none))
+         if (.not. is_idle .or. (body%is_motion_strained .and. none > 0.0_dp)) deallocate (motion)
+      end associate
+   end subroutine find_idle_motion
+
+   !> Whether contact forces alone can balance each other, as those on a body between two walls: if no free rigid motion
+   !> opens all contacts against friction. Given slip bounds hold open points, too.
+   pure logical function can_be_wedged(body, problem, is_in_reach)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      ! The square of an angle.
+      real(dp), parameter :: least_remainder = 1.0e-10_dp
+      real(dp), allocatable :: columns(:, :), edge(:, :), remainder(:)
+      integer :: k, n
+
+      can_be_wedged = any(problem%slip_bound > 0.0_dp)
+      if (can_be_wedged) return
+      n = size(body%travel, 2)
+      allocate (columns(n + 1, 0))
+      associate (m => problem%n_points, travel => body%travel)
+         do k = 1, 2*body%zone%n_tangents
+            ! In space a pyramid around the cone.
+            edge = travel(:m, :) + spread((-1.0_dp)**k*sqrt(real(body%zone%n_tangents, dp))*problem%friction, 2, n) &
+               *travel(m*((k + 1)/2) + 1:m*((k + 1)/2) + m, :)
+            edge = edge/spread(max(norm2(edge, dim=2), tiny(1.0_dp)), 2, n)
+            columns = reshape([columns, transpose(reshape([pack(edge, spread(is_in_reach, 2, n)), &
+               spread(1.0_dp, 1, count(is_in_reach))], [count(is_in_reach), n + 1]))], &
+               [n + 1, size(columns, 2) + count(is_in_reach)])
+         end do
+      end associate
+      remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), [spread(0.0_dp, 1, n), 1.0_dp])
+      can_be_wedged = remainder(n + 1) <= least_remainder
+   end function can_be_wedged
 
    !> Finds the free rigid motion that makes up nearly all of the displacements of the points; 0 if there is none.
    subroutine fit_travel(motion, body, displacement)
@@ -450,24 +513,6 @@ contains
       counts(body%zone%n_points + 1:) = .not. body%zone%is_slip_fixed .and. [load_case%is_in_reach, &
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
-
-   !> Whether each displacement is one of a loose piece without loads; those that no motion changes count, too (n_rows).
-   pure function is_unloaded(modes, load, n_points)
-      real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (n_rows, k) [-]
-      real(dp), intent(in) :: load(:) !! condensed load (n_rows) [F]
-      integer, intent(in) :: n_points !! number m of contact points
-      logical, dimension(size(load)) :: is_unloaded, is_loaded, is_of_piece
-      integer :: i, k
-
-      is_unloaded = .false.
-      is_loaded = .false.
-      do k = 1, size(modes, 2)
-         is_of_piece = [(any(abs(modes(1 + modulo(i - 1, n_points)::n_points, k)) > 0.0_dp), i=1, size(load))]
-         is_unloaded = is_unloaded .or. is_of_piece
-         is_loaded = is_loaded .or. (is_of_piece .and. any(is_of_piece .and. abs(load) > 0.0_dp))
-      end do
-      is_unloaded = is_unloaded .and. .not. is_loaded
-   end function is_unloaded
 
    !> The coefficients of some modes whose sum is closest to a target, by least squares; of several solutions the
    !> smallest.

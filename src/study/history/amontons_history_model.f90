@@ -473,8 +473,10 @@ contains
          after%outcome = outcome_solved
          after%reason = ''
       else
-         ! The previous slip is repeated, so that the method starts from the previous statuses.
-         after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
+         ! Under loads the previous slip is repeated, so that the method starts from the previous statuses.
+         if (any(abs(problem%load) > 0.0_dp)) then
+            after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
+         end if
          call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason, &
             after%error_kind)
       end if
@@ -672,7 +674,7 @@ contains
       own_energy = model%energies%strain_energy(problem, change, v_change)
       end_work = model%energies%load_work(after%instant%factor, change, v_change) + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
-         abs(load_work + support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
+         abs(load_work), abs(support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
          rounding_share*model%energies%stiffness*max(sum(after%solution%displacement**2), &
          sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force)*max( &
          norm2(after%solution%force)/model%energies%stiffness, sqrt(max(0.0_dp, after%strain_energy) &
