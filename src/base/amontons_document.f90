@@ -7,7 +7,7 @@
 module amontons_document
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t
-   use amontons_text, only: longest_decimal, put_integer, read_integer, replaced, to_text, utf_8_width
+   use amontons_text, only: longest_decimal, put_integer, put_text, read_integer, replaced, to_text, utf_8_width
    implicit none (type, external)
    private
 
@@ -63,10 +63,7 @@ contains
       allocate (character(longest*size(values)) :: text)
       length = 0
       do i = 1, size(values)
-         associate (element => ', '//json_number(values(i)))
-            text(length + 1:length + len(element)) = element
-            length = length + len(element)
-         end associate
+         call put_text(text, length, ', '//json_number(values(i)))
       end do
       text = text(3:length)
    end function json_numbers
@@ -232,17 +229,10 @@ contains
       character(:), allocatable :: text
       integer :: i, length
 
+      allocate (character(sum([(len(self%parts(i)%text), i=1, self%n)])) :: text)
       length = 0
       do i = 1, self%n
-         length = length + len(self%parts(i)%text)
-      end do
-      allocate (character(length) :: text)
-      length = 0
-      do i = 1, self%n
-         associate (part => self%parts(i)%text)
-            text(length + 1:length + len(part)) = part
-            length = length + len(part)
-         end associate
+         call put_text(text, length, self%parts(i)%text)
       end do
    end function document_text
 

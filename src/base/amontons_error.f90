@@ -5,7 +5,7 @@
 !> means failed, and the caller returns at once.
 module amontons_error
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, pair_text, short_text, to_text, with_unit
+   use amontons_text, only: newline, occurrences, pair_text, short_text, to_text, with_unit
    implicit none (type, external)
    private
 
@@ -216,13 +216,9 @@ contains
    !> Number of warnings in the list.
    pure integer function warning_list_n(self) result(n)
       class(warning_list_t), intent(in) :: self !! the warnings
-      integer :: i
 
       n = 0
-      if (.not. allocated(self%text)) return
-      do i = 1, len(self%text)
-         if (self%text(i:i) == newline) n = n + 1
-      end do
+      if (allocated(self%text)) n = occurrences(self%text, newline)
    end function warning_list_n
 
    !> The text of one warning.

@@ -116,24 +116,13 @@ contains
       map%tag = tags
       map%item = [(i, i=1, n)]
       do shift = 0, bit_size(n) - 1, n_bits
-         if (is_ascending(map%tag)) exit
+         if (all(map%tag(2:) >= map%tag(:n - 1))) exit
          ! By some bits of the tags; equal ones keep their order.
          call fill_bins(start, order, 1 + ibits(map%tag, shift, min(n_bits, bit_size(shift) - shift)), 2**n_bits)
          map%tag = map%tag(order)
          map%item = map%item(order)
       end do
    end subroutine new_tag_map
-
-   !> Whether the tags are in ascending order; equal ones are allowed.
-   pure logical function is_ascending(tags)
-      integer, intent(in) :: tags(:) !! the tags
-      integer :: i
-
-      is_ascending = .true.
-      do i = 2, size(tags)
-         if (tags(i) < tags(i - 1)) is_ascending = .false.
-      end do
-   end function is_ascending
 
    !> The first item of the list that has a tag, 0 if none has it.
    pure integer function tag_map_find(self, tag) result(item)

@@ -11,9 +11,9 @@ module amontons_text
    private
 
    public :: as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, line_end, &
-      longest_decimal, lower_case, n_characters, nearest_word, newline, pair_text, place_text, put_decimals, &
-      put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, scan_real, &
-      scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
+      longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, pair_text, place_text, &
+      put_decimals, put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, &
+      scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
 
    !> Largest number of digits of an exponent; longer ones are refused, since no real of any kind has them.
    integer, parameter :: longest_exponent = 4
@@ -211,6 +211,18 @@ contains
       end do
    end subroutine scan_mantissa
 
+   !> How often a letter occurs in a text.
+   pure integer function occurrences(text, letter) result(n)
+      character(*), intent(in) :: text !! the text
+      character, intent(in) :: letter !! the letter
+      integer :: i
+
+      n = 0
+      do i = 1, len(text)
+         if (text(i:i) == letter) n = n + 1
+      end do
+   end function occurrences
+
    !> Position of the last character of a line, before the newline or the end of the text.
    pure integer function line_end(text, first)
       character(*), intent(in) :: text !! the text
@@ -291,13 +303,9 @@ contains
       character(*), intent(in) :: text !! the text
       real(dp), allocatable, intent(out) :: values(:) !! the numbers
       logical, intent(out) :: ok !! whether there is nothing else
-      integer :: i, commas, first, comma
+      integer :: i, first, comma
 
-      commas = 0
-      do i = 1, len(text)
-         if (text(i:i) == ',') commas = commas + 1
-      end do
-      allocate (values(commas + 1))
+      allocate (values(occurrences(text, ',') + 1))
       comma = 0
       do i = 1, size(values)
          first = comma + 1
@@ -568,10 +576,8 @@ contains
       character(*), intent(in) :: label !! the label
       character(*), intent(in) :: value !! its value
       character(:), allocatable :: text
-      character(max(20, len(label) + 1)) :: column
 
-      column = label
-      text = '  '//trim(column//value)//newline
+      text = '  '//trim(label//repeat(' ', max(1, 20 - len(label)))//value)//newline
    end function labeled
 
    !> Two numbers in parentheses, with at most seven digits each, such as (1.5, -2.0).

@@ -213,9 +213,7 @@ contains
       integer :: k
 
       allocate (position(size(order)))
-      do k = 1, size(order)
-         position(order(k)) = k
-      end do
+      position(order) = [(k, k=1, size(order))]
    end function positions
 
    !> The product y = K x.

@@ -166,9 +166,7 @@ contains
       real(dp) :: diagonal(self%n)
       integer :: i, j
 
-      do j = 1, self%n
-         diagonal(j) = self%element(j, j)
-      end do
+      diagonal = [(self%element(j, j), j=1, self%n)]
       do j = self%n - self%n_pairs + 1, self%n
          i = j - self%n_pairs
          diagonal(j) = 0.5_dp*(diagonal(i) + diagonal(j)) &
@@ -276,11 +274,7 @@ contains
       integer :: place(self%n), i, j, k
 
       if (allocated(self%values)) then
-         do j = 1, size(columns)
-            do i = 1, size(rows)
-               block(i, j) = self%values(rows(i), columns(j))
-            end do
-         end do
+         block = self%values(rows, columns)
          return
       end if
       place = 0

@@ -10,7 +10,8 @@ module amontons_contact_table
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
-   use amontons_text, only: as_lines, columns, comma_separated, flush_right, heading, n_characters, to_text, unit_of
+   use amontons_text, only: as_lines, columns, comma_separated, flush_right, heading, n_characters, replaced, to_text, &
+      unit_of
    implicit none (type, external)
    private
 
@@ -268,20 +269,12 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       character(:), allocatable :: names(:)
-      character(:), allocatable :: name
-      integer :: i, k, width
+      integer :: i, width
 
-      width = 0
-      do i = 1, size(contacts)
-         width = max(width, len(contacts(i)%pairing%label(contacts(i)%set)))
-      end do
+      width = maxval([0, (len(contacts(i)%pairing%label(contacts(i)%set)), i=1, size(contacts))])
       allocate (character(width) :: names(merge(zone%n_points, 0, has_pairs(zone))))
       do i = 1, size(names)
-         name = contacts(zone%set(i))%pairing%label(contacts(zone%set(i))%set)
-         do k = 1, len(name)
-            if (name(k:k) == ',') name(k:k) = ';'
-         end do
-         names(i) = name
+         names(i) = replaced(contacts(zone%set(i))%pairing%label(contacts(zone%set(i))%set), ',', ';')
       end do
    end function pair_names
 
@@ -308,8 +301,7 @@ contains
          if (size(names) > 0) rows(p) = trim(rows(p))//','//names(p)
          rows(p) = trim(rows(p))//','//status_names(status(p))
       end do
-      text = as_lines(rows)
-      call document%add(text, [0.0_dp, list%scale, 0.0_dp])
+      call document%add(as_lines(rows), [0.0_dp, list%scale, 0.0_dp])
    end subroutine add_point_table
 
    !> The table of points for a listing; a line below its headings has the units, if the case names them.

@@ -262,7 +262,8 @@ contains
    !> Refines a solution if the rounding errors of S may count. Its change is the solution of a contact problem with the
    !> same S, whose load is what the strains of the whole body leave unbalanced, and whose gaps are those that are left.
    !> S of a stiff body that only soft ones hold, or of a slender one, has errors as large as its forces, and long
-   !> displacements have as large ones in the product with it.
+   !> displacements have as large ones in the product with it. Where more than a millionth stays unbalanced there is no
+   !> solution: the errors of S may hold a body that nothing else does.
    subroutine load_solver_refine(self, origin, tolerance, body, acting, problem, solution)
       class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       real(dp), intent(in) :: origin(:) !! motion that displacements are counted from (n_rows) [L]
@@ -273,14 +274,14 @@ contains
       type(contact_solution_t), intent(inout) :: solution
          !! a solution, or one that is not converged for rounding errors; improved if it can be
       integer, parameter :: most_steps = 4
-      real(dp), parameter :: least_gain = 0.5_dp, explained = 10.0_dp
+      real(dp), parameter :: least_gain = 0.5_dp, explained = 10.0_dp, few_digits = 1.0e-6_dp
       type(contact_problem_t) :: change
       type(contact_solution_t) :: next
       type(load_case_t) :: load_case
       type(newton_t) :: newton
       type(error_t), allocatable :: error
       real(dp), allocatable :: lacking(:), strained(:)
-      real(dp) :: scale, before, errors
+      real(dp) :: scale, largest, errors
       integer :: step
 
       ! No rank can use a shared factor by itself.
@@ -296,21 +297,25 @@ contains
       !$omp end critical (texts_of_solver)
       newton = newton_t(tolerance=tolerance, max_iterations=n_newton_steps)
       lacking = imbalance_of_points(body, load_case, solution%displacement + strained, solution%force)
+      largest = problem%largest(lacking)
       do step = 1, most_steps
-         before = problem%largest(lacking)
-         if (solution%is_converged .and. before <= least_residual*scale) return
+         if (solution%is_converged .and. largest <= least_residual*scale) exit
          change = problem_from(origin + solution%displacement, body, problem)
          change%load = lacking + solution%force
          next = solution
          next%displacement = 0.0_dp
          call solve_components(newton, change, next, error)
          next%displacement = solution%displacement + next%displacement
-         if (allocated(error) .or. .not. next%is_converged) return
+         if (allocated(error) .or. .not. next%is_converged) exit
          lacking = imbalance_of_points(body, load_case, next%displacement + strained, next%force)
-         if (solution%is_converged .and. .not. problem%largest(lacking) < least_gain*before) return
+         if (solution%is_converged .and. .not. problem%largest(lacking) < least_gain*largest) exit
          call next%prepend(solution)
          solution = next
+         largest = problem%largest(lacking)
       end do
+      if (largest <= few_digits*scale) return
+      solution%is_converged = .false.
+      solution%residual = largest/scale
    end subroutine load_solver_refine
 
    !> Finds the rigid motion from which displacements are counted: the one closest to the gaps, if it is close;

@@ -16,7 +16,7 @@ module amontons_checkpoint
    use amontons_output_file, only: adopt_file, file_lock_t, lock_file, output_file_t
    use amontons_system, only: append_to_file, checksum_t, cut_file, file_checksum, remove_file, text_checksum, &
       wall_seconds
-   use amontons_text, only: comma_separated, newline, read_reals, to_text
+   use amontons_text, only: comma_separated, newline, read_reals, replaced, to_text
    implicit none (type, external)
    private
 
@@ -220,10 +220,7 @@ contains
       own = index(text, ' ', back=.true.)
       if (own == 0) return
       if (text /= with_checksum(text(:own - 1))) return
-      do i = 1, own - 1
-         if (text(i:i) == ' ') text(i:i) = ','
-      end do
-      call read_reals(text(:own - 1), numbers, ok)
+      call read_reals(replaced(text(:own - 1), ' ', ','), numbers, ok)
       associate (tables => checkpoint%tables, n => size(checkpoint%tables))
          if (.not. ok .or. size(numbers) < 2*n) return
          do i = 1, n

@@ -9,7 +9,7 @@ module amontons_input_file
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_kinds, only: dp, int64
    use amontons_system, only: error_text, path_action
-   use amontons_text, only: ends_word, line_end, newline, read_real, scan_integer, scan_real, to_text
+   use amontons_text, only: ends_word, line_end, newline, occurrences, read_real, scan_integer, scan_real, to_text
    implicit none (type, external)
    private
 
@@ -71,6 +71,7 @@ module amontons_input_file
       procedure :: end_record => input_file_end_record
       procedure :: locate => input_file_locate
       procedure :: refuse => input_file_refuse
+      procedure :: refuse_line => input_file_refuse_line
       procedure :: replace => input_file_replace
       procedure :: skip_blanks => input_file_skip_blanks
       procedure :: skip_white => input_file_skip_white
@@ -151,7 +152,7 @@ contains
       character(6), parameter :: counts(4) = [character(6) :: 'one', 'two', 'three', 'four']
       character(:), allocatable :: text, numbers, expected
       real(dp), allocatable :: rows(:, :), row(:)
-      integer :: first, last, line, n_lines, n_rows, start
+      integer :: first, last, line, n_rows, start
       logical :: is_empty, is_row, may_be_headings
 
       call read_text_file(file, text, error)
@@ -159,11 +160,7 @@ contains
       allocate (row(2))
       if (present(n_columns)) row = spread(0.0_dp, 1, n_columns)
       numbers = trim(counts(size(row)))//' numbers'
-      n_lines = 1
-      do first = 1, len(text)
-         if (text(first:first) == newline) n_lines = n_lines + 1
-      end do
-      allocate (rows(size(row), n_lines))
+      allocate (rows(size(row), occurrences(text, newline) + 1))
       n_rows = 0
       first = 1
       line = 0
@@ -310,14 +307,12 @@ contains
       integer, intent(in) :: place !! the place in the text
       character(:), allocatable, intent(out) :: file !! name of the file
       integer, intent(out) :: line !! number of the line
-      integer :: i, piece
+      integer :: piece
 
       piece = count(self%pieces(1, :) <= place)
       if (self%counted(1) < self%pieces(1, piece) .or. self%counted(1) > place) self%counted = self%pieces(:2, piece)
-      do i = self%counted(1), min(place, len(self%text) + 1) - 1
-         if (self%text(i:i) == line_feed) self%counted(2) = self%counted(2) + 1
-      end do
-      self%counted(1) = place
+      self%counted = [place, self%counted(2) + occurrences(self%text(self%counted(1):min(place, len(self%text) + 1) &
+         - 1), line_feed)]
       file = self%files%item(self%pieces(3, piece))
       line = self%counted(2)
    end subroutine input_file_locate
@@ -340,6 +335,14 @@ contains
       call self%locate(at, file, line)
       call new_error(self%error, input_refused, file//':'//to_text(line)//': '//printable(sentence))
    end subroutine input_file_refuse
+
+   !> Refuses the line that ends before the position.
+   pure subroutine input_file_refuse_line(self, sentence)
+      class(input_file_t), intent(inout) :: self !! the file
+      character(*), intent(in) :: sentence !! the fault, as a sentence
+
+      call self%refuse(sentence, self%position - 1)
+   end subroutine input_file_refuse_line
 
    !> The word at the position, for messages.
    pure function input_file_word(self) result(word)

@@ -9,7 +9,7 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, action, append_to_file, available_memory_mb, checksum_t, cut_file, error_text, &
+   public :: absolute_path, action, append_to_file, available_memory_mb, check_code, checksum_t, cut_file, error_text, &
       file_checksum, file_name_t, list_directory, make_directory, path_action, peak_memory_mb, remove_directory, &
       remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, text_checksum, wall_seconds
 
@@ -175,13 +175,8 @@ contains
    subroutine make_directory(path, error)
       character(*), intent(in) :: path !! name of the directory
       type(error_t), allocatable, intent(out) :: error !! the directory cannot be made
-      character(:), allocatable :: c_path
-      integer :: code
 
-      c_path = path//c_null_char
-      code = int(c_make_directory(c_path))
-      if (code /= 0) call new_error(error, system_failure, &
-         path//': cannot make this directory: '//error_text(code))
+      call check_code(c_make_directory(path//c_null_char), path//': cannot make this directory', error)
    end subroutine make_directory
 
    !> Replaces a file by another, atomically: a reader sees the old one or the new one.
@@ -192,13 +187,21 @@ contains
       integer(c_int), intent(in), optional :: directory
          !! the system's number of the directory of both where that is open, which may itself get another name; else -1
       integer(c_int) :: open_directory
-      integer :: code
 
       open_directory = -1
       if (present(directory)) open_directory = directory
-      code = int(c_rename(open_directory, from//c_null_char, to//c_null_char))
-      if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place: '//error_text(code))
+      call check_code(c_rename(open_directory, from//c_null_char, to//c_null_char), &
+         to//': cannot put this file in place', error)
    end subroutine rename_file
+
+   !> Makes an error of an error number of the system.
+   subroutine check_code(code, sentence, error)
+      integer(c_int), intent(in) :: code !! the number; 0 without an error
+      character(*), intent(in) :: sentence !! what failed
+      type(error_t), allocatable, intent(out) :: error !! the number is not 0
+
+      if (code /= 0) call new_error(error, system_failure, sentence//': '//error_text(int(code)))
+   end subroutine check_code
 
    !> The system's message for an error number.
    function error_text(code) result(text)
@@ -235,10 +238,8 @@ contains
       character(*), intent(in) :: path !! name of the file
       integer(int64), intent(in) :: n_bytes !! number of bytes to be kept
       type(error_t), allocatable, intent(out) :: error !! the file cannot be cut
-      integer :: code
 
-      code = int(c_truncate(path//c_null_char, int(n_bytes, c_long)))
-      if (code /= 0) call new_error(error, system_failure, path//': cannot cut this file: '//error_text(code))
+      call check_code(c_truncate(path//c_null_char, int(n_bytes, c_long)), path//': cannot cut this file', error)
    end subroutine cut_file
 
    !> Appends bytes to a file, or writes a new one. On return they are on the disk, so that they survive a power
@@ -248,10 +249,9 @@ contains
       logical, intent(in) :: is_new !! whether the file is made; nothing may have its name
       character(*), intent(in) :: bytes !! the bytes
       type(error_t), allocatable, intent(out) :: error !! not all of them could be written
-      integer :: code
 
-      code = int(c_append(path//c_null_char, merge(1_c_int, 0_c_int, is_new), bytes, len(bytes, c_long)))
-      if (code /= 0) call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
+      call check_code(c_append(path//c_null_char, merge(1_c_int, 0_c_int, is_new), bytes, len(bytes, c_long)), &
+         path//': cannot write this file', error)
    end subroutine append_to_file
 
    !> The largest memory of this process so far [MB].
@@ -352,12 +352,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read
       integer(int64), intent(in), optional :: most_bytes !! largest number of bytes; by default those of the whole file
       integer(c_int64_t) :: most
-      integer :: code
 
       most = huge(most)
       if (present(most_bytes)) most = most_bytes
-      code = int(c_checksum_of_file(path//c_null_char, most, checksum%remainder, checksum%n_bytes))
-      if (code /= 0) call new_error(error, system_failure, path//': cannot read this file: '//error_text(code))
+      call check_code(c_checksum_of_file(path//c_null_char, most, checksum%remainder, checksum%n_bytes), &
+         path//': cannot read this file', error)
    end subroutine file_checksum
 
 end module amontons_system

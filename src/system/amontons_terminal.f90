@@ -6,9 +6,9 @@
 !> program has opened it, nothing is shown.
 module amontons_terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
-   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_system, only: action, error_text, wall_seconds
+   use amontons_system, only: action, check_code, wall_seconds
    implicit none (type, external)
    private
 
@@ -96,11 +96,9 @@ contains
       integer, intent(in) :: stream !! `standard_output` or `standard_error`
       character(*), intent(in) :: text !! the lines, without the last one's end
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
-      integer :: code
 
-      code = int(c_print(int(stream, c_int), text//new_line('a'), len(text, c_long) + 1_c_long))
-      if (code /= 0) call new_error(error, system_failure, trim(merge('standard output', 'standard error ', &
-         stream == standard_output))//': cannot write: '//error_text(code))
+      call check_code(c_print(int(stream, c_int), text//new_line('a'), len(text, c_long) + 1_c_long), &
+         trim(merge('standard output', 'standard error ', stream == standard_output))//': cannot write', error)
    end subroutine print_line
 
    !> Whether a signal has asked the program to stop since `hold_interrupts`. May be called from any thread.

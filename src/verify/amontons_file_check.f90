@@ -10,7 +10,7 @@ module amontons_file_check
    use amontons_kinds, only: dp, int32, int64
    use amontons_manifest, only: case_entries, collection_head, collection_tail
    use amontons_report, only: member_value
-   use amontons_text, only: line_end, newline, read_integer, read_real, replaced, to_text
+   use amontons_text, only: line_end, newline, occurrences, read_integer, read_real, replaced, to_text
    use amontons_vtu, only: base64_size, bytes_per_length, decode_base64, vtk_file_t
    implicit none (type, external)
    private
@@ -296,12 +296,8 @@ contains
    pure integer function line_number(text, place)
       character(*), intent(in) :: text !! the text
       integer, intent(in) :: place !! the place
-      integer :: i
 
-      line_number = 1
-      do i = 1, min(place - 1, len(text))
-         if (text(i:i) == newline) line_number = line_number + 1
-      end do
+      line_number = 1 + occurrences(text(:min(place - 1, len(text))), newline)
    end function line_number
 
    !> Whether two numbers agree. A number that is not finite agrees with none.
@@ -712,30 +708,19 @@ contains
          end if
       end if
       if (len(fault) > 0) return
-      n = count_commas(table%header) + 1
+      n = occurrences(table%header, ',') + 1
       if (present(n_columns)) n = n_columns
       do i = len(table%header) + 1, len(table%text)
          if (table%text(i:i) == newline) call table%start%append(i + 1)
       end do
       table%n_rows = table%start%n - 1
       do i = 1, table%n_rows
-         n_commas = count_commas(table%row(i))
+         n_commas = occurrences(table%row(i), ',')
          if (n_commas == n - 1) cycle
          fault = 'line '//to_text(i + 1)//' has '//to_text(n_commas + 1)//' fields, expected '//to_text(n)
          return
       end do
    end subroutine read_csv_table
-
-   !> Number of commas in a text.
-   pure integer function count_commas(text) result(n)
-      character(*), intent(in) :: text !! the text
-      integer :: i
-
-      n = 0
-      do i = 1, len(text)
-         if (text(i:i) == ',') n = n + 1
-      end do
-   end function count_commas
 
    !> Number of the column with a given name; 0 if there is none. No name before it may contain a comma.
    pure integer function csv_table_column(self, name) result(column)
@@ -743,7 +728,7 @@ contains
       character(*), intent(in) :: name !! the name
 
       column = index(','//self%header//',', ','//name//',')
-      if (column > 0) column = count_commas(self%header(:column - 1)) + 1
+      if (column > 0) column = occurrences(self%header(:column - 1), ',') + 1
    end function csv_table_column
 
    !> The text of a row, without the end of its line.

@@ -83,8 +83,8 @@ contains
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then
-            if (size(raw%parts) > 1) call input%refuse( &
-               'several of *PART, but no *INSTANCE that says where they are', input%position - 1)
+            if (size(raw%parts) > 1) call input%refuse_line( &
+               'several of *PART, but no *INSTANCE that says where they are')
             call start_instance(raw, input, 'instance, name, part='//raw%parts(1)%name)
             cycle
          end if
@@ -111,7 +111,7 @@ contains
             if (keyword == 'instance') call start_instance(raw, input, line)
             if (keyword == 'endassembly') raw%scope = ''
          case ('system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
-            call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
+            call input%refuse_line('*'//keyword//' is not read: write the nodes and elements out')
          case default
             call read_model_keyword(raw, input, keyword, line, is_read)
          end select
@@ -138,10 +138,9 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
-      if (is_there) call input%refuse('*NODE with INPUT= is not read: write the nodes out', input%position - 1)
+      if (is_there) call input%refuse_line('*NODE with INPUT= is not read: write the nodes out')
       call find_parameter(line, 'system', value, is_there)
-      if (is_there .and. lower_case(value) /= 'r') call input%refuse( &
-         'nodes in other than rectangular coordinates', input%position - 1)
+      if (is_there .and. lower_case(value) /= 'r') call input%refuse_line('nodes in other than rectangular coordinates')
       call get_set(raw, input, line, 'nset', group)
       do
          call next_data_line(input, is_there)
@@ -177,7 +176,7 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
-      if (is_there) call input%refuse('*ELEMENT with INPUT= is not read: write the elements out', input%position - 1)
+      if (is_there) call input%refuse_line('*ELEMENT with INPUT= is not read: write the elements out')
       call find_parameter(line, 'type', value, is_there)
       call find_kind(input, value, kind)
       if (kind == line2 .or. kind == line3) call raw%add_note('elements of type '//value// &
@@ -186,9 +185,8 @@ contains
          ' are taken for '//value(:4)//': compatible and fully integrated')
       before = raw%hypothesis
       if (kind > 0) raw%hypothesis = hypothesis_names(findloc(families == lower_case(value(:3)), .true., dim=1))
-      if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse( &
-         'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
-         trim(raw%hypothesis), input%position - 1)
+      if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse_line( &
+         'materials cannot be used: some elements are of type '//trim(before)//', others of '//trim(raw%hypothesis))
       n = n_cell_nodes(kind)
       call get_set(raw, input, line, 'elset', group)
       do
@@ -236,10 +234,10 @@ contains
       if (verify(trim(name(5:)), 'rhimt') > 0) kind = no_cell
       if (kind /= no_cell) return
       if (name(:3) == 'c3d') then
-         call input%refuse('3-D mesh: found elements of type '//type//', expected plane elements', input%position - 1)
+         call input%refuse_line('3-D mesh: found elements of type '//type//', expected plane elements')
       else
-         call input%refuse("elements of type '"//type//"' are not supported: expected CPE3, CPE4, CPE6, CPE8 or "// &
-            'the same of CPS and CAX', input%position - 1)
+         call input%refuse_line("elements of type '"//type//"' are not supported: expected CPE3, CPE4, CPE6, CPE8 "// &
+            'or the same of CPS and CAX')
       end if
    end subroutine find_kind
 
@@ -315,13 +313,13 @@ contains
       select case (keyword)
       case ('material')
          call find_parameter(line, 'name', name, is_there)
-         if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
-            input%position - 1)
+         if (name == '' .or. len(name) > longest_name) call input%refuse_line( &
+            'expected NAME= and the name of a material')
          raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
       case default
          call refuse_parameters(input, line)
          last = size(raw%model%definitions)
-         if (last == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
+         if (last == 0) call input%refuse_line('*'//keyword//' before any *MATERIAL')
          call find_parameter(line, 'type', name, is_there)
          is_engineering = index(lower_case(name), 'engineering') == 1
          n_values = merge(2, 1, keyword == 'elastic')
@@ -335,8 +333,7 @@ contains
             if (is_there) call take_fields(input, fields(n_values:), n)
             if (is_there .and. n == 1) n = n_values
          end if
-         if (n < n_values) call input%refuse('*'//keyword//': expected '//counted(n_values, 'number'), &
-            input%position - 1)
+         if (n < n_values) call input%refuse_line('*'//keyword//': expected '//counted(n_values, 'number'))
          do i = 1, min(n, n_values)
             call take_number(input, fields(i), values(i))
          end do
@@ -374,9 +371,9 @@ contains
       call find_parameter(line, 'elset', region, is_there)
       call find_parameter(line, 'material', name, is_there)
       group = set_of_field(raw, region)
-      if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
-      if (name == '' .or. len(name) > longest_name) call input%refuse( &
-         '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
+      if (group == 0) call input%refuse_line("*SOLID SECTION: there is no set '"//region//"' above")
+      if (name == '' .or. len(name) > longest_name) call input%refuse_line( &
+         '*SOLID SECTION: expected MATERIAL= and the name of a material')
       if (allocated(input%error)) return
       section%name = name
       section%region = raw%groups(group)%name
@@ -384,8 +381,7 @@ contains
       call find_parameter(line, 'orientation', name, is_there)
       if (is_there) then
          i = place_of_name(raw%model%orientations%name, name)
-         if (i == 0) call input%refuse("*SOLID SECTION: there is no *ORIENTATION '"//name//"' above", &
-            input%position - 1)
+         if (i == 0) call input%refuse_line("*SOLID SECTION: there is no *ORIENTATION '"//name//"' above")
          if (i > 0) section%angle = raw%model%orientations(i)%angle
       end if
       call next_data_line(input, is_there)
@@ -413,8 +409,8 @@ contains
       call take_line_of_numbers(input, points)
       call take_line_of_numbers(input, turn)
       if (any(abs(points([3, 6])) > 0.0_dp) .or. .not. points(1)*points(5) > points(2)*points(4) &
-         .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse( &
-         '*ORIENTATION: the third axis must be that of z', input%position - 1)
+         .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse_line( &
+         '*ORIENTATION: the third axis must be that of z')
       axis = [1.0_dp, 0.0_dp]
       if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%axis
       orientation%name = name
@@ -450,16 +446,14 @@ contains
             call next_data_line(input, is_there)
             if (.not. is_there) exit
             call take_fields(input, fields, n)
-            if (any(fields(3:) /= '')) call input%refuse(name//'expected nodes and one temperature', input%position - 1)
+            if (any(fields(3:) /= '')) call input%refuse_line(name//'expected nodes and one temperature')
             call take_number(input, fields(2), value)
             tags%n = 0
             call add_members(raw, input, name//'there is no node set', .true., trim(fields(1)), tags)
-            if (tags%n == 0) call input%refuse(name//"there is no node set '"//trim(fields(1))//"' above", &
-               input%position - 1)
+            if (tags%n == 0) call input%refuse_line(name//"there is no node set '"//trim(fields(1))//"' above")
             do i = 1, tags%n
                node = temperatures%map%find(tags%item(i))
-               if (node == 0) call input%refuse(name//'there is no node '//to_text(tags%item(i))//' above', &
-                  input%position - 1)
+               if (node == 0) call input%refuse_line(name//'there is no node '//to_text(tags%item(i))//' above')
                if (allocated(input%error)) return
                if (keyword == 'temperature') then
                   temperatures%step(node) = value
@@ -586,12 +580,12 @@ contains
          call read_temperatures(raw, input, keyword, line, is_read)
       case ('step')
          raw%model%n_steps = raw%model%n_steps + 1
-         if (raw%model%n_steps > 1) call input%refuse( &
-            'a second *STEP: the supports and loads of one step can be used', input%position - 1)
+         if (raw%model%n_steps > 1) call input%refuse_line( &
+            'a second *STEP: the supports and loads of one step can be used')
          call find_parameter(line, 'nlgeom', value, is_there)
          is_read = .not. is_there .or. lower_case(value) == 'no'
       case ('transform')
-         call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', input%position - 1)
+         call input%refuse_line('supports and loads in the directions of a *TRANSFORM cannot be used')
       case default
          is_read = .false.
       end select
@@ -630,8 +624,8 @@ contains
             if (fields(3) == '') fields(3) = fields(2)
             do i = 1, 2
                call read_integer(trim(fields(i + 1)), ends(i), ok)
-               if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
-                  trim(fields(i + 1))//"'", input%position - 1)
+               if (.not. ok) call input%refuse_line("*BOUNDARY: expected the number of a component, found '"// &
+                  trim(fields(i + 1))//"'")
             end do
             support%is_held(:2) = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
          end select
@@ -671,8 +665,8 @@ contains
          call locate(input, input%position, load%origin, label)
          call take_fields(input, fields, n)
          call read_integer(trim(fields(2)), component, ok)
-         if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
-            "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'", input%position - 1)
+         if (.not. ok .or. component < 1 .or. component > 2) call input%refuse_line( &
+            "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'")
          call take_number(input, fields(3), value)
          if (allocated(input%error)) return
          load%force(component) = value
@@ -707,7 +701,7 @@ contains
          if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
       else
          group = set_of_field(raw, trim(field))
-         if (group == 0) call input%refuse(keyword//": there is no set '"//trim(field)//"' above", input%position - 1)
+         if (group == 0) call input%refuse_line(keyword//": there is no set '"//trim(field)//"' above")
          if (group > 0) set = raw%groups(group)%name
       end if
    end subroutine take_nodes
@@ -748,8 +742,7 @@ contains
             load%set = '*DLOAD:'//label
             elements%n = 0
             call add_members(raw, input, '*DLOAD: there is no set', .false., trim(fields(1)), elements)
-            if (elements%n == 0) call input%refuse("*DLOAD: there is no set '"//trim(fields(1))//"' above", &
-               input%position - 1)
+            if (elements%n == 0) call input%refuse_line("*DLOAD: there is no set '"//trim(fields(1))//"' above")
             if (.not. allocated(input%error)) call raw%get_group(input, load%set, group)
             if (allocated(input%error)) return
             call raw%groups(group)%cell%append_all(elements%items())
@@ -776,10 +769,10 @@ contains
 
       call read_integer(trim(fields(1)), element, is_number)
       if (group == 0 .and. is_number) then
-         call input%refuse('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
-            ' cannot be used; name an element set', input%position - 1)
+         call input%refuse_line('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
+            ' cannot be used; name an element set')
       else if (group == 0 .and. fields(1) /= '') then
-         call input%refuse('*'//keyword//": there is no set '"//trim(fields(1))//"' above", input%position - 1)
+         call input%refuse_line('*'//keyword//": there is no set '"//trim(fields(1))//"' above")
       end if
       if (allocated(input%error)) return
       load%pressure = 0.0_dp
@@ -791,26 +784,24 @@ contains
       case ('by')
          load%body_force(2) = values(1)
       case ('grav')
-         if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse( &
-            'GRAV: expected a direction in the plane', input%position - 1)
+         if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse_line( &
+            'GRAV: expected a direction in the plane')
          if (.not. allocated(input%error)) load%gravity = values(1)*values(2:3)/norm2(values(2:3))
       case ('centrif')
          ! The square of the angular speed, a point of the axis and its direction. A body of revolution has its own.
-         if (values(1) < 0.0_dp) call input%refuse('CENTRIF: the square of the angular speed is negative', &
-            input%position - 1)
+         if (values(1) < 0.0_dp) call input%refuse_line('CENTRIF: the square of the angular speed is negative')
          load%angular_speed = sqrt(max(0.0_dp, values(1)))
          if (raw%hypothesis == 'axisymmetric') then
-            if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse( &
-               'CENTRIF: a body of revolution spins about its own axis', input%position - 1)
+            if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse_line( &
+               'CENTRIF: a body of revolution spins about its own axis')
             return
          end if
          load%center = values(2:3)
          load%axis = values(5:6)
-         if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse( &
-            'CENTRIF: expected an axis in the plane or normal to it', input%position - 1)
+         if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse_line( &
+            'CENTRIF: expected an axis in the plane or normal to it')
       case default
-         call input%refuse('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
-            input%position - 1)
+         call input%refuse_line('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used")
       end select
    end subroutine interpret_dload
 

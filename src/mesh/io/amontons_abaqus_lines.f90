@@ -259,7 +259,7 @@ contains
       logical :: ok
 
       call read_real(trim(field), value, ok)
-      if (.not. ok) call input%refuse("expected a number, found '"//trim(field)//"'", input%position - 1)
+      if (.not. ok) call input%refuse_line("expected a number, found '"//trim(field)//"'")
    end subroutine take_number
 
    !> Refuses parameters of a keyword that change what its lines mean.
@@ -281,8 +281,8 @@ contains
             if (line(i:i) /= ' ') field = field//lower_case(line(i:i))
          end do
          if (all(harmless_names /= field(:index(field//'=', '=') - 1)) .and. all(harmless /= field)) then
-            call input%refuse('*'//line(:index(line//',', ',') - 1)//' with '//trim(adjustl(line(first:last)))// &
-               ' cannot be used', input%position - 1)
+            call input%refuse_line('*'//line(:index(line//',', ',') - 1)//' with '//trim(adjustl(line(first:last)))// &
+               ' cannot be used')
             return
          end if
          first = last + 2
@@ -299,8 +299,8 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'name', name, is_there)
-      if (name == '' .or. len(name) > longest_name .or. place_of_name(raw%parts%name, name) > 0) call input%refuse( &
-         'expected *PART, NAME= and a name that no part has above', input%position - 1)
+      if (name == '' .or. len(name) > longest_name .or. place_of_name(raw%parts%name, name) > 0) call &
+         input%refuse_line('expected *PART, NAME= and a name that no part has above')
       part%name = name
       part%place = input%position
       raw%parts = [raw%parts, part]
@@ -332,20 +332,19 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'name', name, is_there)
-      if (.not. is_there .or. len(name) > longest_name) call input%refuse( &
-         'expected *INSTANCE, NAME= and a name of at most '//to_text(longest_name)//' characters', input%position - 1)
-      if (place_of_name(raw%instances%name, name) > 0) call input%refuse("a second instance '"//name//"'", &
-         input%position - 1)
+      if (.not. is_there .or. len(name) > longest_name) call input%refuse_line( &
+         'expected *INSTANCE, NAME= and a name of at most '//to_text(longest_name)//' characters')
+      if (place_of_name(raw%instances%name, name) > 0) call input%refuse_line("a second instance '"//name//"'")
       call find_parameter(line, 'part', part, is_there)
       i = place_of_name(raw%parts%name, part)
-      if (is_there .and. i == 0) call input%refuse("there is no part '"//part//"' above", input%position - 1)
+      if (is_there .and. i == 0) call input%refuse_line("there is no part '"//part//"' above")
       call take_line_of_numbers(input, instance%origin)
       call take_line_of_numbers(input, turn)
       call next_data_line(input, is_there)
       if (is_there) call input%refuse('*INSTANCE has two data lines at most: a translation and a rotation')
       way = turn(4:6) - turn(:3)
-      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse( &
-         'an instance can be turned about an axis normal to the plane only', input%position - 1)
+      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse_line( &
+         'an instance can be turned about an axis normal to the plane only')
       instance%axis = [cos(turn(7)*degree), sign(1.0_dp, way(3))*sin(turn(7)*degree)]
       instance%origin(:2) = turn(:2) + turned(instance%axis, instance%origin(:2) - turn(:2))
       instance%name = name
@@ -369,8 +368,8 @@ contains
       if (.not. raw%is_in_instance) return
       raw%is_in_instance = .false.
       associate (instance => raw%instances(size(raw%instances)))
-         if (keyword /= 'endinstance' .and. instance%name /= '') call input%refuse( &
-            "the instance '"//trim(instance%name)//"' does not end: expected *END INSTANCE", input%position - 1)
+         if (keyword /= 'endinstance' .and. instance%name /= '') call input%refuse_line( &
+            "the instance '"//trim(instance%name)//"' does not end: expected *END INSTANCE")
          do node = instance%n_before(1) + 1, raw%node_tag%n
             raw%coordinates(:, node) = instance%origin + [turned(instance%axis, raw%coordinates(:2, node)), &
                raw%coordinates(3, node)]
@@ -397,8 +396,8 @@ contains
 
          if (list%n == n_before .or. allocated(input%error)) return
          associate (tags => list%item(n_before + 1:list%n))
-            if (maxval(tags) > huge(shift) - shift) call input%refuse('the number '//to_text(maxval(tags))// &
-               ' is too large for a node or element of an instance behind others', input%position - 1)
+            if (maxval(tags) > huge(shift) - shift) call input%refuse_line('the number '//to_text(maxval(tags))// &
+               ' is too large for a node or element of an instance behind others')
             tags = tags + merge(0, shift, allocated(input%error))
          end associate
       end subroutine shift_items
@@ -497,8 +496,8 @@ contains
 
       call find_parameter(line, 'elset', value, has_elements)
       call find_parameter(line, 'instance', instance, is_in_instance)
-      if (is_in_instance .and. place_of_name(raw%instances%name, instance) == 0) call input%refuse( &
-         "there is no instance '"//instance//"' above", input%position - 1)
+      if (is_in_instance .and. place_of_name(raw%instances%name, instance) == 0) call input%refuse_line( &
+         "there is no instance '"//instance//"' above")
       call find_parameter(line, 'generate', value, is_range)
       if (keyword == 'nset' .and. has_elements) then
          call raw%add_note('a set of the nodes of an element set left out: '//line)
@@ -512,7 +511,7 @@ contains
       scope = raw%scope
       if (is_in_instance) raw%scope = instance//'.'
       shift = instance_shift(raw, raw%scope)
-      if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
+      if (group == 0) call input%refuse_line('expected '//keyword//'= and a name')
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -637,7 +636,7 @@ contains
       end if
       group = set_of_field(raw, field)
       if (group == 0) then
-         call input%refuse(refusal//" '"//field(index(field, '.', back=.true.) + 1:)//"' above", input%position - 1)
+         call input%refuse_line(refusal//" '"//field(index(field, '.', back=.true.) + 1:)//"' above")
       else if (of_nodes) then
          call raw%expect_members(input, raw%groups(group)%node%n)
          if (.not. allocated(input%error)) call members%append_all(raw%groups(group)%node%items())
@@ -668,7 +667,7 @@ contains
          return
       end if
       call get_set(raw, input, line, 'name', group)
-      if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
+      if (group == 0) call input%refuse_line('expected NAME= and a name')
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit

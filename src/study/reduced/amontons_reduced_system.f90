@@ -220,16 +220,12 @@ contains
       order = [((i + j*m, j=0, problem%matrix%n_tangents), i=1, m)]
       sign = [(1.0_dp, (-1.0_dp, j=1, problem%matrix%n_tangents), i=1, m)]
       values = problem%matrix%compliance%block(order, order)
-      allocate (system%first(size(order) + 1), system%row(count(abs(values) > 0.0_dp)), &
-         system%entry(count(abs(values) > 0.0_dp)))
-      system%first(1) = 1
+      allocate (system%first(size(order) + 1), source=1)
       do j = 1, size(order)
-         associate (rows => pack([(i, i=1, size(order))], abs(values(:, j)) > 0.0_dp))
-            system%first(j + 1) = system%first(j) + size(rows)
-            system%row(system%first(j):system%first(j + 1) - 1) = rows
-            system%entry(system%first(j):system%first(j + 1) - 1) = sign(j)*sign(rows)*values(rows, j)
-         end associate
+         system%first(j + 1) = system%first(j) + count(abs(values(:, j)) > 0.0_dp)
       end do
+      system%row = pack(spread([(i, i=1, size(order))], 2, size(order)), abs(values) > 0.0_dp)
+      system%entry = pack(spread(sign, 1, size(sign))*spread(sign, 2, size(sign))*values, abs(values) > 0.0_dp)
       system%n_contacts = m
       dual_load = problem%dual_load(spread(0.0_dp, 1, size(order)))
       system%q = -sign*dual_load(order)
@@ -418,7 +414,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! sizes or numbers that cannot be
       type(entries_t) :: entries
       character(:), allocatable :: sentence
-      integer :: i, j, k, n, place, at(2)
+      integer :: i, n, place, at(2)
 
       ! Three unknowns of a contact are those of space.
       n = merge(3, 2, size(q) == 3*size(friction))*size(friction)
@@ -438,17 +434,9 @@ contains
       end if
       if (allocated(error)) return
       entries%n = count(abs(w) > 0.0_dp)
-      allocate (entries%row(entries%n), entries%column(entries%n), entries%value(entries%n))
-      k = 0
-      do j = 1, size(w, 2)
-         do i = 1, size(w, 1)
-            if (.not. abs(w(i, j)) > 0.0_dp) cycle
-            k = k + 1
-            entries%row(k) = i
-            entries%column(k) = j
-            entries%value(k) = w(i, j)
-         end do
-      end do
+      entries%row = pack(spread([(i, i=1, n)], 2, n), abs(w) > 0.0_dp)
+      entries%column = pack(spread([(i, i=1, n)], 1, n), abs(w) > 0.0_dp)
+      entries%value = pack(w, abs(w) > 0.0_dp)
       entries%place = spread(0, 1, entries%n)
       call new_reduced_system(system, entries, q, friction, sentence, place)
       if (allocated(sentence)) call new_error(error, input_refused, sentence)
