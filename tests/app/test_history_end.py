@@ -2,8 +2,10 @@
 """Load histories that end early: steps without equilibrium, steps that do not converge, obstacles that go too far."""
 import re
 import unittest
+from math import hypot, pi, tan
 
 from histories import BAR, BLOCK, PUSHED, HistoryTest
+from mapped_mesh import mapped_mesh
 from rings import hung_ring, ring
 
 
@@ -75,6 +77,25 @@ class HistoryEnd(HistoryTest):
                 run = self.walk(deck, status=0 if is_held else 2)
                 self.assertEqual("no equilibrium" in run.stderr, not is_held)
                 self.assertEqual(self.run_program("--verify", "out").stdout, "ring: verified\n")
+
+    def test_rounding_errors_of_the_stiffness_hold_no_body(self):
+        # A disc beside a wall is lifted off its floor. It went up to 1e6 times its size, in steps that were solved.
+        def disc(s, t):
+            x, y = tan((s - 0.5)*pi/2), tan((t - 0.5)*pi/2)
+            share = max(abs(x), abs(y))/max(hypot(x, y), 1e-9)
+            return share*x, 1.0 + share*y
+
+        for cells in (10, 14):
+            self.write("disc.msh", mapped_mesh((cells, cells), "quad4", disc))
+            self.assert_no_equilibrium("""&mesh file = 'disc.msh' /
+&material young = 1e5  poisson = 0.33  hypothesis = 'plane stress' /
+&contact set = 'bottom'  friction = 0.45  normal = 0.0, 1.0 /
+&contact set = 'right'  friction = 0.19  normal = -1.0, 0.0  point = 1.0, 0.0 /
+&load name = 'weight'  body_force = 0.0, -0.1 /
+&history times = 0.0, 1.0, 2.0, 3.0 /
+&steps load = 'weight'  factor = 1.0, 0.0, -1.0, 0.0 /
+""", "deck", "all contact points slip or open")
+            self.assertEqual(len(self.table("deck.history.csv")), 2)
 
     def test_first_step_without_equilibrium_is_an_answer(self):
         run = self.walk(BLOCK + PUSHED.replace("0.0, 1.0 /\n", "1.0, 0.0 /\n").replace("times = 1.0, 0.0",
