@@ -262,8 +262,8 @@ contains
    !> Refines a solution if the rounding errors of S may count. Its change is the solution of a contact problem with the
    !> same S, whose load is what the strains of the whole body leave unbalanced, and whose gaps are those that are left.
    !> S of a stiff body that only soft ones hold, or of a slender one, has errors as large as its forces, and long
-   !> displacements have as large ones in the product with it. Where more than a millionth stays unbalanced there is no
-   !> solution: the errors of S may hold a body that nothing else does.
+   !> displacements have as large ones in the product with it. Where more than a millionth stays unbalanced along a
+   !> free motion there is no solution: the errors of S may hold a body that nothing else does.
    subroutine load_solver_refine(self, origin, tolerance, body, acting, problem, solution)
       class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       real(dp), intent(in) :: origin(:) !! motion that displacements are counted from (n_rows) [L]
@@ -280,7 +280,7 @@ contains
       type(load_case_t) :: load_case
       type(newton_t) :: newton
       type(error_t), allocatable :: error
-      real(dp), allocatable :: lacking(:), strained(:)
+      real(dp), allocatable :: lacking(:), remaining(:), strained(:)
       real(dp) :: scale, largest, errors
       integer :: step
 
@@ -307,12 +307,14 @@ contains
          call solve_components(newton, change, next, error)
          next%displacement = solution%displacement + next%displacement
          if (allocated(error) .or. .not. next%is_converged) exit
-         lacking = imbalance_of_points(body, load_case, next%displacement + strained, next%force)
-         if (solution%is_converged .and. .not. problem%largest(lacking) < least_gain*largest) exit
+         remaining = imbalance_of_points(body, load_case, next%displacement + strained, next%force)
+         if (solution%is_converged .and. .not. problem%largest(remaining) < least_gain*largest) exit
          call next%prepend(solution)
          solution = next
+         lacking = remaining
          largest = problem%largest(lacking)
       end do
+      largest = maxval([0.0_dp, abs(matmul(lacking, body%travel))])
       if (largest <= few_digits*scale) return
       solution%is_converged = .false.
       solution%residual = largest/scale
