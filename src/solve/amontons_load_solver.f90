@@ -1,9 +1,10 @@
 !> The solution of a contact problem from a start, in the same way for a case, a row of a sweep and a step of a history.
 !>
-!> First Newton's method from the start, if the method is left to the program. If that does not end well, it is checked
-!> whether contact and friction can balance the loads, and then the deck's method is used, with displacements counted
-!> from the body's position on its obstacles. At last motions that friction cannot hold are looked for. Components of
-!> the contact problem are solved each by itself.
+!> A body that nothing loads needs no method. Else first Newton's method from the start, if the method is left to the
+!> program. If that does not end well, it is checked whether contact and friction can balance the loads, and then the
+!> deck's method is used, with displacements counted from the body's position on its obstacles. Solutions are refined
+!> with what they leave unbalanced in the whole body. At last motions that friction cannot hold are looked for.
+!> Components of the contact problem are solved each by itself.
 !>
 !> Such motions are a body that turns without end on a round contact line, slides along a flat one, or along walls off
 !> its floor, against friction.
