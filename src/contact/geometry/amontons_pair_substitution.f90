@@ -329,8 +329,7 @@ contains
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
-         follower = merge(merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))])), &
-            follower, follower <= 0)
+         where (follower <= 0) follower = merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))]))
          call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
          if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
          if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., body%constraints, error)

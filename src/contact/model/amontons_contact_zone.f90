@@ -94,8 +94,8 @@ contains
       follower = 0
       if (present(bonded)) follower = bonded
       do i = 1, size(contacts)
-         follower = merge(merge(-1, 0, any([(contacts(k)%set == contacts(i)%set, k=i + 1, size(contacts))])), &
-            follower, follower <= 0)
+         where (follower <= 0) follower = merge(-1, 0, any([(contacts(k)%set == contacts(i)%set, k=i + 1, &
+            size(contacts))]))
          if (contacts(i)%pairing%is_pair()) then
             call add_pair(zone, i, contacts(i), body, follower, error)
          else

@@ -15,7 +15,7 @@
 !> Displacements that do cause forces may be millions of times smaller than the distance to the obstacle: counted from
 !> the body's position on the obstacle, they keep their digits. If the gaps do not determine this position, as for a
 !> hollow body that rests on its ends, it is found from the loads, which press a rigid body onto its obstacles, or from
-!> the displacements found. Without loads it is the least motion from where the body was that ends all overlaps.
+!> the displacements of a start. Without loads it is the least motion from where the body was that ends all overlaps.
 module amontons_equilibrium
    use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t, largest_motion
