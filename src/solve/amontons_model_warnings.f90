@@ -21,8 +21,8 @@ module amontons_model_warnings
 
    public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, mean_length, percent
 
-   !> Smallest initial overlap with a warning, as a share of the body's size [-].
-   real(dp), parameter :: large_overlap = 0.01_dp
+   !> Largest initial overlap without a warning, as a share of the body's size, with its rounding error [-].
+   real(dp), parameter :: large_overlap = 0.01_dp*(1.0_dp + 1.0e-6_dp)
    !> Smallest friction coefficient with a warning [-].
    real(dp), parameter :: large_friction = 2.0_dp
 

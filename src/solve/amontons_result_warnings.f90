@@ -46,8 +46,9 @@ module amontons_result_warnings
    !> Index of the warning that contact reaches the end of a set.
    integer, parameter, public :: end_of_set = 6
 
-   !> Largest displacement, as a share of the body's size, and largest strain that are considered small [-].
-   real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
+   !> Largest displacement, as a share of the body's size, and largest strain that are considered small, with their
+   !> rounding errors [-].
+   real(dp), parameter :: large_displacement = 0.05_dp*(1.0_dp + 1.0e-6_dp), large_strain = 0.02_dp*(1.0_dp + 1.0e-6_dp)
 
 contains
 
@@ -55,8 +56,8 @@ contains
    subroutine add_result_warnings(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warnings
       type(body_t), intent(in) :: body !! the body
-      ! The cosine of 30 degrees.
-      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
+      ! The cosine of 30 degrees, rounded down.
+      real(dp), parameter :: smallest_cosine = 0.866_dp
       ! Depth of a corner of an obstacle between two nodes, over the largest displacement.
       real(dp), parameter :: badly_resolved(2) = 0.2_dp
       integer, allocatable :: reached(:)

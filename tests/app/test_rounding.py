@@ -2,7 +2,7 @@
 """Sound cases in which rounding is all that is left of forces, strains or gaps: the certificate passes."""
 import json
 import unittest
-from math import cos, sin
+from math import cos, pi, sin, tan
 
 from mapped_mesh import mapped_mesh
 from verification import Verification
@@ -63,6 +63,37 @@ LOOSE = """&mesh name = 'low'  size = 2.1, 1.1  cells = 13, 4  element = 'tri3' 
 &contact set = 'low.bottom'  friction = 0.3  point = 0.0, -0.0001 /
 &contact set = 'mid.top'  against = 'high.bottom'  friction = 0.6 /
 &load name = 'push'  set = 'high.top'  pressure = 3e-4 /
+"""
+
+# Two blocks as far from each other as the search, by twice a side, or overlapping by half a side.
+APART = """&mesh name = 'low'  size = {low}, 1.0  cells = 8, 2  origin = {x}, {y} /
+&mesh name = 'high'  size = {high}, 1.0  cells = 6, 2  origin = {left!r}, {above!r} /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.left'  un = 0.0 /
+&load set = 'high.top'  traction = 0.0, -1.0 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /
+"""
+
+# A slave of which the master covers 95 % of a side.
+END = """&mesh name = 'low'  size = {end!r}, 1.0  cells = 7, 2  origin = {x}, 0.0 /
+&mesh name = 'high'  size = {whole!r}, 1.0  cells = 9, 3  origin = {x}, 1.0 /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'high.left'  un = 0.0 /
+&load set = 'high.top'  traction = 0.05, -1.0 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /
+"""
+
+# A parallelogram of two blocks whose guided flanks are at 60 degrees to the normal of their contact.
+ASLANT = """&mesh name = 'low'  file = 'low.msh' /
+&mesh name = 'high'  file = 'high.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'low.left'  un = 0.0 /
+&support set = 'high.left'  un = 0.0 /
+&load set = 'high.top'  pressure = 1.0 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /
 """
 
 
@@ -430,6 +461,48 @@ class Rounding(Verification):
                                   "&contact set = 'bottom'  friction = 0.3  multipliers = 'constant' /\n")
         # All but what the springs bear, 2e-7 (0.1/5000 600) 3000.
         self.assertAlmostEqual(summary["key_results"]["contact_force_y"], 300.0 - 7.2e-6, delta=1e-7)
+
+    def test_limits_of_meshes_are_no_round_numbers(self):
+        # A place of the bodies changes the last digit of what is compared with the limit. The search includes its end.
+        for side in (0.5, 0.3, 0.1, 0.7):
+            for deck, height in ((APART, 2*side), (APART, -0.5*side), (END, 0.0)):
+                found = set()
+                for x, y in ((0.0, 0.0), (3.1, 0.7), (0.3, 0.1), (-7.9, 3.3)):
+                    self.solve_into_results(deck.format(
+                        low=8*side, high=6*side, x=x, y=y, left=x + side, above=y + 1.0 + height,
+                        end=round(6.95*side, 9), whole=9*side))
+                    summary = json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
+                    found.add(f'{summary["key_results"]["max_contact_pressure"]:.6g}')
+                with self.subTest(side=side, height=height):
+                    self.assertEqual(len(found), 1, found)
+
+    def test_a_guide_at_60_degrees_to_the_normal_holds_a_plane_of_symmetry(self):
+        forces = []
+        for turn in (0.0, 0.3, 1.6, 1.7000000000000002, 1.85):
+            for name, columns, height in (("low", 8, -1.0), ("high", 7, 0.0)):
+                def place(s, t, height=height, turn=turn):
+                    x, y = 4.0*s + (t + height)*tan(pi/6), t + height
+                    return x*cos(turn) - y*sin(turn), x*sin(turn) + y*cos(turn)
+                self.write(f"{name}.msh", mapped_mesh((columns, 2), "quad4", place))
+            self.solve_into_results(ASLANT)
+            forces.append(json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
+                          ["resultants"]["normal_force"])
+        self.assertLess(max(forces)/min(forces) - 1.0, 1e-8, forces)
+
+    def test_warnings_begin_above_their_limits(self):
+        # Displacements of 5 %, an overlap of 1 %, gaps at 30 degrees off the obstacle's normal.
+        for unit in (1.0, 0.001, 0.3, 25.4, 7.7):
+            for groups in (f"&support set = 'top'  ux = {0.2*unit!r}  uy = 0.0 /\n"
+                           f"&contact set = 'bottom'  point = 0.0, {-0.01*unit!r} /\n",
+                           "&load set = 'top'  pressure = 1e-6 /\n"
+                           f"&contact set = 'bottom'  point = 0.0, {0.04*unit!r}  friction = 0.3 /\n",
+                           "&load set = 'top'  pressure = 1e-6 /\n&support set = 'left'  ux = 0.0  uy = 0.0 /\n"
+                           f"&contact set = 'bottom'  friction = 0.3  gap_direction = {0.5*unit!r}, "
+                           f"{-(0.75**0.5)*unit!r} /\n"):
+                with self.subTest(unit=unit, groups=groups):
+                    warnings = self.summary_of(f"&mesh size = {4.0*unit!r}, {unit!r}  cells = 8, 2 /\n"
+                                               "&material young = 1000.0  poisson = 0.3 /\n" + groups)["warnings"]
+                    self.assertNotRegex(" ".join(warnings), "small displacements|initial overlap|30 degrees")
 
 
 if __name__ == "__main__":

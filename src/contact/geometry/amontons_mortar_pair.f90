@@ -43,9 +43,9 @@ module amontons_mortar_pair
       n_quadrature_points, new_mortar_pair
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
-   !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is no
-   !> simple fraction, as ends of regular meshes have [-].
-   real(dp), parameter :: least_cover = 0.28_dp
+   !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
+   !> irrational: no mesh with decimal coordinates has such an end, and rounding would decide there [-].
+   real(dp), parameter :: least_cover = sqrt(0.078_dp)
 
    !> A quadrature rule on the interval from -1 to 1.
    type :: gauss_rule_t
@@ -602,8 +602,9 @@ contains
       real(dp), intent(in) :: part(:, :) !! covered parts of the hats of both corners of each side (2, sides) [-]
       real(dp), intent(in) :: share(:) !! their sums: the covered share of each side (sides) [-]
       type(constraints_t), intent(in) :: constraints !! the supports
-      ! Share of a whole side: a corner so close beyond the master's end has a multiplier. Rounding error of a mean.
-      real(dp), parameter :: whole = 0.95_dp, rounding = 1.0e-6_dp
+      ! Share of a whole side: a corner so close beyond the master's end has a multiplier. It is irrational, as
+      ! `least_cover` is. Rounding error of a mean.
+      real(dp), parameter :: whole = sqrt(0.9_dp), rounding = 1.0e-6_dp
       real(dp) :: length(size(share))
       integer :: i, k, n
 
@@ -759,7 +760,7 @@ contains
          if (depth <= rounding*pair%slave%longest) return
          overlap = "'"//pair%set//"' and '"//pair%against//"' overlap by up to "//short_text(depth)// &
             ' before any load (side at '//place_text(position)//'), '
-         if (depth > 0.5_dp*pair%slave%longest) then
+         if (depth > (0.5_dp + rounding)*pair%slave%longest) then
             call new_error(error, input_refused, overlap//'more than half a side: give extra_gap for an '// &
                "interference, or gap = 'touching'")
             return

@@ -101,8 +101,9 @@ contains
       type(boundary_line_t), intent(in) :: facing !! the line of the other body's set
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       integer, allocatable :: sides(:, :)
-      ! A direction at less than 60 degrees to the normal is held by a support, not by symmetry.
-      real(dp), parameter :: most = 0.5_dp
+      ! A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
+      ! degrees has the rounding error of its cosine.
+      real(dp), parameter :: most = 0.501_dp
       logical :: is_free(2)
       real(dp) :: held(2)
       integer :: i, k
@@ -403,8 +404,8 @@ contains
       integer, intent(in) :: near(:) !! the sides to look at
       type(surface_place_t), intent(in) :: place !! the place on the slave
       real(dp), intent(in) :: search !! largest magnitude of a gap [L]
-      ! Tolerance beyond the ends of a side: rays through a corner meet one of its sides.
-      real(dp), parameter :: beyond = 1.0e-12_dp
+      ! Tolerance beyond the ends of a side: rays through a corner meet one of its sides. Rounding error of a gap.
+      real(dp), parameter :: beyond = 1.0e-12_dp, rounding = 1.0e-6_dp
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       real(dp) :: normal(2), xi(2)
@@ -418,7 +419,7 @@ contains
             foot = master%place(near(i), xi(k))
             if (dot_product(foot%outward(), normal) > -steepest_cosine) cycle
             meeting = meeting_t(near(i), xi(k), dot_product(foot%position - place%position, normal))
-            if (abs(meeting%gap) > search) cycle
+            if (abs(meeting%gap) > (1.0_dp + rounding)*search) cycle
             if (nearest%side == 0 .or. abs(meeting%gap) < abs(nearest%gap)) nearest = meeting
          end do
       end do

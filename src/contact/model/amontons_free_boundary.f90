@@ -635,7 +635,7 @@ contains
       logical, intent(in) :: has_middle !! whether the side has a node in its middle
       real(dp), intent(in) :: limits(2) !! the limits [L]
       ! 30 degrees off the obstacle's normal, as warnings have it.
-      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
+      real(dp), parameter :: smallest_cosine = 0.866_dp
       real(dp) :: gap, cosine, turn, angle
       logical :: is_met, is_steep
       integer :: beside(2), i
