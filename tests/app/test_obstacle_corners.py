@@ -59,6 +59,17 @@ class ObstacleCorners(Verification, ProgramTest):
                     warnings, _ = self.run_on(obstacle, 4, cells)
                     self.assertTrue(any(warning.startswith(BETWEEN) for warning in warnings), warnings)
 
+    def test_circle_out_of_reach_of_a_node_beside_its_apex(self):
+        # One of the nodes beside the apex is near it, nothing lies opposite to the other one: the mesh resolves no
+        # surface there, and the circle goes into the body as deep as the top is pressed down.
+        for element, place in (("quad4", 2.02), ("quad8", 2.27), ("quad9", 1.98)):
+            for radius in (0.07, 0.15):
+                with self.subTest(element=element, radius=radius):
+                    warnings, between = self.run_on(f"obstacle = 'circle'  point = {place}, 0.0  radius = {radius}", 4,
+                                                    element=element, pressed="support set = 'top'  uy = -0.001")
+                    self.assertTrue(any(warning.startswith(BETWEEN) for warning in warnings), warnings)
+                    self.assertAlmostEqual(between, 1.0, delta=1e-9)
+
     def test_what_the_mesh_resolves(self):
         profile = [(0.01*k, -0.005*(0.01*k - 2.0)**2) for k in range(-100, 501)]
         # Edges just beyond a node, which stays open, and a wedge between two nodes need more sides, or they are named.

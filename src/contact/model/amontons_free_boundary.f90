@@ -624,7 +624,7 @@ contains
 
    !> Largest depth to which a surface may reach into a side between two nodes because of the mesh: half the distance of
    !> the nodes times the tangent of half the angle between the surface's directions opposite to them (the height of the
-   !> triangle of its tangents, unless one is steeper than warnings allow), plus the difference of their displacements,
+   !> triangle of its tangents, unless one is steeper than warnings allow or missing), plus the difference of their displacements,
    !> each up to its limit, plus the overlap of the nodes [L].
    pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle, limits) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
@@ -647,8 +647,9 @@ contains
       is_steep = .false.
       do i = 1, 2
          call contact%obstacle%measure(side(:, beside(i)), normal, gap, is_met, cosine, turn)
-         if (.not. is_met) cycle
+         ! Where there is no surface opposite to a node, the cosine is that of a steeper one, or 0.
          is_steep = is_steep .or. cosine < smallest_cosine
+         if (.not. is_met) cycle
          angle = angle + turn
          depth = max(depth, dot_product(moved(:, beside(i)) - side(:, beside(i)), normal) - gap)
       end do
