@@ -11,7 +11,7 @@ SENTENCES = {
     "equilibrium": "forces at some node do not balance",
     "penetration": "the body penetrates the obstacle",
     "penetration_outside": "the boundary outside the contact sets penetrates an obstacle or another body: enlarge the "
-        "sets so that they contain all that may touch",
+        "sets, or search, so that they contain all that may touch",
     "penetration_between": "a corner of the obstacle penetrates the body between contact points: refine the mesh there",
     "tension": "the obstacle pulls at the body",
     "friction_excess": "friction exceeds its bound",

@@ -136,8 +136,8 @@ contains
       end do
       if (deepest > 0) call result%warnings%add('the boundary outside the contact sets penetrates the obstacle '// &
          'or the other body by '//result%warnings%number(depth, 'L')//' at '//result%warnings%place( &
-         body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets so that they '// &
-         'contain all that may touch, or end the obstacle')
+         body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets, or search, '// &
+         'so that they contain all that may touch, or end the obstacle')
    end subroutine add_reached_ends
 
    !> The sentence of a warning on a case of a sweep.

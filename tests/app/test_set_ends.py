@@ -83,6 +83,34 @@ class SetEnds(Verification, ProgramTest):
                     self.expect_sound(self.on_body(4.0, 6.0, contact, is_quadratic=is_quadratic))
             self.expect_end(self.on_body(0.8, 0.75, ABOVE, is_quadratic=is_quadratic), of_upper, of_lower)
 
+    def test_contact_beyond_where_it_is_looked_for(self):
+        # Nodes of the slave that the master is too far from have no contact force, and go through it all the same.
+        for is_quadratic in (False, True):
+            for contact in (ABOVE, BELOW):
+                for search, is_enough in ((0.002, False), (0.005, False), (0.1, True)):
+                    with self.subTest(contact=contact, is_quadratic=is_quadratic, search=search):
+                        deck = self.on_body(4.0, 6.0, contact, is_quadratic=is_quadratic)
+                        deck = deck.replace("search = 3.0", f"search = {search}")
+                        warnings, inside = self.run_deck(deck, 0 if is_enough else 4)
+                        self.assertEqual(any(warning.startswith(INSIDE) for warning in warnings), not is_enough)
+                        self.assertEqual(inside > 1e-3, not is_enough)
+                        self.run_program("--verify", "results", status=0 if is_enough else 4)
+
+    def test_nothing_touches_where_contact_is_looked_for(self):
+        # A bar that bends down on a slope goes through it at its tip, 17 sides of the mesh away.
+        self.write("slope.msh", block_mesh({"base": ("top", *WHOLE), "top": ("bottom", *WHOLE)}, size=(12.0, 1.0),
+                                           cells=(100, 4), corner=(-1.0, 0.0), bottom=lambda x: 0.025*(x + 1.0)))
+        warnings, inside = self.run_deck("""&mesh name = 'bar'  size = 10.0, 0.2  cells = 200, 4  origin = 0.0, -0.29 /
+&mesh name = 'slope'  file = 'slope.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'bar.left'  ux = 0.0  uy = 0.0 /
+&support set = 'slope.base'  ux = 0.0  uy = 0.0 /
+&load set = 'bar.bottom'  pressure = 4e-4 /
+&contact set = 'bar.top'  against = 'slope.top'  friction = 0.2 /
+""", 4)
+        self.assertGreater(inside, 0.1)
+        self.assertTrue(any(warning.startswith(INSIDE) for warning in warnings), warnings)
+
     def test_sets_that_end_at_a_corner(self):
         # The block ends at x = 4: it covers a part of the lower one, whose set may end beside it.
         for ends in ((4.0, 6.0), (4.0, 4.0)):

@@ -128,7 +128,8 @@ contains
             call add_ends(boundary, set, zone)
             cycle
          end if
-         ! Those beyond the ends of both sets, and those of the slave that face the boundary beyond the master's ends.
+         ! Those beyond the ends of both sets, and those of the slave that face the boundary beyond the master's ends,
+         ! or the master from farther away than contact is looked for.
          call extend_set(master, contacts(i)%pairing%against, i, .true., outline, body)
          ! Polygons that approximate curves overlap before any load, and these nodes may, too.
          least = 0.0_dp
@@ -139,11 +140,10 @@ contains
                end associate
             end do
          end if
-         call add_facing(boundary, set, 1, master, outline, body%constraints, zone%pairs(i)%search, least)
+         call add_facing(boundary, set, 1, master, outline, body, zone%pairs(i), least)
          call add_ends(boundary, set, zone)
          call add_ends(boundary, master, zone)
-         call add_facing(boundary, master, master%n_own + 1, set, outline, body%constraints, zone%pairs(i)%search, &
-            least)
+         call add_facing(boundary, master, master%n_own + 1, set, outline, body, zone%pairs(i), least)
       end do
       ! Only tables of gaps need lengths along the line.
       do i = 1, size(boundary%nodes)
@@ -307,45 +307,63 @@ contains
       boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, n)]]
    end subroutine find_free_places
 
-   !> Adds the nodes of one body of a pair that face the other one, except for positions that belong to both sets.
-   pure subroutine add_facing(boundary, extended, first, other, outline, constraints, search, least)
+   !> Adds the nodes of one body of a pair that face the other one, except for positions that belong to both sets and
+   !> nodes of the slave beside a segment.
+   pure subroutine add_facing(boundary, extended, first, other, outline, body, pair, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the boundary of the one body
       integer, intent(in) :: first !! its first side to look at
       type(extended_set_t), intent(in) :: other !! the boundary of the other body
       type(outline_t), intent(in) :: outline !! the sides of the boundary
-      type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: search !! largest magnitude of a distance [L]
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(mortar_pair_t), intent(in) :: pair !! the surfaces of the pair
       real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
+      ! Displacements that the theory is for, over the body's size.
+      real(dp), parameter :: small = 0.05_dp
       ! Rounding error of a distance of 0 in mesh files, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       integer, allocatable :: side(:), corner(:), near(:)
+      logical :: is_beside_segment(body%mesh%n_nodes)
+      real(dp) :: reach
       integer :: i, k, n, near_of
 
+      is_beside_segment = .false.
+      do i = 1, size(pair%segments)
+         associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
+            do k = 1, 3
+               if (nodes(k) > 0 .and. range(1) <= xi(k) .and. range(2) >= xi(k)) is_beside_segment(nodes(k)) = .true.
+            end do
+         end associate
+      end do
+      associate (x => body%mesh%coordinates)
+         reach = max(pair%search, small*maxval(maxval(x, dim=2) - minval(x, dim=2)))
+      end associate
       near_of = 0
       n = size(boundary%nodes)
-      call find_free_places(boundary, extended, first, outline, constraints, side, corner)
+      call find_free_places(boundary, extended, first, outline, body%constraints, side, corner)
       do i = 1, size(side)
-         if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, search)
-         near_of = side(i)
-         meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), search)
-         if (meeting%side == 0) cycle
-         if (side(i) <= extended%n_own .and. meeting%side <= other%n_own) cycle
-         ! A boundary behind the node is the far side of the other body.
-         if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
-         foot = other%surface%place(meeting%side, meeting%xi)
-         ! The corner at which the other set ends belongs to that set, on whichever of its two sides rounding puts it.
-         k = maxloc(foot%values, dim=1)
-         if (side(i) <= extended%n_own .and. foot%values(k) > 1.0_dp - rounding) then
-            if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
-         end if
-         n = n + 1
-         boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), extended%number, &
-            extended%surface%normal(:, corner(i), side(i)), other%surface%side(:3, meeting%side), foot%values, &
-            max(least, meeting%gap))
+         associate (node => extended%surface%side(corner(i), side(i)))
+            if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, reach)
+            near_of = side(i)
+            meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), reach)
+            if (meeting%side == 0) cycle
+            if (side(i) <= extended%n_own .and. meeting%side <= other%n_own .and. is_beside_segment(node)) cycle
+            ! A boundary behind the node is the far side of the other body.
+            if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
+            foot = other%surface%place(meeting%side, meeting%xi)
+            ! The corner at which the other set ends belongs to it, on whichever of its two sides rounding puts it.
+            k = maxloc(foot%values, dim=1)
+            if (side(i) <= extended%n_own .and. meeting%side > other%n_own &
+               .and. foot%values(k) > 1.0_dp - rounding) then
+               if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
+            end if
+            n = n + 1
+            boundary%nodes(n) = free_node_t(node, extended%number, extended%surface%normal(:, corner(i), side(i)), &
+               other%surface%side(:3, meeting%side), foot%values, max(least, meeting%gap))
+         end associate
       end do
       boundary%nodes = boundary%nodes(:n)
    end subroutine add_facing
@@ -624,8 +642,8 @@ contains
 
    !> Largest depth to which a surface may reach into a side between two nodes because of the mesh: half the distance of
    !> the nodes times the tangent of half the angle between the surface's directions opposite to them (the height of the
-   !> triangle of its tangents, unless one is steeper than warnings allow or missing), plus the difference of their displacements,
-   !> each up to its limit, plus the overlap of the nodes [L].
+   !> triangle of its tangents, unless one is missing or steeper than warnings allow), plus the difference of their
+   !> displacements, each up to its limit, plus the overlap of the nodes [L].
    pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle, limits) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
       real(dp), intent(in) :: side(2, 3) !! first corner, second corner, middle of the side [L]
