@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
 
+from amontons.arguments import InputRefused
+
 _GROUP = re.compile(r"""&(\w+)((?:[^'"/!]|!.*|'(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")*)/|!.*|\S""")
 _PIECE = re.compile(r"""!.*|(\w+)\s*=|('(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")|([^\s,'"=!]+)""")
 _LOGICAL = {True: ".true.", False: ".false."}
@@ -49,7 +51,10 @@ def deck_text(groups: Mapping[str, Union[Mapping[str, Any], Sequence[Mapping[str
     """
     lines = []
     for name, entries in groups.items():
-        for entry in [entries] if isinstance(entries, Mapping) else entries:
+        listed = [entries] if isinstance(entries, Mapping) else entries
+        if not (isinstance(listed, (list, tuple)) and all(isinstance(entry, Mapping) for entry in listed)):
+            raise InputRefused(f"deck: &{name}: expected a dict of keys or a list of them, found {entries!r}")
+        for entry in listed:
             lines.append(f"&{name} " + "  ".join(f"{key} = {value_text(value)}" for key, value in entry.items()
                                               if value is not None) + " /")
     return "\n".join(lines) + "\n"

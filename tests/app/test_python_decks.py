@@ -115,6 +115,12 @@ class Decks(ProgramTest):
             with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
                 amontons.solve_deck(deck, **settings)
 
+    def test_groups_of_other_kinds_are_refused(self):
+        for group in (1, None, "quad4", "", 1.5, ["size"], [("size", (1.0, 1.0))]):
+            with self.subTest(group=group), \
+                    self.assertRaisesRegex(amontons.InputRefused, "^deck: &mesh: expected a dict of keys or a list of"):
+                amontons.solve_deck({"mesh": group})
+
     def test_files_of_a_text_are_seen_from_the_current_directory(self):
         text = block(SUPPORT, PRESSURE, "contact set = 'bottom'  obstacle = 'polyline'  line = 'no such line.csv'")
         with self.assertRaisesRegex(FileNotFoundError, "^deck:5: line: no such line.csv: cannot read this file: "):
