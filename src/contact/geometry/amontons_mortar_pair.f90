@@ -102,7 +102,8 @@ module amontons_mortar_pair
          !! the side whose functions each side has: of one that the master covers in part the whole side before it,
          !! else the side itself (sides)
       real(dp), allocatable :: reach(:, :)
-         !! how far the functions of each side go on beyond both of its corners, in lengths of the side (2, sides) [-]
+         !! how far the functions of each side go on beyond both of its corners, in lengths of the side, negative where
+         !! they end before (2, sides) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
       logical, allocatable :: gives_shear(:)
          !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
@@ -585,7 +586,7 @@ contains
          associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
             pair%point_of(:, i) = point(nodes(:2))
             if (first > 0) pair%next(first) = pair%point_of(2, i)
-            if (first > 0) pair%covered_share(first) = share(i) + sum(pair%reach(:, i))
+            if (first > 0) pair%covered_share(first) = share(i) + sum(max(0.0_dp, pair%reach(:, i)))
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
                .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
                follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
@@ -595,8 +596,8 @@ contains
    end subroutine number_points
 
    !> Finds the sides that the master covers in part, from a corner on. The functions of the side before this corner go
-   !> on over them if it is covered as a whole, and no support holds or guides its corners: these have tangential
-   !> functions of their own.
+   !> on over them if it is covered as a whole, or from this corner on and the other one by a share below the least, and
+   !> no support holds or guides its corners: these have tangential functions of their own.
    pure subroutine continue_sides(pair, part, share, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair
       real(dp), intent(in) :: part(:, :) !! covered parts of the hats of both corners of each side (2, sides) [-]
@@ -617,7 +618,12 @@ contains
             ! The mean of a corner's hat over a part that begins at the other corner is half its share.
             n = findloc(pair%slave%side(3 - k, :), pair%slave%side(k, i), dim=1)
             if (n == 0 .or. part(3 - k, i) > 0.5_dp*(1.0_dp + rounding)*share(i)**2) cycle
-            if (share(n) < 1.0_dp - rounding .or. .not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
+            if (.not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
+            if (share(n) < 1.0_dp - rounding) then
+               if (share(i) > least_cover .or. .not. share(n) > least_cover) cycle
+               if (part(k, n) > 0.5_dp*(1.0_dp + rounding)*share(n)**2) cycle
+               pair%reach(k, n) = share(n) - 1.0_dp
+            end if
             pair%lead_side(i) = n
             pair%reach(3 - k, n) = share(i)*length(i)/length(n)
          end do
