@@ -730,7 +730,8 @@ contains
          end associate
       end do
       if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//pair%set//"' that faces '"// &
-         pair%against//"' is left: supports hold them, or they belong to ties, preloads or earlier sets")
+         pair%against//"' is left: supports hold them, or they belong to ties, preloads or earlier sets; refine '"// &
+         pair%set//"', or "//remedy)
    end subroutine check_ends
 
    !> The message that supports hold a part of a slave, so that contact forces do no work there.
