@@ -137,24 +137,30 @@ contains
       end do
    end subroutine mesh_check
 
-   !> Whether the Jacobian of an element is not positive at a corner or a quadrature point of either rule.
+   !> Whether the Jacobian of an element is not positive, beyond its rounding errors, at a corner or a quadrature point
+   !> of either rule.
    pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
-      real(dp) :: xi(2), weight
+      ! Rounding errors of a product of two differences of coordinates.
+      real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp)
+      real(dp) :: xi(2), weight, least
       integer :: corner, kind, n_points, point, rule
 
       kind = self%element_kind(element)
       is_turned_over = .true.
+      associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)))
+         least = min(rounding*maxval(abs(x))*maxval(maxval(x, dim=2) - minval(x, dim=2)), huge(least))
+      end associate
       do corner = 1, n_corners(kind)
-         if (.not. jacobian_determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp) return
+         if (.not. jacobian_determinant(self, element, node_coordinates(kind, corner)) > least) return
       end do
       ! The Jacobian of a linear element has its least value at a corner.
       do rule = 1, merge(0, 2, n_element_nodes(kind) == n_corners(kind))
          n_points = n_element_points(kind, rule == 2)
          do point = 1, n_points
             call quadrature_point(kind, n_points, point, xi, weight)
-            if (.not. jacobian_determinant(self, element, xi) > 0.0_dp) return
+            if (.not. jacobian_determinant(self, element, xi) > least) return
          end do
       end do
       is_turned_over = .false.

@@ -489,6 +489,27 @@ class Rounding(Verification):
                           ["resultants"]["normal_force"])
         self.assertLess(max(forces)/min(forces) - 1.0, 1e-8, forces)
 
+    def test_elements_whose_jacobian_vanishes_at_a_corner_are_refused_wherever_they_lie(self):
+        # Three corners of a quadrilateral on a line; a node in the middle of a side at a quarter of it.
+        def on_a_line(s, t):
+            return (0.3, 1.4) if (s, t) == (0.25, 0.5) else (4.0*s, 4.0*t)
+
+        def at_a_quarter(s, t):
+            return (0.25 if s == 0.125 else 4.0*s), 4.0*t
+        for element, mapping in (("quad4", on_a_line), ("quad8", at_a_quarter), ("quad9", at_a_quarter)):
+            for move in (0.0, 0.7, 3.1, 1e3):
+                for unit in (1.0, 0.3, 25.4, 1e-3):
+                    def place(s, t, move=move, unit=unit, mapping=mapping):
+                        x, y = mapping(s, t)
+                        return (x + move)*unit, (y + 0.3*move)*unit
+                    self.write("body.msh", mapped_mesh((4, 2), element, place))
+                    self.solve_into_results("""&mesh file = 'body.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'top'  ux = 0.0  uy = 0.0 /
+&load set = 'right'  pressure = 1.0 /
+&contact set = 'bottom'  friction = 0.3 /
+""", status=1)
+
     def test_warnings_begin_above_their_limits(self):
         # Displacements of 5 %, an overlap of 1 %, gaps at 30 degrees off the obstacle's normal.
         for unit in (1.0, 0.001, 0.3, 25.4, 7.7):

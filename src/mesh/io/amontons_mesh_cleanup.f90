@@ -284,8 +284,7 @@ contains
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
       real(dp) :: x(2, 4)
-      integer :: element, first, i, n
-      logical :: is_sound
+      integer :: element, first, n
 
       allocate (is_turned(mesh%n_elements))
       do element = 1, mesh%n_elements
@@ -299,22 +298,15 @@ contains
                nodes(2:n) = nodes(n:2:-1)
                if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
             end associate
-            x(:, 2:n) = x(:, n:2:-1)
          end if
-         is_sound = doubled_area(x(:, :n)) > 0.0_dp
-         ! To the left at each corner.
-         if (n == n_element_nodes(mesh%element_kind(element))) is_sound = is_sound .and. all([(cross( &
-            x(:, mod(i, n) + 1) - x(:, i), x(:, mod(i + 1, n) + 1) - x(:, mod(i, n) + 1)) > 0.0_dp, i=1, n)])
-         if (.not. is_sound) then
+         if (.not. mesh%is_turned_over(element)) cycle
+         if (n == n_element_nodes(mesh%element_kind(element))) then
             call refuse_cell(input, raw, cell_of(element), 'is degenerate: its corners must go round a convex area')
-            return
-         end if
-         if (n == n_element_nodes(mesh%element_kind(element))) cycle
-         if (mesh%is_turned_over(element)) then
+         else
             call refuse_cell(input, raw, cell_of(element), 'is folded: its corners must go round a convex area, '// &
                'and the nodes in the middle of its sides lie near the middle')
-            return
          end if
+         return
       end do
       if (any(is_turned)) call raw%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
    end subroutine turn_elements
