@@ -108,7 +108,9 @@ contains
    pure subroutine material_derive(self, error)
       class(material_t), intent(inout) :: self !! the material
       type(error_t), allocatable, intent(out) :: error !! an orthotropic material that would gain energy when strained
-      real(dp) :: law(4, 4)
+      ! Least eigenvalue of the compliance in units of its diagonal: below it rounding spoils stresses.
+      real(dp), parameter :: least = 1.0e-10_dp
+      real(dp) :: law(4, 4), root(4)
       integer :: i, info, n
 
       self%is_plane_stress = self%hypothesis == 'plane stress'
@@ -131,7 +133,11 @@ contains
          self%compliance(2, 4) = self%compliance(4, 2)
       end associate
       if (self%shear > 0.0_dp) then
-         law = self%compliance
+         root = sqrt([(self%compliance(i, i), i=1, size(root))])
+         law = self%compliance/(spread(root, 1, size(root))*spread(root, 2, size(root)))
+         do i = 1, size(root)
+            law(i, i) = 1.0_dp - least
+         end do
          call cholesky_factor(law, info)
          if (info /= 0) then
             call new_error(error, input_refused, 'the elastic constants are not positive definite: nu12**2 E2/E1, '// &

@@ -79,6 +79,17 @@ class Orthotropic(ProgramTest):
         self.run_program("--output", "out", "case.nml")
         self.run_program("--verify", "out")
 
+    def test_constants_at_the_limit_of_positive_definiteness_are_refused_in_any_unit(self):
+        # The sign of a pivot, which is 0, decided: some were refused, others solved or singular.
+        for young in (1.0, 3.0, 0.3, 123.4, 1000.0, 210000.0):
+            for poisson in ("0.5, 0.5, 0.5", "1.0, 0.0, 0.0", "0.0, 1.0, 0.0", "0.0, 0.0, 1.0", "0.8, 0.6, 0.0",
+                            "0.6, 0.0, 0.8"):
+                with self.subTest(young=young, poisson=poisson):
+                    self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, material=(
+                        f"young = {young}, {young}, {young}  poisson = {poisson}  shear = {young/2}")))
+                    run = self.run_program("--check", "case.nml", status=1)
+                    self.assertIn("the elastic constants are not positive definite", run.stderr)
+
     def test_refusals(self):
         for material, message in (
                 ("young = 1.0, 2.0  poisson = 0.3", "young: expected 1 number or 3, found 2"),
