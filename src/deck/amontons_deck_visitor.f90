@@ -53,6 +53,7 @@ module amontons_deck_visitor
       logical :: is_shared = .false. !! whether decks that share a factorization agree in it
       logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
    contains
+      procedure :: includes => key_includes
       procedure :: noun => key_noun
       procedure :: numbers => key_numbers
       procedure :: range => key_range
@@ -164,18 +165,21 @@ contains
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
       real(dp), allocatable, intent(inout) :: values(:) !! the numbers; they stay as they are where none are given
-      logical, intent(inout) :: is_given !! see the procedure for reals
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       real(dp), allocatable :: numbers(:)
+      logical :: is_empty
 
+      is_empty = .not. allocated(values)
+      if (present(is_given)) is_empty = is_empty .or. .not. is_given
       if (self%has(key%name)) then
          allocate (numbers(self%deck%count_values(self%place, key%name, most_values)), source=0.0_dp)
-      else if (allocated(values) .and. is_given) then
-         numbers = values
-      else
+      else if (is_empty) then
          allocate (numbers(0))
+      else
+         numbers = values
       end if
       call self%reals(key, numbers, is_given)
-      if (is_given) call move_alloc(numbers, values)
+      if (size(numbers) > 0) call move_alloc(numbers, values)
    end subroutine visitor_list
 
    !> Visits a key that has one word of a list.
@@ -261,6 +265,15 @@ contains
       call read_number_table(table, file, error, n_columns, station, least)
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
+
+   !> Whether a number is within the range of a key.
+   elemental logical function key_includes(self, number)
+      class(key_t), intent(in) :: self !! the key
+      real(dp), intent(in) :: number !! the number
+
+      key_includes = number >= self%at_least .and. (number > self%above .or. self%above <= -huge(1.0_dp)) .and. &
+         (number < self%below .or. self%below >= huge(1.0_dp))
+   end function key_includes
 
    !> The range of the numbers of a key in words: 'above -1 and below 0.5'; empty if there is none.
    pure function key_range(self) result(text)
@@ -365,8 +378,11 @@ contains
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers
-      logical, intent(inout), optional :: is_given !! whether they are written; for tables, whether they are defaults
+      logical, intent(inout), optional :: is_given
+         !! whether they are written; for tables, whether they are defaults; where it is not present, whether the key can
+         !! have them
       character(:), allocatable :: kind, range
+      logical :: is_written
 
       kind = key%noun()
       if (size(values) /= 1) kind = kind//'s'
@@ -376,7 +392,9 @@ contains
       if (index(range, 'above') == 1) range = ' '//range
       if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
       if (key%is_ascending) range = range//', ascending'
-      call self%write_key(key, kind//range, key%numbers(values), is_given)
+      is_written = all(key%includes(values)) .and. .not. (key%is_nonzero .and. all(abs(values) <= 0.0_dp))
+      if (present(is_given)) is_written = is_given
+      call self%write_key(key, kind//range, key%numbers(values), is_written .and. size(values) > 0)
    end subroutine writer_reals
 
    !> Writes a key and its text, in quotes.
@@ -384,15 +402,17 @@ contains
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       character(:), allocatable, intent(inout) :: value !! the text
-      logical, intent(inout), optional :: is_given !! whether it is written; for tables, whether it is a default
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
       character(*), intent(in), optional :: choices(:) !! the words it can be
+      character(:), allocatable :: kind
+      logical :: is_written
 
       call set_default(value, choices)
-      if (present(choices)) then
-         call self%write_key(key, joined(choices, "`'", "'`"), quoted(value), is_given)
-      else
-         call self%write_key(key, 'text', quoted(value), is_given)
-      end if
+      kind = 'text'
+      if (present(choices)) kind = joined(choices, "`'", "'`")
+      is_written = is_filled(value) .or. .not. (key%is_filled .or. key%is_file)
+      if (present(is_given)) is_written = is_given
+      call self%write_key(key, kind, quoted(value), is_written)
    end subroutine writer_text
 
    !> Writes a logical value that is true.
@@ -427,13 +447,10 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: kind !! kind of its values, for tables
       character(*), intent(in) :: value !! the value as a deck has it
-      logical, intent(in), optional :: is_given !! whether it is written
+      logical, intent(in) :: is_given !! whether it is written
       character(:), allocatable :: item
 
-      if (self%is_shared_only .and. .not. (self%group%is_shared .or. key%is_shared)) return
-      if (present(is_given)) then
-         if (.not. is_given) return
-      end if
+      if (.not. is_given .or. (self%is_shared_only .and. .not. (self%group%is_shared .or. key%is_shared))) return
       item = trim(key%name)//' = '//value
       if (self%is_shared_only .and. key%is_free) item = trim(key%name)
       if (self%line == '') then
@@ -472,16 +489,13 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: kind !! kind of its values
       character(*), intent(in) :: value !! its default as a deck has it
-      logical, intent(in), optional :: is_given !! whether this is its default, if present
+      logical, intent(in) :: is_given !! whether this is its default
       character(:), allocatable :: name, shown
-      logical :: is_default
 
       name = '`'//trim(key%name)//'`'
       if (key%is_required) name = '**'//name//'**'
-      is_default = value /= '' .and. .not. key%is_required
-      if (present(is_given)) is_default = is_default .and. is_given
       shown = trim(key%default)
-      if (shown == '' .and. is_default) shown = '`'//value//'`'
+      if (shown == '' .and. is_given .and. .not. key%is_required) shown = '`'//value//'`'
       ! A cell that is empty has one blank.
       call self%write(newline//'| '//name//' | '//kind//' |'//trim(' '//key%unit)//' |'//trim(' '//shown)//' | '// &
          trim(key%meaning)//' |')
@@ -571,8 +585,7 @@ contains
          end if
       end do
       if (all(source == 0)) return
-      wrong = findloc(values >= key%at_least .and. (values > key%above .or. key%above <= -huge(1.0_dp)) .and. &
-         (values < key%below .or. key%below >= huge(1.0_dp)), .false., dim=1)
+      wrong = findloc(key%includes(values), .false., dim=1)
       if (wrong > 0) call self%judge(key, key%range(), key%numbers(values(wrong:wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')

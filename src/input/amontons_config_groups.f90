@@ -128,7 +128,7 @@ contains
       integer, parameter :: longest_name = 200
       character, parameter :: blank = ' '
       integer :: i, last_point, n_commas
-      logical :: has_units, are_units
+      logical :: are_units
 
       if (.not. allocated(label%name)) then
          label%name = label%file(index(label%file, '/', back=.true.) + 1:)
@@ -140,10 +140,9 @@ contains
          default="name of the deck's file without its folder and last extension", also='job id'), label%name)
       call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
          label%title)
-      has_units = is_filled(label%units)
       call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
          ' listing, grids, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
-         label%units, has_units)
+         label%units)
       call visitor%close_group()
       n_commas = 0
       are_units = .true.
@@ -154,7 +153,7 @@ contains
       end do
       are_units = are_units .and. len_trim(label%units) > scan(label%units, ',', back=.true.) .and. &
          (n_commas == 1 .or. n_commas == 2)
-      call visitor%require(.not. has_units .or. are_units, 'units', &
+      call visitor%require(are_units .or. .not. visitor%has('units'), 'units', &
          "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
       if (len_trim(label%name) == 0 .or. len(label%name) > longest_name .or. &
          any([(label%name(i:i) < blank .or. label%name(i:i) == '/', i=1, len(label%name))])) then
@@ -168,15 +167,13 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(accuracy_options_t), intent(inout) :: accuracy !! the options
       logical, intent(in) :: begins_anew !! whether the deck has neither a sweep nor a state to start from
-      logical :: is_given
 
-      is_given = accuracy%n_refinements > 0
       call visitor%open_group(accuracy_group)
       call visitor%word(key_t('estimate', 'estimate of the error of the stresses of every element: by recovered'// &
          ' stresses, or none, which saves some time', also='error'), accuracy%estimate, estimate_names)
       call visitor%whole(key_t('refinements', 'the case, or the history, is solved on its mesh and on so many'// &
          ' refined ones, and the key results get error bars', default='none', at_least=real(fewest_refinements, dp), &
-         also='refine levels'), accuracy%n_refinements, is_given)
+         also='refine levels'), accuracy%n_refinements)
       call visitor%close_group()
       call visitor%only('refinements', begins_anew, 'a deck without &sweep and without start')
    end subroutine describe_accuracy
@@ -195,15 +192,14 @@ contains
       type(history_t), intent(inout) :: history !! the history
       character(len(key_result_names)) :: key_results
       integer :: fields_every
-      logical :: has_fields, has_key_results, has_points, has_states, has_probes, has_fretting
+      logical :: has_key_results, has_fretting
       character(len(fretting_names)) :: fretting
 
       fields_every = max(sweep%fields_every, history%fields_every)
-      has_fields = fields_every > 0
       call visitor%open_group(output_group)
       call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
          ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
-         also='out every frequency'), fields_every, has_fields)
+         also='out every frequency'), fields_every)
       has_key_results = sweep%has_forces
       key_results = key_result_names(merge(3, merge(2, 1, sweep%has_forces), sweep%has_body_results))
       call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, of the contact points;'// &
@@ -212,17 +208,13 @@ contains
       sweep%has_body_results = key_results == key_result_names(3)
       sweep%has_forces = key_results /= key_result_names(1)
       ! Describes what a history leaves of its steps.
-      has_points = history%points_every > 0
-      has_states = history%states_every > 0
-      has_probes = history%n_probes() > 0
       call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
-         ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
-         has_points)
+         ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every)
       call visitor%whole(key_t('states_every', 'with `&history`: all that another history needs to `start` from'// &
          ' step 1 or from a so-many-th step behind it is written', default='none', at_least=1.0_dp), &
-         history%states_every, has_states)
+         history%states_every)
       call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
-         ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
+         ' the table of the history shows', 'L', default='none', also='probes'), history%probes)
       has_fretting = history%has_fretting
       fretting = fretting_names(merge(2, 1, history%has_fretting))
       call visitor%word(key_t('fretting', 'with `&history`: whether the stress along the surface and the parameters'// &
@@ -246,16 +238,15 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(reduced_source_t), intent(inout) :: reduced !! the reduced problem, if there is one
       character(len(kind_names)) :: kind
-      logical :: has_kind, has_file
+      logical :: has_kind
 
       has_kind = reduced%is_given
-      has_file = is_filled(reduced%path)
       call visitor%open_group(problem_group)
       kind = kind_names(merge(2, 1, reduced%is_given .or. visitor%has('file')))
       call visitor%word(key_t('kind', 'a body, described by the groups below; or a reduced problem from a file', &
          default="with a `file` `'reduced'`, else `'body'`"), kind, kind_names, has_kind)
       call visitor%text(key_t('file', "of a reduced problem: name of its file, seen from the deck's folder", &
-         is_file=.true., is_filled=.true., also='filename path'), reduced%path, has_file)
+         is_file=.true., is_filled=.true., also='filename path'), reduced%path)
       call visitor%real(key_t('friction', "with `kind = 'reduced'`: Coulomb's coefficient of all contacts,"// &
          " instead of the file's", default="the file's", at_least=0.0_dp, also='mu'), reduced%friction, &
          reduced%has_friction)
@@ -265,7 +256,8 @@ contains
       call visitor%locate('file', reduced%origin)
       if (visitor%is_judging()) then
          call visitor%only('file friction', reduced%is_given, "kind = 'reduced'")
-         call visitor%require(has_file .or. .not. reduced%is_given, 'kind', "kind = 'reduced' needs file = 'PROBLEM'")
+         call visitor%require(visitor%has('file') .or. .not. reduced%is_given, 'kind', &
+            "kind = 'reduced' needs file = 'PROBLEM'")
       else if (visitor%place > 0) then
          ! A body that is missing here is not missed as well.
          reduced%is_given = reduced%is_given .or. visitor%deck%count_groups('mesh') == 0
@@ -278,19 +270,17 @@ contains
       type(mesh_part_t), intent(inout) :: part !! the part of the mesh
       character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
       character(9) :: kind
-      logical :: has_file, has_name, is_rectangle, needs_size, is_written
+      logical :: is_rectangle, needs_size, is_written
 
-      has_file = is_filled(part%file)
-      has_name = is_filled(part%name)
       call visitor%open_group(mesh_group)
-      kind = kind_names(merge(2, 1, has_file .or. visitor%has('file')))
+      kind = kind_names(merge(2, 1, is_filled(part%file) .or. visitor%has('file')))
       call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
-         ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
+         ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name)
       call visitor%word(key_t('kind', 'where the mesh comes from', also='type', &
          default="with a `file` `'file'`, else `'rectangle'`"), kind, kind_names)
       is_rectangle = kind == kind_names(1)
       call visitor%text(key_t('file', "name of the mesh file, seen from the deck's folder", is_file=.true., &
-         is_filled=.true., also='filename path'), part%file, has_file)
+         is_filled=.true., also='filename path'), part%file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
          default='none', also='read import'), use_names, part%is_used)
       ! Describes the keys of a rectangle.
@@ -314,9 +304,9 @@ contains
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
       if (.not. visitor%is_judging()) return
       call visitor%only('file use', .not. is_rectangle, "kind = 'file'")
-      call visitor%only('use', .not. has_name, 'a mesh without a name')
+      call visitor%only('use', .not. visitor%has('name'), 'a mesh without a name')
       call visitor%only('size cells element diagonal grading', is_rectangle, "kind = 'rectangle'")
-      call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
+      call visitor%require(visitor%has('file') .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
 
    !> Describes one `&material`.
@@ -325,30 +315,26 @@ contains
       type(material_t), intent(inout) :: material !! the material
       type(error_t), allocatable :: error
       real(dp), allocatable :: young(:), poisson(:), expansion(:)
-      logical :: has_region, is_orthotropic, has_young, has_poisson, has_shear, has_angle, has_expansion
+      logical :: has_region, is_orthotropic, is_known
 
       has_region = is_filled(material%region)
       is_orthotropic = material%shear > 0.0_dp
-      has_young = all(material%young > 0.0_dp)
-      has_poisson = has_young
-      has_expansion = has_young
-      has_shear = is_orthotropic
-      has_angle = is_orthotropic
+      is_known = all(material%young > 0.0_dp)
       young = material%young(:merge(3, 1, is_orthotropic))
       poisson = material%poisson(:merge(3, 1, is_orthotropic))
       expansion = material%expansion(:merge(3, 1, is_orthotropic))
       call visitor%open_group(material_group)
       call visitor%list(key_t('young', "Young's modulus; of an orthotropic material `E1, E2, E3` along its axes,"// &
          ' the third of which is that of z, or of the circumference', 'F/L²', above=0.0_dp, is_required=.true., &
-         also='e modulus e_modulus youngs_modulus'), young, has_young)
+         also='e modulus e_modulus youngs_modulus'), young, is_known)
       call visitor%list(key_t('poisson', "Poisson's ratio; of an orthotropic material `nu12, nu13, nu23`: nu12 is"// &
          ' how much axis 2 contracts when axis 1 is pulled', above=-1.0_dp, &
          below=merge(huge(0.5_dp), 0.5_dp, size(young) > 1), is_required=.true., also='nu poissons_ratio'), poisson, &
-         has_poisson)
+         is_known)
       call visitor%real(key_t('shear', 'with three numbers in `young`: shear modulus G12 in the plane', 'F/L²', &
-         above=0.0_dp, default='isotropic', also='g g12 shear_modulus'), material%shear, has_shear)
+         above=0.0_dp, default='isotropic', also='g g12 shear_modulus'), material%shear)
       call visitor%real(key_t('angle', 'with `shear`: angle of axis 1 to the x axis, counterclockwise', '°', &
-         also='orientation'), material%angle, has_angle)
+         also='orientation'), material%angle, is_orthotropic)
       call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
          ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
       call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
@@ -363,7 +349,7 @@ contains
          at_least=0.0_dp, also='rho mass'), material%density)
       call visitor%list(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`; with'// &
          ' `shear` one number or three, along the axes', '1/K', default='`0.0`', also='alpha cte'), expansion, &
-         has_expansion)
+         is_known)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)
       call visitor%close_group()
@@ -397,20 +383,18 @@ contains
    subroutine describe_support(visitor, support)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(inout) :: support !! the support
-      logical :: has_name, has_set, has_point, has_spring(2)
+      logical :: has_point, has_spring(2)
       integer :: k
 
-      has_name = is_filled(support%name)
-      has_set = is_filled(support%set)
-      has_point = allocated(support%set) .and. .not. has_set
+      has_point = allocated(support%set) .and. .not. is_filled(support%set)
       ! A support that holds nothing else has them even if they are 0.
       has_spring = any(support%spring > 0.0_dp) .or. all(.not. support%is_held)
       call visitor%open_group(support_group)
       call visitor%text(key_t('name', 'name of its reactions, by which `&steps` know it, too; several'// &
          ' supports may share a name', &
-         default='that of its set', is_filled=.true., also='label'), support%name, has_name)
+         default='that of its set', is_filled=.true., also='label'), support%name)
       call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
-         also='nset boundary'), support%set, has_set)
+         also='nset boundary'), support%set)
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
       do k = 1, size(supported_components)
          call visitor%real(key_t(supported_components(k), component_meanings(k), component_units(k), default='free', &
@@ -424,7 +408,7 @@ contains
       call visitor%close_group()
       call visitor%locate('set', support%origin)
       if (.not. visitor%is_judging()) return
-      call visitor%require(has_set .neqv. has_point, 'set', '&support needs either set or point')
+      call visitor%require(visitor%has('set') .neqv. has_point, 'set', '&support needs either set or point')
       call visitor%require(any([support%is_held, has_spring]), '', &
          '&support needs one of ux, uy, un, ut, utheta, turn, spring_n and spring_t')
       call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:4)))), 'point', &
@@ -442,16 +426,15 @@ contains
          'displacement of the point along y', 'rotation in radians, counterclockwise']
       character, parameter :: units(3) = ['L', 'L', ' ']
       character(25), parameter :: others(3) = [character(25) :: 'u x', 'v y', 'rotation angle theta rz']
-      logical :: has_name, has_force, has_moment, is_driven(3)
+      logical :: has_force, has_moment, is_driven(3)
       integer :: k
 
-      has_name = is_filled(motion%name)
       has_force = any(abs(drive%force) > 0.0_dp)
       has_moment = abs(drive%moment) > 0.0_dp
       call visitor%open_group(rigid_group)
       call visitor%text(key_t('name', 'of the rigid body: `&steps` know its motion as a support, force and'// &
          ' moment as a load, along with others of the name; results have it', is_filled=.true., is_required=.true., &
-         is_free=.true., also='label'), motion%name, has_name)
+         is_free=.true., also='label'), motion%name)
       call visitor%text(key_t('set', 'the boundary or node set that moves as a rigid body; several are separated by'// &
          " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface', &
          hint="several sets: 'A, B'"), motion%set)
@@ -488,21 +471,19 @@ contains
       type(support_t), intent(inout) :: motion !! the support that prescribes the jump
       type(load_t), intent(inout) :: drive !! the force
       type(tie_t), intent(inout) :: tie !! the two sides
-      logical :: has_name, has_force, has_search
+      logical :: has_force
 
-      has_name = is_filled(tie%name)
-      has_search = tie%search > 0.0_dp
       has_force = .not. motion%is_held(1)
       call visitor%open_group(preload_group)
       call visitor%text(key_t('name', 'of the preload: `&sweep` and `&steps` know its force as a load and its'// &
          ' shortening as a support, along with others of the name; results have it', is_filled=.true., &
-         is_required=.true., is_free=.true., also='label'), tie%name, has_name)
+         is_required=.true., is_free=.true., also='label'), tie%name)
       call visitor%text(key_t('set', 'the boundary set on one side of the cut, the slave, as of `&tie`', &
          is_filled=.true., is_required=.true., also='slave surface'), tie%set)
       call visitor%text(key_t('to', 'the boundary set on the other side', is_filled=.true., is_required=.true., &
          also='against master target'), tie%to)
       call visitor%real(key_t('search', 'how far the other side may be along the normal, either way', 'L', &
-         default='twice the longest side', above=0.0_dp), tie%search, has_search)
+         default='twice the longest side', above=0.0_dp), tie%search)
       call visitor%real(key_t('force', 'the preload: what the sides pull each other with along the normal; this or'// &
          ' `shortening` is required', 'F', default='none', is_free=.true., also='f pretension tension'), &
          drive%force(1), has_force)
@@ -573,20 +554,18 @@ contains
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4), has(4), has_total, has_twist(2)
+      logical :: has_point, has_region, on_nodes, is_given(4), has(4), has_total, has_twist(2)
       real(dp) :: slopes(4)
-      logical :: has_force, has_gravity, has_speed, has_center, has_axis
+      logical :: has_force, has_gravity, has_speed, has_center
 
-      has_name = is_filled(load%name)
-      has_set = is_filled(load%set)
       has_region = is_filled(load%region)
       on_nodes = load%target == load_on_nodes
-      has_point = on_nodes .and. .not. has_set
+      has_point = on_nodes .and. .not. is_filled(load%set)
       call visitor%open_group(load_group)
       call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
-         default='none', is_filled=.true., also='label'), load%name, has_name)
+         default='none', is_filled=.true., also='label'), load%name)
       call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or '// &
-         'boundary set of point forces', is_filled=.true., also='nset surface'), load%set, has_set)
+         'boundary set of point forces', is_filled=.true., also='nset surface'), load%set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
@@ -625,7 +604,6 @@ contains
       has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
          .not. (has_gravity .or. has_speed))
       has_center = has_speed .and. any(abs(load%center) > 0.0_dp)
-      has_axis = has_speed .and. any(abs(load%axis) > 0.0_dp)
       call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
          also='weight'), load%body_force, has_force)
       call visitor%reals(key_t('gravity', 'acceleration along x and y that gives the `density` its weight', 'L/T²', &
@@ -635,7 +613,7 @@ contains
       call visitor%reals(key_t('center', 'a point of the axis of rotation; for a plane body only', 'L', &
          default='the origin', also='origin'), load%center, has_center)
       call visitor%reals(key_t('axis', 'direction of the axis of rotation where it lies in the plane; for a plane'// &
-         ' body only', default='normal to the plane', is_nonzero=.true.), load%axis, has_axis)
+         ' body only', default='normal to the plane', is_nonzero=.true.), load%axis)
       is_given(load_on_region) = has_force .or. has_gravity .or. has_speed
       call describe_temperature(visitor, load, is_given(load_by_temperature))
       call visitor%close_group()
@@ -706,14 +684,13 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: has_name, is_pair, has_kind, has_point, has_normal, has_radius, has_line, has_direction
+      logical :: is_pair, has_kind, has_point, has_normal, has_radius
       character(len(multiplier_names)) :: multipliers
-      logical :: has_cells, has_ends, has_search, has_gap, has_wear
+      logical :: has_gap, has_wear
 
-      has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
       call visitor%text(key_t('name', 'name of its forces, by which `&steps` know it besides its `set`', &
-         default='that of its set', is_filled=.true., is_shared=.true., also='label'), contact%name, has_name)
+         default='that of its set', is_filled=.true., is_shared=.true., also='label'), contact%name)
       call visitor%text(key_t('set', 'the boundary set that may touch an obstacle, or another body', is_filled=.true., &
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)
@@ -724,14 +701,13 @@ contains
          also='wear_coefficient archard'), contact%wear, has_wear)
       ! Describes the keys of a second deformable body.
       is_pair = contact%pairing%is_pair()
-      has_search = contact%pairing%search > 0.0_dp
       has_gap = is_pair
       call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, instead of'// &
          ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
          also='to master target'), contact%pairing%against, is_pair)
       call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
          ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), &
-         contact%pairing%search, has_search)
+         contact%pairing%search)
       call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
          ' bodies face each other', default="`'mesh'`", is_shared=.true., also='adjust', &
          hint='a distance is extra_gap'), contact%pairing%gap, gap_names, has_gap)
@@ -743,8 +719,6 @@ contains
       call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
          obstacle_names, has_kind)
       has_radius = contact%obstacle%has_radius()
-      has_line = is_filled(contact%obstacle%file)
-      has_direction = any(abs(contact%direction) > 0.0_dp)
       call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
          'L', also='origin center centre apex'), contact%obstacle%point, has_point)
       call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
@@ -753,15 +727,13 @@ contains
          ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), &
             contact%obstacle%radius, has_radius)
       call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
-         is_filled=.true., also='file'), contact%obstacle%file, has_line)
+         is_filled=.true., also='file'), contact%obstacle%file)
       call visitor%table('line', contact%obstacle%file, contact%obstacle%line)
       call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
-         default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction, has_direction)
+         default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction)
       call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
       multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
-      has_cells = contact%partition%n_cells > 0
-      has_ends = allocated(contact%partition%ends)
       call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
          ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
          default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
@@ -771,10 +743,10 @@ contains
          "multipliers must be 'mortar' or 'constant' with against")
       contact%partition%is_constant = multipliers == multiplier_names(2)
       call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
-         default='every two sides', at_least=1.0_dp, is_shared=.true.), contact%partition%n_cells, has_cells)
+         default='every two sides', at_least=1.0_dp, is_shared=.true.), contact%partition%n_cells)
       call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of one"// &
          ' piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
-         is_shared=.true.), contact%partition%ends, has_ends)
+         is_shared=.true.), contact%partition%ends)
       call visitor%close_group()
       call visitor%locate('set', contact%origin)
       ! Judges the keys of a `&contact` together.
@@ -804,19 +776,16 @@ contains
    subroutine describe_tie(visitor, tie)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(tie_t), intent(inout) :: tie !! the tie
-      logical :: has_name, has_search
 
-      has_name = is_filled(tie%name)
-      has_search = tie%search > 0.0_dp
       call visitor%open_group(tie_group)
       call visitor%text(key_t('name', 'name of its forces', default='that of its set', is_filled=.true., &
-         also='label'), tie%name, has_name)
+         also='label'), tie%name)
       call visitor%text(key_t('set', 'the boundary set that is bonded, the slave', is_filled=.true., &
          is_required=.true., also='slave surface'), tie%set)
       call visitor%text(key_t('to', 'the boundary set of the body that it is bonded to, the master', is_filled=.true., &
          is_required=.true., also='against master target'), tie%to)
       call visitor%real(key_t('search', 'how far the master may be along the normal of the slave, either way', 'L', &
-         default='twice the longest side', above=0.0_dp), tie%search, has_search)
+         default='twice the longest side', above=0.0_dp), tie%search)
       call visitor%close_group()
       call visitor%locate('set', tie%origin)
       if (visitor%is_judging()) call visitor%require(tie%to /= tie%set, 'to', 'to must name another set than set')
@@ -828,15 +797,13 @@ contains
       type(key_t), intent(in) :: keys(3) !! keys of its value, slope and table
       type(line_field_t), intent(inout) :: field !! the quantity
       type(key_t) :: value_key
-      logical :: has_table
 
       value_key = keys(1)
       ! Where a slope may raise it, it is measured at the contact points.
       if (visitor%has(keys(2)%name)) value_key%at_least = -huge(1.0_dp)
-      has_table = is_filled(field%file)
       call visitor%real(value_key, field%value)
       call visitor%reals(keys(2), field%slope)
-      call visitor%text(keys(3), field%file, has_table)
+      call visitor%text(keys(3), field%file)
       call visitor%table(trim(keys(3)%name), field%file, field%table, station='length', least=keys(1)%at_least)
       if (allocated(field%table)) call visitor%require(.not. any(abs([field%value, field%slope]) > 0.0_dp), &
          trim(keys(3)%name), 'give either '//trim(keys(1)%name)//' and '//trim(keys(2)%name)//', or '// &

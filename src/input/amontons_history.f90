@@ -291,16 +291,10 @@ contains
    subroutine describe_times(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
-      logical :: has_times, has_substeps, has_tolerance, has_least, has_start, has_start_step, has_cycles, has_period
+      logical :: has_times, has_tolerance
 
       has_times = history%is_given
-      has_substeps = history%is_given
       has_tolerance = history%step_tolerance < huge(1.0_dp)
-      has_least = history%min_step > 0.0_dp
-      has_start = is_filled(history%start)
-      has_start_step = history%start_step > 0
-      has_cycles = allocated(history%cycles)
-      has_period = history%period > 0.0_dp
       if (.not. allocated(history%name)) history%name = 'time'
       call visitor%open_group(history_group)
       call visitor%list(key_t('times', 'ascending values of the pseudo-time; the body is at rest and unstressed'// &
@@ -310,24 +304,24 @@ contains
          history%name)
       call visitor%list(key_t('substeps', 'number of equal steps from one of the `times` to the next, or that of'// &
          ' each leg, from the first time on', default='`1`', at_least=1.0_dp, is_whole=.true., &
-         also='n steps nsteps increments dt'), history%substeps, has_substeps)
+         also='n steps nsteps increments dt'), history%substeps)
       call visitor%real(key_t('step_tolerance', 'a step whose energy error is a larger part of its energies is'// &
          ' halved', default='no step is halved for this', above=0.0_dp, also='tolerance tol'), &
          history%step_tolerance, has_tolerance)
       call visitor%real(key_t('min_step', 'steps are not halved below this', default='1/1024 of a step', &
-         above=0.0_dp, also='dtmin'), history%min_step, has_least)
+         above=0.0_dp, also='dtmin'), history%min_step)
       call visitor%list(key_t('cycles', 'times at which cycles begin and end, each at the end of a planned step;'// &
          ' with `period` the one time at which the first begins', default='none', is_ascending=.true., also='cycle'), &
-         history%cycles, has_cycles)
+         history%cycles)
       call visitor%real(key_t('period', 'with `cycles`: length of each cycle', default='the times are listed', &
-         above=0.0_dp), history%period, has_period)
+         above=0.0_dp), history%period)
       call visitor%real(key_t('cycle_tolerance', 'with `cycles`: a cycle whose dissipation, forces and slips differ'// &
          ' less from those of the one before is like it', above=0.0_dp), history%cycle_tolerance)
       call visitor%text(key_t('start', 'a file `NAME.states.csv`: the body is in a state of that file before the'// &
          ' first step, which leads to the time behind it', default='at rest', is_file=.true., is_filled=.true., &
-         also='restart initial'), history%start, has_start)
+         also='restart initial'), history%start)
       call visitor%whole(key_t('start_step', 'with `start`: the step of the state', default='the last in the file', &
-         at_least=1.0_dp), history%start_step, has_start_step)
+         at_least=1.0_dp), history%start_step)
       call visitor%close_group()
       if (.not. allocated(history%start_origin)) history%start_origin = ''
       call visitor%locate('start', history%start_origin)
@@ -336,9 +330,9 @@ contains
       call visitor%require(visitor%deck%count_groups('sweep') == 0, '', &
          'a deck has either &history or &sweep; give each a deck of its own')
       call visitor%only('start_step', is_filled(history%start), 'start')
-      call visitor%only('period', has_cycles, 'cycles')
+      call visitor%only('period', visitor%has('cycles'), 'cycles')
       if (has_times .and. visitor%deck%is_sound(visitor%place)) call plan_steps(visitor, history)
-      if (has_times .and. has_cycles) call judge_cycles(visitor, history)
+      if (has_times .and. visitor%has('cycles')) call judge_cycles(visitor, history)
       call visitor%require( &
          verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. &
          len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
