@@ -1,10 +1,10 @@
-!> A number of a result with its names in files and in listings.
+!> A number of a result with its names in files and in listings; and the largest of a number over cases or steps.
 module amontons_quantity
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: at_place, expanded, longest_key, quantity_t, relative, scales, value_of
+   public :: at_place, expanded, largest_t, longest_key, quantity_t, relative, scales, value_of
 
    !> Largest length of a key: the key of a force contains the name of its set.
    integer, parameter :: longest_key = 96
@@ -22,7 +22,26 @@ module amontons_quantity
       real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
    end type quantity_t
 
+   !> The largest value of a number over cases or steps.
+   type :: largest_t
+      real(dp) :: value = 0.0_dp !! the largest, or a bound below it
+      integer :: at = 0 !! the first case or step that has it; 0 where none is above the bound
+   contains
+      procedure :: update => largest_update
+   end type largest_t
+
 contains
+
+   !> Updates the largest value with that of further cases or steps.
+   elemental subroutine largest_update(self, value, at)
+      class(largest_t), intent(inout) :: self !! the largest so far
+      real(dp), intent(in) :: value !! the value
+      integer, intent(in) :: at !! the first case or step that has it
+
+      if (.not. value > self%value) return
+      self%value = value
+      self%at = at
+   end subroutine largest_update
 
    !> Makes a quantity that occurs at a position.
    pure function at_place(key, label, value, place, scale, dimension) result(quantity)

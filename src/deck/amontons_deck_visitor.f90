@@ -379,8 +379,7 @@ contains
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers
       logical, intent(inout), optional :: is_given
-         !! whether they are written; for tables, whether they are defaults; where it is not present, whether the key can
-         !! have them
+         !! whether they are written; for tables, whether they are defaults; default whether the key can have them
       character(:), allocatable :: kind, range
       logical :: is_written
 

@@ -20,7 +20,7 @@ module amontons_result_warnings
    implicit none (type, external)
    private
 
-   public :: add_conditioning, add_result_warnings, case_warning_sentence, find_case_warnings, lacks_points
+   public :: add_conditioning, add_result_warnings, add_tallied_warnings, find_case_warnings, lacks_points, tally_t
 
    !> Names of the warnings on a case of a sweep, as its row has them.
    character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &
@@ -45,6 +45,15 @@ module amontons_result_warnings
    integer, parameter :: no_contact = 2
    !> Index of the warning that contact reaches the end of a set.
    integer, parameter, public :: end_of_set = 6
+
+   !> The cases or steps that a warning is about.
+   type :: tally_t
+      integer :: n = 0 !! their number
+      integer :: first = 0 !! the first of them; 0 for none
+      integer :: last = 0 !! the last of them
+   contains
+      procedure :: append => tally_append
+   end type tally_t
 
    !> Largest displacement, as a share of the body's size, and largest strain that are considered small, with their
    !> rounding errors [-].
@@ -139,6 +148,34 @@ contains
          body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets, or search, '// &
          'so that they contain all that may touch, or end the obstacle')
    end subroutine add_reached_ends
+
+   !> Appends further cases or steps to those that a warning is about.
+   elemental subroutine tally_append(self, n, first, last)
+      class(tally_t), intent(inout) :: self !! those before
+      integer, intent(in) :: n !! number of the further ones
+      integer, intent(in) :: first !! the first of them
+      integer, intent(in) :: last !! the last of them
+
+      if (n == 0) return
+      if (self%n == 0) self%first = first
+      self%n = self%n + n
+      self%last = last
+   end subroutine tally_append
+
+   !> Adds a warning for each kind that cases of a sweep or steps of a history have.
+   pure subroutine add_tallied_warnings(warnings, tallies, n, noun, zone)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(tally_t), intent(in) :: tallies(n_case_warnings) !! those that each warning is about
+      integer, intent(in) :: n !! number of all cases or steps
+      character(*), intent(in) :: noun !! noun for one
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer :: i
+
+      do i = 1, n_case_warnings
+         if (tallies(i)%n > 0) call warnings%add(to_text(tallies(i)%n)//' of '//to_text(n)//' '//noun//'s, '//noun// &
+            ' '//to_text(tallies(i)%first)//' the first: '//case_warning_sentence(i, zone))
+      end do
+   end subroutine add_tallied_warnings
 
    !> The sentence of a warning on a case of a sweep.
    pure function case_warning_sentence(kind, zone) result(sentence)

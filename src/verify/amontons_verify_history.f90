@@ -18,9 +18,10 @@ module amontons_verify_history
       n_kinds, number_alone, of_grids, of_states, table_rows
    use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
-      of_identities, of_indicator, of_violation, prepare_history, start_history, worst_names, worst_step_t
+      of_identities, of_indicator, of_violation, prepare_history, start_history, worst_names
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
+   use amontons_quantity, only: largest_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
    use amontons_result_warnings, only: end_of_set
    use amontons_solve_case, only: cache_t, take_no_equilibrium
@@ -44,7 +45,7 @@ module amontons_verify_history
       type(history_model_t) :: model !! the history
       type(history_result_t) :: result !! the steps so far
       type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
-      type(worst_step_t) :: indicator !! largest energy error of a step over its energies, of the rows
+      type(largest_t) :: indicator !! largest energy error of a step over its energies, of the rows
       character(:), allocatable :: entries !! entries of the collection of grids so far
    end type retrace_t
 
@@ -214,7 +215,7 @@ contains
          if (case%faults%n > n_faults) return
          associate (result => again%result, number => again%result%stepping%n_steps)
             ! The run certified this step, like those with grids.
-            if (result%last_warned(end_of_set) == number .and. &
+            if (result%warned(end_of_set)%last == number .and. &
                .not. is_shown(number, again%model%history%fields_every)) then
                call new_step_result(step, cache, again%model, result%stepping, error)
                ! not raised: the numbers of the step were finite
@@ -442,17 +443,17 @@ contains
       type(verified_case_t), intent(in) :: case !! the history
       integer, intent(in) :: number !! index of the number in `worst_names`
       integer, intent(in) :: n_steps !! number of the last step
-      type(worst_step_t), intent(inout) :: worst !! the number as it was computed again
+      type(largest_t), intent(inout) :: worst !! the number as it was computed again
       real(dp), parameter :: rounding = 1.0e-8_dp
-      type(worst_step_t) :: stated
+      type(largest_t) :: stated
 
       associate (name => worst_names(number))
-         stated = worst_step_t(case%number('load_history', trim(name)), &
+         stated = largest_t(case%number('load_history', trim(name)), &
             nint(case%number('load_history', trim(name)//'_step')))
       end associate
       if (.not. agree(stated%value, worst%value, 1.0_dp)) return
       ! Of numbers that are rounding any may be the largest.
-      if (worst%value <= rounding .and. stated%step > 0 .and. stated%step <= n_steps) worst%step = stated%step
+      if (worst%value <= rounding .and. stated%at > 0 .and. stated%at <= n_steps) worst%at = stated%at
       worst%value = stated%value
    end subroutine adopt_stated_worst
 

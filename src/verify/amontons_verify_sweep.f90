@@ -19,7 +19,7 @@ module amontons_verify_sweep
    use amontons_manifest, only: case_entries
    use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
-   use amontons_result_warnings, only: add_conditioning, lacks_points
+   use amontons_result_warnings, only: add_conditioning, add_tallied_warnings, lacks_points
    use amontons_solve_case, only: cache_t, condense_case, evaluate, take_no_equilibrium
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
       find_stored_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
@@ -86,15 +86,15 @@ contains
          call read_rows(case, again, cache%body, fault)
          call case%fault('.sweep.csv', fault)
          if (len(fault) > 0) return
-         call statistics%add_warnings(cache%body%zone, certified%warnings)
+         call add_tallied_warnings(certified%warnings, statistics%warned, statistics%n_cases, 'case', cache%body%zone)
          result%n_resumed = nint(case%number('sweep', 'done_earlier'))
          certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
          ! The error estimates by which the certified case was chosen are rounding errors, others on another machine.
-         statistics%worst_case = 0
-         if (statistics%residual_case > 0) call read_integer(case%value('certificate', 'case'), statistics%worst_case, &
-            ok)
+         statistics%force_error%at = 0
+         if (statistics%residual%at > 0) call read_integer(case%value('certificate', 'case'), &
+            statistics%force_error%at, ok)
          call solve_rows(case, again, cache)
-         if (statistics%residual_case > 0 .and. .not. allocated(certified%displacement)) call case%fault( &
+         if (statistics%residual%at > 0 .and. .not. allocated(certified%displacement)) call case%fault( &
             '.summary.json', "certificate.case is '"// &
             case%value('certificate', 'case')//"', which is not a converged case")
          call check_surplus(case, again%entries)
@@ -104,7 +104,7 @@ contains
          call case%compare(documents, summary)
          ! Every case has its answer: a solution, or that there is no equilibrium.
          case%is_certified = sum(statistics%n_outcomes([outcome_not_converged, outcome_numbers])) == 0 .and. &
-            (statistics%residual_case == 0 .or. case%value('certificate', 'passed') == 'true')
+            (statistics%residual%at == 0 .or. case%value('certificate', 'passed') == 'true')
       end associate
    end subroutine verify_sweep
 
@@ -231,7 +231,7 @@ contains
             differs = any(solutions(i)%status /= row%status)
             solutions(i)%status = row%status
             if (differs) solved%is_warned(2:3) = lacks_points(row%status)
-            if (differs .or. row%number == again%result%statistics%worst_case .or. &
+            if (differs .or. row%number == again%result%statistics%force_error%at .or. &
                case%config%sweep%has_fields(row%number, row%number)) call check_case(case, again, body, row%number, &
                solutions(i))
             follows = follows .or. differs
@@ -257,8 +257,8 @@ contains
       logical :: is_lost
 
       computed = solved
-      if (allocated(again%result%statistics%least)) computed%scale = max(computed%scale, &
-         abs(again%result%statistics%least), abs(again%result%statistics%greatest))
+      if (allocated(again%result%statistics%extremes)) computed%scale = max(computed%scale, &
+         maxval(abs(again%result%statistics%extremes%value), dim=2))
       if (solved%outcome == outcome_not_converged .and. row%result%outcome == outcome_not_converged .and. &
          row%result%has_solution) then
          computed = row%result
@@ -309,7 +309,7 @@ contains
          if (.not. result%certificate%largest() <= certificate_limit(result%method%tolerance)) call case%fault(grid// &
             '.vtu', 'equilibrium or contact law is violated by '//to_text(result%certificate%largest()))
       end if
-      if (number /= again%result%statistics%worst_case) return
+      if (number /= again%result%statistics%force_error%at) return
       again%result%certified%displacement = result%displacement
       again%result%certified%certificate = result%certificate
       if (allocated(result%error_estimate)) again%result%certified%error_estimate = result%error_estimate

@@ -13,12 +13,12 @@ module amontons_history_study
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
    use amontons_model_warnings, only: add_history_warnings
-   use amontons_quantity, only: quantity_t
+   use amontons_quantity, only: largest_t, quantity_t
    use amontons_report, only: member, study_files_t, write_report
    use amontons_result, only: judge_meshes, outcome_no_equilibrium, outcome_numbers, &
       refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
-   use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, end_of_set, find_case_warnings, &
-      is_limit_of_model, n_case_warnings
+   use amontons_result_warnings, only: add_result_warnings, add_tallied_warnings, end_of_set, find_case_warnings, &
+      is_limit_of_model, n_case_warnings, tally_t
    use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
@@ -32,18 +32,10 @@ module amontons_history_study
    private
 
    public :: add_history_results, describe_history, history_result_t, history_study_t, new_step_result, &
-      prepare_history, start_history, worst_step_t
+      prepare_history, start_history
 
    !> Number of saved numbers for each time that was reached.
    integer, parameter :: n_reached_numbers = 9
-
-   !> The largest value of a number over all steps, and the step.
-   type :: worst_step_t
-      real(dp) :: value = 0.0_dp !! the largest [-]
-      integer :: step = 0 !! the step; 0 if none had more than 0
-   contains
-      procedure :: update => worst_step_update
-   end type worst_step_t
 
    !> Index of a step's largest number: the residual of the contact problem.
    integer, parameter :: of_residual = 1
@@ -75,11 +67,9 @@ module amontons_history_study
       real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_record_t` has them (n_cycle_numbers, n)
       real(dp), allocatable :: extremes(:, :)
          !! least and greatest of the numbers of all contact sets, of the probes, and of forces by name (n, 2)
-      type(worst_step_t) :: worst(of_feedback) !! the largest of each number of the steps, `of_residual` and so on
+      type(largest_t) :: worst(of_feedback) !! the largest of each number of the steps, `of_residual` and so on
       integer :: n_jumps = 0 !! number of steps that cannot be made shorter although their energies do not balance
-      integer :: n_warned(n_case_warnings) = 0 !! number of steps that each warning on a case is about
-      integer :: warned_step(n_case_warnings) = 0 !! the first of them
-      integer :: last_warned(n_case_warnings) = 0 !! the last of them
+      type(tally_t) :: warned(n_case_warnings) !! the steps that each warning on a case is about
       integer :: n_certified = 0 !! number of steps that were certified
       integer :: n_resumed = 0 !! number of the last step that an earlier run had done
       logical :: is_interrupted = .false. !! whether the monitor stopped it
@@ -189,14 +179,12 @@ contains
       integer :: n(3), i
 
       call archive%pass(self%n_certified)
-      do i = 1, size(self%worst)
-         call archive%pass(self%worst(i)%value)
-         call archive%pass(self%worst(i)%step)
-      end do
+      call archive%pass(self%worst%value)
+      call archive%pass(self%worst%at)
       call archive%pass(self%n_jumps)
-      call archive%pass(self%n_warned)
-      call archive%pass(self%warned_step)
-      call archive%pass(self%last_warned)
+      call archive%pass(self%warned%n)
+      call archive%pass(self%warned%first)
+      call archive%pass(self%warned%last)
       n = [size(self%reached, 2), size(self%cycles, 2), size(self%extremes, 1)]
       call archive%pass(n)
       if (archive%is_read) then
@@ -298,9 +286,7 @@ contains
          self%extremes(:, 2) = max(self%extremes(:, 2), numbers)
          call find_case_warnings(is_warned, body, model%solver%size_of_body, &
             model%solver%loads%contacts_of(state%instant), state%instant%gap, state%solution)
-         where (is_warned .and. self%n_warned == 0) self%warned_step = stepping%n_steps
-         where (is_warned) self%last_warned = stepping%n_steps
-         self%n_warned = self%n_warned + merge(1, 0, is_warned)
+         call self%warned%append(merge(1, 0, is_warned), stepping%n_steps, stepping%n_steps)
          if (stepping%record%is_finished) self%cycles = reshape([self%cycles, stepping%record%numbers], &
             [n_cycle_numbers, size(self%cycles, 2) + 1])
          if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
@@ -394,24 +380,22 @@ contains
       real(dp), parameter :: well_below = 0.25_dp
       ! Of a ratio that should be a whole number.
       real(dp), parameter :: rounding = 1.0e-6_dp
-      integer :: i
+      type(tally_t) :: warned(n_case_warnings)
 
       associate (n_steps => self%stepping%n_steps, warnings => self%last%warnings)
          associate (feedback => self%worst(of_feedback))
-            if (feedback%value > well_below) call warnings%add('the depth worn in step '//to_text(feedback%step)// &
+            if (feedback%value > well_below) call warnings%add('the depth worn in step '//to_text(feedback%at)// &
                ' would relieve a contact point of '//short_text(feedback%value)//' times its pressure: from '// &
                short_text(well_below)//' on pressures may swing from step to step; take '// &
                to_text(ceiling(feedback%value/well_below - rounding))//' times as many substeps there')
          end associate
          if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
             ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
-            'there; most in step '//to_text(self%worst(of_jump)%step)//', '// &
+            'there; most in step '//to_text(self%worst(of_jump)%at)//', '// &
             scientific(self%worst(of_jump)%value)//' of its energies')
-         do i = 1, n_case_warnings
-            if (.not. is_limit_of_model(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
-            call warnings%add(to_text(self%n_warned(i))//' of '//to_text(n_steps)//' steps, step '// &
-               to_text(self%warned_step(i))//' the first: '//case_warning_sentence(i, body%zone))
-         end do
+         warned = self%warned
+         where (warned%last == n_steps .or. .not. is_limit_of_model) warned%n = 0
+         call add_tallied_warnings(warnings, warned, n_steps, 'step', body%zone)
       end associate
    end subroutine history_result_add_warnings
 
@@ -427,7 +411,7 @@ contains
       logical :: has_grids
 
       has_grids = is_shown(result%stepping%n_steps, model%history%fields_every)
-      if (.not. (has_grids .or. result%last_warned(end_of_set) == result%stepping%n_steps)) return
+      if (.not. (has_grids .or. result%warned(end_of_set)%last == result%stepping%n_steps)) return
       step%wants_error_estimate = result%last%wants_error_estimate
       call new_step_result(step, cache, model, result%stepping, error)
       if (allocated(error)) return
@@ -485,17 +469,6 @@ contains
          error)
    end subroutine finish_history
 
-   !> Updates the largest value with the number of a step.
-   elemental subroutine worst_step_update(self, value, step)
-      class(worst_step_t), intent(inout) :: self !! the largest so far
-      real(dp), intent(in) :: value !! that of the step [-]
-      integer, intent(in) :: step !! the step
-
-      if (.not. value > self%value) return
-      self%value = value
-      self%step = step
-   end subroutine worst_step_update
-
    !> Adds sections on the history to listing and summary of the last step, with the largest errors of the steps.
    subroutine describe_history(result, config)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
@@ -544,11 +517,11 @@ contains
             short_text(real(stepping%n_iterations, dp)/max(1, stepping%n_steps))//' per step')
          do i = 1, size(worst_labels)
             note = scientific(result%worst(i)%value)
-            if (result%worst(i)%step > 0) note = note//' in step '//to_text(result%worst(i)%step)
+            if (result%worst(i)%at > 0) note = note//' in step '//to_text(result%worst(i)%at)
             text = text//labeled(trim(worst_labels(i)), note)
          end do
          text = text//labeled('Certified', counted(result%n_certified, 'step')//'; largest violation '// &
-            scientific(result%worst(of_violation)%value)//' in step '//to_text(result%worst(of_violation)%step))
+            scientific(result%worst(of_violation)%value)//' in step '//to_text(result%worst(of_violation)%at))
          call result%last%study_listing%add(text)
          text = ''
          if (result%checkpoint%is_anew) text = labeled('Note', 'an interrupted run had left steps of another'// &
@@ -675,7 +648,7 @@ contains
       end associate
       do i = 1, size(worst_names)
          text = text//', "'//trim(worst_names(i))//'": '//json_number(result%worst(i)%value)//', "'// &
-            trim(worst_names(i))//'_step": '//to_text(result%worst(i)%step)
+            trim(worst_names(i))//'_step": '//to_text(result%worst(i)%at)
       end do
       ! Number of cycles, class of the last one, and the first cycle of this class without interruption.
       associate (cycles => result%cycles, n => size(result%cycles, 2))

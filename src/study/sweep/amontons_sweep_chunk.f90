@@ -14,9 +14,8 @@ module amontons_sweep_chunk
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_document, only: field, status_runs
-   use amontons_error, only: error_t, numerical_failure, warning_list_t
+   use amontons_error, only: error_t, numerical_failure
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
       new_lengths, resultants, set_results
    use amontons_kinds, only: dp, int64
@@ -27,15 +26,15 @@ module amontons_sweep_chunk
    use amontons_model_warnings, only: add_sweep_warnings
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form, &
       set_named_values
-   use amontons_quantity, only: expanded, longest_key, quantity_t, scales
+   use amontons_quantity, only: expanded, largest_t, longest_key, quantity_t, scales
    use amontons_result, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved, result_t
-   use amontons_result_warnings, only: case_warning_names, case_warning_sentence, find_case_warnings
+   use amontons_result_warnings, only: case_warning_names, find_case_warnings, tally_t
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_stress_field, only: find_node_stresses, with_twist
    use amontons_study, only: study_monitor_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_load
-   use amontons_text, only: longest_decimal, newline, put_decimals, put_integer, put_text, to_text
+   use amontons_text, only: longest_decimal, newline, put_decimals, put_integer, put_text
    implicit none (type, external)
    private
 
@@ -67,19 +66,13 @@ module amontons_sweep_chunk
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
       integer :: failed_case = 0 !! the first case with a numerical failure; 0 if there is none
       integer(int64) :: n_iterations = 0 !! sum of their iterations
-      real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
-      integer :: residual_case = 0 !! the case that has it
-      real(dp) :: force_error = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
-      integer :: worst_case = 0 !! the first case that has it
-      real(dp), allocatable :: least(:) !! least value of each number of a case; not allocated without a case
-      integer, allocatable :: least_case(:) !! the first case that has it
-      real(dp), allocatable :: greatest(:) !! greatest value of each number of a case
-      integer, allocatable :: greatest_case(:) !! the first case that has it
-      integer :: n_warned(size(case_warning_names)) = 0 !! number of cases that each warning is about
-      integer :: warned_case(size(case_warning_names)) = 0 !! the first of them
+      type(largest_t) :: residual = largest_t(-1.0_dp) !! largest residual; -1 without a case [-]
+      type(largest_t) :: force_error = largest_t(-1.0_dp) !! largest error estimate; -1 without a case [-]
+      type(largest_t), allocatable :: extremes(:, :)
+         !! the largest of the negative of each number of a case, and of the number; not allocated without a case (n, 2)
+      type(tally_t) :: warned(size(case_warning_names)) !! the cases that each warning is about
    contains
       procedure :: add => sweep_statistics_add
-      procedure :: add_warnings => sweep_statistics_add_warnings
       procedure :: append => sweep_statistics_append
       procedure :: outcome => sweep_statistics_outcome
       procedure :: visit => sweep_statistics_visit
@@ -204,16 +197,11 @@ contains
       one%n_iterations = result%n_iterations
       if (result%outcome == outcome_numbers) one%failed_case = 1
       if (result%outcome == outcome_solved) then
-         one%residual = result%residual
-         one%residual_case = 1
-         one%force_error = result%force_error
-         one%worst_case = 1
-         one%least = result%quantity
-         one%greatest = result%quantity
-         one%least_case = spread(1, 1, size(result%quantity))
-         one%greatest_case = one%least_case
-         one%n_warned = merge(1, 0, result%is_warned)
-         one%warned_case = one%n_warned
+         one%residual = largest_t(result%residual, 1)
+         one%force_error = largest_t(result%force_error, 1)
+         allocate (one%extremes(size(result%quantity), 2), source=largest_t(at=1))
+         one%extremes%value = reshape([-result%quantity, result%quantity], shape(one%extremes))
+         call one%warned%append(merge(1, 0, result%is_warned), 1, 1)
       end if
       call self%append(one)
    end subroutine sweep_statistics_add
@@ -229,45 +217,14 @@ contains
       self%n_outcomes = self%n_outcomes + next%n_outcomes
       self%n_iterations = self%n_iterations + next%n_iterations
       if (self%failed_case == 0 .and. next%failed_case > 0) self%failed_case = n + next%failed_case
-      if (next%residual_case == 0) return
-      where (self%n_warned == 0 .and. next%n_warned > 0) self%warned_case = n + next%warned_case
-      self%n_warned = self%n_warned + next%n_warned
-      if (self%residual_case == 0 .or. next%residual > self%residual) then
-         self%residual = next%residual
-         self%residual_case = n + next%residual_case
-      end if
-      if (self%worst_case == 0 .or. next%force_error > self%force_error) then
-         self%force_error = next%force_error
-         self%worst_case = n + next%worst_case
-      end if
-      if (.not. allocated(self%least)) then
-         self%least = next%least
-         self%greatest = next%greatest
-         self%least_case = n + next%least_case
-         self%greatest_case = n + next%greatest_case
-      end if
-      where (next%least < self%least)
-         self%least = next%least
-         self%least_case = n + next%least_case
-      end where
-      where (next%greatest > self%greatest)
-         self%greatest = next%greatest
-         self%greatest_case = n + next%greatest_case
-      end where
+      call self%warned%append(next%warned%n, n + next%warned%first, n + next%warned%last)
+      call self%residual%update(next%residual%value, n + next%residual%at)
+      call self%force_error%update(next%force_error%value, n + next%force_error%at)
+      if (.not. allocated(next%extremes)) return
+      if (.not. allocated(self%extremes)) allocate (self%extremes(size(next%extremes, 1), 2), &
+         source=largest_t(-huge(1.0_dp)))
+      call self%extremes%update(next%extremes%value, n + next%extremes%at)
    end subroutine sweep_statistics_append
-
-   !> Adds to the warnings of a sweep one for each kind of warning on its cases.
-   pure subroutine sweep_statistics_add_warnings(self, zone, warnings)
-      class(sweep_statistics_t), intent(in) :: self !! the statistics
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
-      integer :: i
-
-      do i = 1, size(case_warning_names)
-         if (self%n_warned(i) > 0) call warnings%add(to_text(self%n_warned(i))//' of '//to_text(self%n_cases)// &
-            ' cases, case '//to_text(self%warned_case(i))//' the first: '//case_warning_sentence(i, zone))
-      end do
-   end subroutine sweep_statistics_add_warnings
 
    !> The outcome of a sweep in a word: that of a case without an answer, if there is one; no equilibrium only if no
    !> case has an equilibrium.
@@ -288,30 +245,29 @@ contains
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(archive_t), intent(inout) :: archive !! the archive
       real(dp) :: n_iterations
-      integer :: n
+      integer :: n, i
 
       n = 0
-      if (allocated(self%least)) n = size(self%least)
+      if (allocated(self%extremes)) n = size(self%extremes, 1)
       n_iterations = real(self%n_iterations, dp)
       call archive%pass(self%n_cases)
       call archive%pass(n)
       call archive%pass(n_iterations)
       call archive%pass(self%n_outcomes)
       call archive%pass(self%failed_case)
-      call archive%pass(self%residual_case)
-      call archive%pass(self%residual)
-      call archive%pass(self%worst_case)
-      call archive%pass(self%force_error)
-      call archive%pass(self%n_warned)
-      call archive%pass(self%warned_case)
+      call archive%pass(self%residual%at)
+      call archive%pass(self%residual%value)
+      call archive%pass(self%force_error%at)
+      call archive%pass(self%force_error%value)
+      call archive%pass(self%warned%n)
+      call archive%pass(self%warned%first)
       self%n_iterations = nint(n_iterations, int64)
       if (n == 0 .or. .not. archive%is_whole) return
-      if (.not. allocated(self%least)) allocate (self%least(n), self%greatest(n), self%least_case(n), &
-         self%greatest_case(n))
-      call archive%pass(self%least)
-      call archive%pass(self%least_case)
-      call archive%pass(self%greatest)
-      call archive%pass(self%greatest_case)
+      if (.not. allocated(self%extremes)) allocate (self%extremes(n, 2))
+      do i = 1, 2
+         call archive%pass(self%extremes(:, i)%value)
+         call archive%pass(self%extremes(:, i)%at)
+      end do
    end subroutine sweep_statistics_visit
 
    !> The header line of NAME.sweep.csv.

@@ -25,7 +25,7 @@ module amontons_sweep_study
    use amontons_result, only: outcome_numbers, word_numerical_failure, certificate_limit, outcome_names, &
       outcome_no_equilibrium, outcome_not_converged, outcome_solved, result_t, solution_word, word_no_equilibrium, &
       word_not_converged, word_solved
-   use amontons_result_warnings, only: add_conditioning
+   use amontons_result_warnings, only: add_conditioning, add_tallied_warnings
    use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_sweep, only: swept_load
@@ -128,7 +128,7 @@ contains
          result%fault = chunk%fault
          if (len(chunk%fault) == 0) result%fault = 'its forces or displacements leave the range of double precision'
       end if
-      number = result%statistics%worst_case
+      number = result%statistics%force_error%at
       associate (certified => result%certified)
          if (number > 0) then
             call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
@@ -137,7 +137,8 @@ contains
             if (allocated(error)) return
             call add_conditioning(certified, cache%body)
          end if
-         call result%statistics%add_warnings(cache%body%zone, certified%warnings)
+         call add_tallied_warnings(certified%warnings, result%statistics%warned, result%statistics%n_cases, 'case', &
+            cache%body%zone)
          call certified%timings%begin(phase_write)
       end associate
    end subroutine finish_sweep
@@ -351,8 +352,9 @@ contains
          end do
          text = text//labeled('Iterations', to_text(statistics%n_iterations)//', '// &
             scientific(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' per case')
-         if (statistics%residual_case > 0) text = text//labeled('Largest residual', scientific(statistics%residual)// &
-            ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
+         if (statistics%residual%at > 0) text = text//labeled('Largest residual', &
+            scientific(statistics%residual%value)//' in case '//to_text(statistics%residual%at)//', tolerance '// &
+            scientific(config%method%tolerance))
          call listing%add(text)
          text = ''
          if (result%n_resumed > 0) text = labeled('Done earlier', counted(result%n_resumed, 'case'))
@@ -362,7 +364,7 @@ contains
          text = text//labeled('Cases per second', short_text(result%cases_per_second()))
          if (result%n_sharing > 1) text = text//labeled('Solved by', counted(result%n_sharing, 'rank'))
          call listing%record(text)
-         if (statistics%residual_case > 0) then
+         if (statistics%residual%at > 0) then
             list = ranked_quantities(body, config%sweep)
             name_width = maxval(len_trim(list%key))
             text = heading('Extremes of the cases that converged')//repeat(' ', name_width + 2)// &
@@ -370,15 +372,15 @@ contains
                flush_right('in case', width)//flush_right('greatest', width)//flush_right('in case', width)//newline
             do i = 1, size(list)
                text = text//'  '//list(i)%key(:name_width)//with_unit( &
-                  flush_right(short_text(statistics%least(i)), width)// &
-                  flush_right(to_text(statistics%least_case(i)), width)// &
-                  flush_right(short_text(statistics%greatest(i)), width)// &
-                  flush_right(to_text(statistics%greatest_case(i)), width), units, trim(list(i)%dimension))//newline
+                  flush_right(short_text(-statistics%extremes(i, 1)%value), width)// &
+                  flush_right(to_text(statistics%extremes(i, 1)%at), width)// &
+                  flush_right(short_text(statistics%extremes(i, 2)%value), width)// &
+                  flush_right(to_text(statistics%extremes(i, 2)%at), width), units, trim(list(i)%dimension))//newline
             end do
             call listing%add(text)
             ! The certificate of the case with the largest error estimate, and how accurate its stresses are.
             text = certificate_text(certified%certificate, certified%method%tolerance)// &
-               labeled('Worst case', to_text(statistics%worst_case)//', by the estimated error of its forces')
+               labeled('Worst case', to_text(statistics%force_error%at)//', by the estimated error of its forces')
             if (allocated(certified%error_estimate)) text = text//heading('Accuracy of the worst case '// &
                '(energy norm of the stress error)')//quantities_text(certified%error_estimate%quantities(), units)
             call listing%add(text, [1.0_dp])
@@ -449,19 +451,21 @@ contains
             end associate
          end do
          call summary%add(member('quantities', '['//text(3:)//']'))
-         if (statistics%residual_case > 0) then
-            call summary%add(member('residual', json_number(statistics%residual)))
+         if (statistics%residual%at > 0) then
+            call summary%add(member('residual', json_number(statistics%residual%value)))
             text = ''
             list = ranked_quantities(body, config%sweep)
             do i = 1, size(list)
-               text = text//', '//json_string(trim(list(i)%key))//': {"least": '//json_number(statistics%least(i))// &
-                  ', "least_case": '//to_text(statistics%least_case(i))//', "greatest": '// &
-                  json_number(statistics%greatest(i))//', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
+               associate (least => statistics%extremes(i, 1), greatest => statistics%extremes(i, 2))
+                  text = text//', '//json_string(trim(list(i)%key))//': {"least": '//json_number(-least%value)// &
+                     ', "least_case": '//to_text(least%at)//', "greatest": '//json_number(greatest%value)// &
+                     ', "greatest_case": '//to_text(greatest%at)//'}'
+               end associate
             end do
             call summary%add(member('extremes', '{'//text(3:)//'}'))
             ! The certificate of the case with the largest error estimate, and how accurate its stresses are.
             call summary%add(certificate_member(certificate%violations(), limit, certificate%energies(), '"case": '// &
-               to_text(statistics%worst_case)//', '), [1.0_dp, 1.0_dp, scales([certificate%violations(), &
+               to_text(statistics%force_error%at)//', '), [1.0_dp, 1.0_dp, scales([certificate%violations(), &
                certificate%energies()])])
             if (allocated(certified%error_estimate)) call summary%add(quantities_member('accuracy', &
                certified%error_estimate%quantities()), scales(certified%error_estimate%quantities()))
@@ -529,13 +533,13 @@ contains
          end do
          allocate (outcome%numbers(0))
          ! Iterations of all cases together, and of those that converged the largest residual and peaks.
-         if (statistics%residual_case > 0) then
-            outcome%text = outcome%text//', residual at most '//scientific(statistics%residual)
+         if (statistics%residual%at > 0) then
+            outcome%text = outcome%text//', residual at most '//scientific(statistics%residual%value)
             outcome%numbers = [quantity_t('iterations', '', real(statistics%n_iterations, dp)), &
-               quantity_t('residual', '', statistics%residual)]
+               quantity_t('residual', '', statistics%residual%value)]
             ranked = ranked_quantities(cache%body, self%config%sweep)
             do i = 1, size(ranked)
-               ranked(i)%value = statistics%greatest(i)
+               ranked(i)%value = statistics%extremes(i, 2)%value
                if (index(ranked(i)%key, 'max_') == 1) outcome%numbers = [outcome%numbers, ranked(i)]
             end do
          end if
@@ -549,7 +553,7 @@ contains
          else if (statistics%outcome() == word_no_equilibrium) then
             call outcome%lack(word_no_equilibrium, nothing_balances)
          else
-            call outcome%judge(.true., statistics%residual, result%certified%certificate%largest(), &
+            call outcome%judge(.true., statistics%residual%value, result%certified%certificate%largest(), &
                self%config%method%tolerance, result%certified%condition)
          end if
       end associate
