@@ -223,6 +223,7 @@ contains
       integer, intent(in) :: which !! index of the change
       real(dp), intent(in) :: time !! the time, not outside of the history [-]
       real(dp), allocatable :: numbers(:)
+      real(dp), parameter :: rounding = 4.0_dp*epsilon(1.0_dp)
       real(dp) :: share
       integer :: next
 
@@ -233,6 +234,9 @@ contains
          if (next == 1 .or. .not. times(next) > time) return
          share = (time - times(next - 1))/(times(next) - times(next - 1))
          numbers = (1.0_dp - share)*values(:, next - 1) + share*values(:, next)
+         ! A number that passes 0 at this time leaves the rounding errors of both: a load that is none must be 0.
+         where (abs(numbers) <= rounding*(1.0_dp + maxval(abs(times))/(times(next) - times(next - 1))) &
+            *(abs(values(:, next - 1)) + abs(values(:, next)))) numbers = 0.0_dp
       end associate
    end function history_numbers
 

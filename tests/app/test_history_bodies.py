@@ -262,6 +262,23 @@ class Bodies(HistoryTest):
             if probe.startswith("uy"):
                 self.assertLess(max(map(abs, places)), 1e-15, msg="points that were pressed keep touching")
 
+    def test_given_slip_bound_takes_an_unloaded_body_along_with_its_floor(self):
+        # Above the floor, without a normal force; a method sought the place in a thousand iterations.
+        self.walk("""&case name = 'body' /
+&mesh size = 6.34, 1.0  cells = 4, 3  element = 'tri6' /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'plane stress' /
+&load name = 'press'  set = 'top'  pressure = 0.2 /
+&contact name = 'floor'  set = 'bottom'  friction = 0.9  slip_bound = 0.03  point = 6.34, 0.0  normal = -0.03, 1.0 /
+&history times = 0.0, 1.0, 2.0  substeps = 2 /
+&steps load = 'press'  factor = 0.0, 0.0, 1.0 /
+&steps obstacle = 'floor'  shift_x = 0.0, 0.0004, -0.0004 /
+&output probe = 0.0, 0.0 /
+""")
+        for row, way in zip(self.table("body.history.csv"), (0.0, 2e-4, 4e-4)):
+            self.assertAlmostEqual(float(row["ux_1"]), way, delta=1e-15)
+            self.assertAlmostEqual(float(row["uy_1"]), 0.0, delta=1e-15)
+            self.assertEqual((row["normal_force"], row["tangential_force"], row["iterations"]), ("0.0", "0.0", "0"))
+
     def test_wedged_body_keeps_its_forces_without_loads(self):
         # Friction holds a trapezoid in a groove steeper than its angle; without friction it comes loose.
         groove = mapped_mesh((8, 4), "quad4", lambda s, t: ((2.0*s - 1.0)*(1.0 + 0.2*t), t))

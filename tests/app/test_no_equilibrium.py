@@ -266,6 +266,20 @@ class NoEquilibrium(ProgramTest):
                 material="young = 3804.8075754166202  poisson = 0  hypothesis = 'plane stress'"))
             self.run_program("--quiet", "smooth.nml")
 
+    def test_rounding_of_the_directions_of_supports_drives_nothing(self):
+        # A load along the guides, far from the origin; along the wall nothing acts.
+        def place(s, t):
+            x, y = 0.01*s, 0.0025*t
+            return 3.0 + math.cos(0.5)*x - math.sin(0.5)*y, -2.0 + math.sin(0.5)*x + math.cos(0.5)*y
+
+        self.write("guided.msh", mapped_mesh((7, 4), "quad4", place, n_pressed=2))
+        self.write("guided.nml", "&mesh file = 'guided.msh' /\n&material young = 1000.0  poisson = 0.3 /\n"
+                   "&support set = 'pressed'  un = 0.0 /\n"
+                   f"&load set = 'left'  traction = {-math.sin(0.5)!r}, {math.cos(0.5)!r} /\n"
+                   "&contact set = 'right'  friction = 0.3  point = {!r}, {!r}  ".format(*place(1.0, 0.0))
+                   + f"normal = {-math.cos(0.5)!r}, {-math.sin(0.5)!r} /\n")
+        self.run_program("--quiet", "--output", "results", "guided.nml")
+
     def test_body_without_loads_does_not_spin(self):
         # On a round obstacle without friction; forces of 1e-15 would turn it.
         for cells, normal, gap in ((2, 0.0, -1e-5), (3, 0.002, 0.0), (7, 0.002, 0.0)):

@@ -452,6 +452,40 @@ class Rounding(Verification):
             self.assertAlmostEqual(results["contact_force_y"]/rest, 1.0, delta=1e-8)
             self.assertAlmostEqual(results["contact_centroid_x"]/length, (0.5*weight - force)/rest, delta=1e-8)
 
+    def test_factor_that_passes_zero_at_the_end_of_a_step(self):
+        # A third of the way from -0.157 to 0.314 the load is 0, not a rounding error; supports move the body by far more.
+        self.summary_of("""&mesh size = 3.0, 1.0  cells = 5, 3  origin = 2.0, 0.0 /
+&material young = 7000.0  poisson = 0.0  hypothesis = 'axisymmetric' /
+&load name = 'push'  set = 'right'  traction = 0.7, 0.0 /
+&support name = 'top'  set = 'top'  uy = -0.001 /
+&contact set = 'bottom'  point = 0.0, -0.002 /
+&history times = 0.0, 1.0, 2.0  substeps = 3 /
+&steps load = 'push'  factor = 0.0, -0.157, 0.314 /
+&steps support = 'top'  factor = 0.0, 1.0, 0.0 /
+&output fields_every = 1 /
+""")
+
+    def test_body_that_was_wedged_springs_back_to_where_it_is_drawn(self):
+        # Far from the origin, on a floor that it touches at one corner, and beside a wall.
+        def place(x, y):
+            return -5.0 + cos(2.0)*x - sin(2.0)*y, 31.0 + sin(2.0)*x + cos(2.0)*y
+
+        def pair(x, y):
+            return f"{x!r}, {y!r}"
+
+        self.write("turned.msh", mapped_mesh((3, 14), "quad4", lambda s, t: place(6.44*t, 1.71*(1.0 - s)), n_pressed=2))
+        summary = self.summary_of(f"""&mesh file = 'turned.msh' /
+&material young = 2500.0  poisson = 0.3  hypothesis = 'plane stress' /
+&support set = 'pressed'  un = 0.0 /
+&load name = 'press'  set = 'left'  pressure = 1.1 /
+&contact set = 'right'  point = {pair(*place(6.44, 0.0))}
+         normal = {pair(-0.03*cos(2.0) - sin(2.0), cos(2.0) - 0.03*sin(2.0))} /
+&contact set = 'bottom'  friction = 0.2  point = {pair(*place(-2e-4, 0.0))}  normal = {pair(cos(2.0), sin(2.0))} /
+&history times = 0.0, 1.0, 2.0 /
+&steps load = 'press'  factor = 1.0, 1.5, 0.0 /
+""")
+        self.assertLess(summary["key_results"]["max_displacement"], 1e-12)
+
     def test_cells_of_a_body_on_soft_springs(self):
         # The springs are 1e-10 as stiff as the body.
         summary = self.summary_of("&mesh size = 3000.0, 600.0  cells = 18, 6 /\n"

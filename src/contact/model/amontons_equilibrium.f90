@@ -92,15 +92,14 @@ contains
       ! A hundredth of the residual of methods, whose scale may be a small part of the loads that cancel; the other
       ! limit is for the center of gravity of a round body, whose position depends on the mesh.
       real(dp), parameter :: unbalanced = 1.0e-12_dp, unbalanced_when_round = 1.0e-2_dp
-      ! Loads that cancel leave their rounding errors, those of the coordinates of sides included.
-      real(dp), parameter :: of_loads = 1.0e-13_dp
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
       real(dp) :: scale, rounding, least
 
       ! Levers have the rounding errors of coordinates.
       rounding = unbalanced + epsilon(scale)*maxval(abs(body%mesh%coordinates))/minval(body%motions(pieces)%radius)
-      least = of_loads*load_case%uncanceled(1)
+      ! Loads that cancel, each other or with reactions, leave theirs, and those of the directions of sides.
+      least = rounding*load_case%uncanceled(1)
       call balance(pieces, body, load_case, body%rigid_modes, rounding, remainder, scale)
       if (norm2(remainder) > max(rounding*scale, least)) then
          motion = largest_motion(body%motions(pieces), remainder)
@@ -313,8 +312,9 @@ contains
    end subroutine find_resting_motion
 
    !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
-   !> was: points that were pressed keep touching. It causes no forces. There is none where a load acts, where overlaps
-   !> press, where a given slip bound resists the way, and where motions strain ties.
+   !> was: points that were pressed keep touching, and those with a given slip bound move along with the obstacle. It
+   !> causes no forces. There is none where a load acts, where overlaps press, where a given slip bound resists the way,
+   !> and where motions strain ties.
    subroutine find_idle_motion(motion, body, problem, before, force)
       real(dp), allocatable, intent(out) :: motion(:)
          !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]
@@ -326,14 +326,16 @@ contains
       real(dp), parameter :: wide = 1.0e4_dp, impossible = 1.0e-10_dp, few = 1.0e-10_dp
       real(dp) :: columns(size(body%travel, 2) + 1, problem%n_points), remainder(size(body%travel, 2) + 1)
       real(dp) :: place(size(body%travel, 2)), none, unit
-      logical :: is_idle, is_pressed(body%zone%n_rows)
+      logical :: is_idle
+      logical, dimension(body%zone%n_rows) :: is_kept, is_held
       integer :: i
 
       if (.not. all(abs(problem%load) <= 0.0_dp)) return
       place = matmul(before, body%travel)
-      is_pressed = [(force(:problem%n_points) > 0.0_dp, i=0, body%zone%n_tangents)]
-      place = place + least_squares_amounts(merge(body%travel, 0.0_dp, spread(is_pressed, 2, size(place))), &
-         merge(before - matmul(body%travel, place), 0.0_dp, is_pressed))
+      is_held = [spread(.false., 1, problem%n_points), (problem%slip_bound > 0.0_dp, i=1, body%zone%n_tangents)]
+      is_kept = is_held .or. [(force(:problem%n_points) > 0.0_dp, i=0, body%zone%n_tangents)]
+      place = place + least_squares_amounts(merge(body%travel, 0.0_dp, spread(is_kept, 2, size(place))), &
+         merge(merge([problem%gap, problem%anchor], before, is_held) - matmul(body%travel, place), 0.0_dp, is_kept))
       ! A body is where it is drawn but for the rounding errors of coordinates.
       if (all(abs(matmul(body%travel, place)) <= rounding*maxval(abs(body%zone%position)))) place = 0.0_dp
       associate (m => problem%n_points, n => size(body%travel, 2))
@@ -347,10 +349,11 @@ contains
             if (remainder(n + 1) > impossible) motion = matmul(body%travel, place &
                - unit/remainder(n + 1)*remainder(:n))
          end if
-         none = few*maxval(abs(motion))
+         ! A motion back to where the body is drawn has the errors of the place that it leads back from.
+         none = few*maxval(abs([motion, matmul(body%travel, place)]))
          is_idle = all(motion(:m) - problem%gap <= none .and. (.not. problem%slip_bound > 0.0_dp .or. &
             tangential_norm(motion(m + 1:) - problem%anchor, m) <= none))
-         if (.not. is_idle .or. (body%is_motion_strained .and. none > 0.0_dp)) deallocate (motion)
+         if (.not. is_idle .or. (body%is_motion_strained .and. any(abs(motion) > 0.0_dp))) deallocate (motion)
       end associate
    end subroutine find_idle_motion
 
