@@ -268,17 +268,19 @@ class NoEquilibrium(ProgramTest):
 
     def test_rounding_of_the_directions_of_supports_drives_nothing(self):
         # A load along the guides, far from the origin; along the wall nothing acts.
-        def place(s, t):
-            x, y = 0.01*s, 0.0025*t
-            return 3.0 + math.cos(0.5)*x - math.sin(0.5)*y, -2.0 + math.sin(0.5)*x + math.cos(0.5)*y
+        for angle in (0.5, 3.0, 4.5, 5.0):
+            def turned(x, y, angle=angle):
+                return math.cos(angle)*x - math.sin(angle)*y, math.sin(angle)*x + math.cos(angle)*y
 
-        self.write("guided.msh", mapped_mesh((7, 4), "quad4", place, n_pressed=2))
-        self.write("guided.nml", "&mesh file = 'guided.msh' /\n&material young = 1000.0  poisson = 0.3 /\n"
-                   "&support set = 'pressed'  un = 0.0 /\n"
-                   f"&load set = 'left'  traction = {-math.sin(0.5)!r}, {math.cos(0.5)!r} /\n"
-                   "&contact set = 'right'  friction = 0.3  point = {!r}, {!r}  ".format(*place(1.0, 0.0))
-                   + f"normal = {-math.cos(0.5)!r}, {-math.sin(0.5)!r} /\n")
-        self.run_program("--quiet", "--output", "results", "guided.nml")
+            def place(s, t, turned=turned):
+                return tuple(map(sum, zip((3.0, -2.0), turned(0.01*s, 0.0025*t))))
+
+            self.write("guided.msh", mapped_mesh((7, 4), "quad4", place, n_pressed=2))
+            self.write("guided.nml", "&mesh file = 'guided.msh' /\n&material young = 1000.0  poisson = 0.3 /\n"
+                       "&support set = 'pressed'  un = 0.0 /\n&load set = 'left'  traction = {!r}, {!r} /\n"
+                       "&contact set = 'right'  friction = 0.3  point = {!r}, {!r}  normal = {!r}, {!r} /\n".format(
+                           *turned(0.0, 1.0), *place(1.0, 0.0), *turned(-1.0, 0.0)))
+            self.run_program("--quiet", "--output", "results", "guided.nml")
 
     def test_body_without_loads_does_not_spin(self):
         # On a round obstacle without friction; forces of 1e-15 would turn it.

@@ -467,24 +467,25 @@ class Rounding(Verification):
 
     def test_body_that_was_wedged_springs_back_to_where_it_is_drawn(self):
         # Far from the origin, on a floor that it touches at one corner, and beside a wall.
-        def place(x, y):
-            return -5.0 + cos(2.0)*x - sin(2.0)*y, 31.0 + sin(2.0)*x + cos(2.0)*y
+        for angle in (2.0, 4.0):
+            def turned(x, y, angle=angle):
+                return cos(angle)*x - sin(angle)*y, sin(angle)*x + cos(angle)*y
 
-        def pair(x, y):
-            return f"{x!r}, {y!r}"
+            def place(x, y, turned=turned):
+                return tuple(map(sum, zip((-5.0, 31.0), turned(x, y))))
 
-        self.write("turned.msh", mapped_mesh((3, 14), "quad4", lambda s, t: place(6.44*t, 1.71*(1.0 - s)), n_pressed=2))
-        summary = self.summary_of(f"""&mesh file = 'turned.msh' /
+            self.write("turned.msh", mapped_mesh((3, 14), "quad4", lambda s, t, place=place:
+                                                 place(6.44*t, 1.71*(1.0 - s)), n_pressed=2))
+            summary = self.summary_of("""&mesh file = 'turned.msh' /
 &material young = 2500.0  poisson = 0.3  hypothesis = 'plane stress' /
 &support set = 'pressed'  un = 0.0 /
 &load name = 'press'  set = 'left'  pressure = 1.1 /
-&contact set = 'right'  point = {pair(*place(6.44, 0.0))}
-         normal = {pair(-0.03*cos(2.0) - sin(2.0), cos(2.0) - 0.03*sin(2.0))} /
-&contact set = 'bottom'  friction = 0.2  point = {pair(*place(-2e-4, 0.0))}  normal = {pair(cos(2.0), sin(2.0))} /
+&contact set = 'right'  point = {!r}, {!r}  normal = {!r}, {!r} /
+&contact set = 'bottom'  friction = 0.2  point = {!r}, {!r}  normal = {!r}, {!r} /
 &history times = 0.0, 1.0, 2.0 /
 &steps load = 'press'  factor = 1.0, 1.5, 0.0 /
-""")
-        self.assertLess(summary["key_results"]["max_displacement"], 1e-12)
+""".format(*place(6.44, 0.0), *turned(-0.03, 1.0), *place(-2e-4, 0.0), *turned(1.0, 0.0)))
+            self.assertLess(summary["key_results"]["max_displacement"], 1e-12)
 
     def test_cells_of_a_body_on_soft_springs(self):
         # The springs are 1e-10 as stiff as the body.
