@@ -453,7 +453,7 @@ class Rounding(Verification):
             self.assertAlmostEqual(results["contact_centroid_x"]/length, (0.5*weight - force)/rest, delta=1e-8)
 
     def test_factor_that_passes_zero_at_the_end_of_a_step(self):
-        # A third of the way from -0.157 to 0.314 the load is 0, not a rounding error; supports move the body by far more.
+        # A third of the way from -0.157 to 0.314 the load is 0, no rounding error; supports move the body by far more.
         self.summary_of("""&mesh size = 3.0, 1.0  cells = 5, 3  origin = 2.0, 0.0 /
 &material young = 7000.0  poisson = 0.0  hypothesis = 'axisymmetric' /
 &load name = 'push'  set = 'right'  traction = 0.7, 0.0 /
