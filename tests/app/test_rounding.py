@@ -524,6 +524,26 @@ class Rounding(Verification):
                           ["resultants"]["normal_force"])
         self.assertLess(max(forces)/min(forces) - 1.0, 1e-8, forces)
 
+    def test_nodes_that_miss_the_axis_by_the_last_digit_lie_on_it(self):
+        # The normal of a cone's tip lies along the axis.
+        for slope in (0.3, -0.3):
+            forces = []
+            for miss in (0.0, 1e-17, 1e-13, 1e-10):
+                for name, columns, low, width in (("low", 6, -1.0, 2.0), ("high", 5, 0.0, 1.0)):
+                    def place(s, t, low=low, width=width, miss=miss, slope=slope):
+                        return max(miss, width*s), t + low + slope*width*s
+                    self.write(f"{name}.msh", mapped_mesh((columns, 4), "quad4", place))
+                self.solve_into_results("""&mesh name = 'low'  file = 'low.msh' /
+&mesh name = 'high'  file = 'high.msh' /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'axisymmetric' /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&load set = 'high.top'  pressure = 1.0 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /
+""")
+                forces.append(json.loads((self.results/"case_0.summary.json").read_text(encoding="utf-8"))
+                              ["resultants"]["normal_force"])
+            self.assertLess(max(forces)/min(forces) - 1.0, 1e-8, forces)
+
     def test_elements_whose_jacobian_vanishes_at_a_corner_are_refused_wherever_they_lie(self):
         # Three corners of a quadrilateral on a line; a node in the middle of a side at a quarter of it.
         def on_a_line(s, t):

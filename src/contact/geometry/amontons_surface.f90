@@ -16,7 +16,7 @@ module amontons_surface
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t, materials_t
+   use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: cross_product, steepest_cosine
    implicit none (type, external)
@@ -104,7 +104,7 @@ contains
       ! A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
       ! degrees has the rounding error of its cosine.
       real(dp), parameter :: most = 0.501_dp
-      logical :: is_free(2)
+      logical :: is_free(2), is_on_axis(body%mesh%n_nodes)
       real(dp) :: held(2)
       integer :: i, k
 
@@ -112,6 +112,7 @@ contains
       if (allocated(error)) return
       call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
       allocate (surface%mirrored_node(0))
+      is_on_axis = on_axis(body%mesh, body%materials)
       do i = 1, surface%n_sides
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
@@ -120,8 +121,7 @@ contains
                if (is_free(1) .neqv. is_free(2)) then
                   held = body%constraints%held_direction(node)
                   if (.not. is_on_mirror(body, node, held, facing%node)) cycle
-               else if (surface%material(i)%is_axisymmetric &
-                  .and. .not. abs(body%mesh%coordinates(1, node)) > 0.0_dp) then
+               else if (is_on_axis(node)) then
                   held = [1.0_dp, 0.0_dp]
                else
                   cycle
