@@ -217,7 +217,7 @@ contains
    end function history_cycle_ends
 
    !> The numbers of a change at a time, by linear interpolation of its table; at a time of the table exactly the
-   !> tabulated numbers (1 or 3).
+   !> tabulated numbers, and no others between equal ones (1 or 3).
    pure function history_numbers(self, which, time) result(numbers)
       class(history_t), intent(in) :: self !! the history
       integer, intent(in) :: which !! index of the change
@@ -233,7 +233,7 @@ contains
          numbers = values(:, next)
          if (next == 1 .or. .not. times(next) > time) return
          share = (time - times(next - 1))/(times(next) - times(next - 1))
-         numbers = (1.0_dp - share)*values(:, next - 1) + share*values(:, next)
+         numbers = values(:, next - 1) + share*(values(:, next) - values(:, next - 1))
          ! A number that passes 0 at this time leaves the rounding errors of both: a load that is none must be 0.
          where (abs(numbers) <= rounding*(1.0_dp + maxval(abs(times))/(times(next) - times(next - 1))) &
             *(abs(values(:, next - 1)) + abs(values(:, next)))) numbers = 0.0_dp

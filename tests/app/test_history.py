@@ -10,7 +10,7 @@ import time
 import unittest
 
 from harness import PROGRAM, block
-from histories import BAR, HistoryTest
+from histories import BAR, BLOCK, HistoryTest
 
 # The files that grow with the steps of the bar, where it asks for all.
 GROWING = ("history.csv", "points.csv", "states.csv", "history.pvd")
@@ -425,6 +425,19 @@ class History(HistoryTest):
             path.write_text("".join(changed), encoding="utf-8")
             self.renew_manifest("bar")
             self.assertRegex(self.run_program("--verify", "out", status=4).stderr, expected)
+
+    def test_loads_that_a_table_holds_do_not_change_by_rounding(self):
+        # Between equal numbers of a table another one was interpolated: statuses changed without a change of the load.
+        for factor in (0.1, 0.3, 0.55, 0.57):
+            self.walk(BLOCK + f"""&history times = 0.1, 0.4, 0.7, 1.9  substeps = 7 /
+&steps load = 'push'  factor = 0.0, {factor}, {factor}, {factor} /
+""")
+            held = [row for row in self.table("block.history.csv") if float(row["time"]) >= 0.4]
+            with self.subTest(factor=factor):
+                self.assertEqual(len(held), 15)
+                for column in ("factor_push", "statuses", "stick_length", "normal_force"):
+                    self.assertEqual(len({row[column] for row in held}), 1, column)
+
 
 if __name__ == "__main__":
     unittest.main()
