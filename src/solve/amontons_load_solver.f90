@@ -159,6 +159,7 @@ contains
             call solution%prepend(first)
          end if
       end if
+      if (solution%is_converged) call leave_in_place(self, body, problem, start, solution)
       ! Forces of rounding errors of gaps are none.
       if (allocated(idle) .and. maxval([0.0_dp, abs(solution%force)]) <= rounding*maxval(abs(body%zone%position)) &
          *maxval(problem%matrix%augmentation)) call rest(idle, solution)
@@ -334,7 +335,7 @@ contains
       call find_resting_motion(motion, body, load_case, problem%load)
    end subroutine find_origin
 
-   !> Puts a body that nothing loads at rest in its place.
+   !> Puts a body at rest in its place, without forces.
    pure subroutine rest(motion, solution)
       real(dp), intent(in) :: motion(:) !! displacements of the points (n_rows) [L]
       type(contact_solution_t), intent(inout) :: solution !! keeps its record alone
@@ -345,6 +346,35 @@ contains
       solution%residual = 0.0_dp
       solution%is_converged = .true.
    end subroutine rest
+
+   !> Puts a body that loads strain, but neither drive nor press onto its obstacles, as near to where it was as overlaps
+   !> allow. It has a solution without forces in many places, of which a method finds any.
+   subroutine leave_in_place(solver, body, problem, start, solution)
+      class(load_solver_t), intent(in) :: solver !! the solver
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(in) :: start !! where it was
+      type(contact_solution_t), intent(inout) :: solution !! a solution; moved if it needs no forces
+      ! Gaps that no body closes, over its size; and forces of a body that tolerance wedges, over loads that cancel.
+      real(dp), parameter :: far = 1.0e6_dp, small = 1.0e-6_dp
+      type(contact_problem_t) :: unopposed, unloaded
+      type(contact_solution_t) :: strained
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: motion(:)
+
+      if (size(body%travel, 2) == 0 .or. maxval([0.0_dp, abs(solution%force)]) > small*sum(problem%uncanceled)) return
+      unopposed = problem
+      unopposed%gap = far*solver%size_of_body
+      call solve_on_springs(unopposed, 1.0_dp, body%travel, strained, error)
+      if (allocated(error)) return
+      unloaded = problem_from(strained%displacement, body, problem)
+      unloaded%load = 0.0_dp
+      call find_idle_motion(motion, body, unloaded, start%displacement - strained%displacement, start%force)
+      if (.not. allocated(motion)) return
+      strained%force = 0.0_dp
+      call strained%measure(problem_from(motion, body, problem))
+      if (strained%residual <= solver%method%tolerance) call rest(strained%displacement + motion, solution)
+   end subroutine leave_in_place
 
    !> The contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
    !> strains ties: its product with S is rounding.
@@ -590,27 +620,16 @@ contains
       real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
       integer, parameter :: most_points = 2000
       real(dp), parameter :: most_residual = 1.0e-6_dp, far = 10.0_dp
-      type(contact_operator_t), target :: matrix
-      type(contact_problem_t) :: held
       type(contact_solution_t) :: found
-      type(auto_t) :: method
       type(error_t), allocatable :: error
       real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), inexact
-      integer :: i, trial
+      integer :: trial
 
       if (problem%n_points > most_points) return
       motions = matmul(modes, spins)
       before = 0.0_dp
       do trial = 1, size(weak)
-         call problem%matrix%copy_dense(matrix, error)
-         if (allocated(error)) return
-         held = problem
-         held%matrix => matrix
-         do i = 1, size(spins, 2)
-            call matrix%add_motion(weak(trial)*maxval(problem%matrix%augmentation), motions(:, i))
-         end do
-         call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
-         call solve_components(method, held, found, error)
+         call solve_on_springs(problem, weak(trial), motions, found, error)
          if (allocated(error) .or. .not. found%residual <= most_residual) return
          ! Once all these points slip, the body moves on as a rigid one: the motion is the difference of two trials.
          amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
@@ -622,6 +641,29 @@ contains
          before = found%displacement
       end do
    end subroutine find_driven_spin
+
+   !> Solves a contact problem with springs against some motions, from rest.
+   subroutine solve_on_springs(problem, share, motions, found, error)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: share !! stiffness of the springs over the largest of the points [-]
+      real(dp), intent(in) :: motions(:, :) !! displacements of the points under each motion (n_rows, any) [-]
+      type(contact_solution_t), intent(out) :: found !! the solution, converged or not
+      type(error_t), allocatable, intent(out) :: error !! memory ran out, or the computation failed numerically
+      type(contact_operator_t), target :: matrix
+      type(contact_problem_t) :: held
+      type(auto_t) :: method
+      integer :: i
+
+      call problem%matrix%copy_dense(matrix, error)
+      if (allocated(error)) return
+      held = problem
+      held%matrix => matrix
+      do i = 1, size(motions, 2)
+         call matrix%add_motion(share*maxval(problem%matrix%augmentation), motions(:, i))
+      end do
+      call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
+      call solve_components(method, held, found, error)
+   end subroutine solve_on_springs
 
    !> Whether no closed contact opposes a motion by its normal force, and friction not enough.
    pure logical function is_unopposed(problem, force, is_in_reach, rounding, amounts, frames, modes)

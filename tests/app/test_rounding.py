@@ -392,6 +392,18 @@ class Rounding(Verification):
         results = self.summary_of(STACK)["key_results"]
         self.assertEqual((results["max_contact_pressure"], results["max_displacement"]), (0.0, 0.0))
 
+    def test_a_body_that_no_load_drives_stays_where_it_is_drawn(self):
+        # A ring squeezed from outside, between floor and ceiling: gaps of 0.1, strains of 1e-4.
+        for shift in (0.0, 3.7):
+            results = self.summary_of(f"&mesh size = 1.0, 1.7  cells = 3, 2  origin = 0.3, {shift} /\n"
+                                      "&material young = 900.0  poisson = 0.3  hypothesis = 'axisymmetric' /\n"
+                                      "&load set = 'right'  pressure = 0.12 /\n"
+                                      "&contact set = 'bottom'  friction = 0.3  obstacle = 'circle'  radius = 5.0"
+                                      f"  point = 0.25, {shift - 0.2}  normal = -0.2, 0.97 /\n"
+                                      "&contact set = 'top'  friction = 0.5  obstacle = 'circle'  radius = 1.1"
+                                      f"  point = 0.71, {shift + 1.8}  normal = 0.0, -1.0 /\n")["key_results"]
+            self.assertLess(results["max_displacement"], 2e-4)
+
     def test_displacements_of_steps_are_counted_from_the_rigid_motion(self):
         # What the way to the floor leaves of a stiffness times itself is no force.
         results = self.summary_of(FALLEN)["key_results"]
