@@ -28,7 +28,7 @@ module amontons_condensation
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
@@ -477,8 +477,8 @@ contains
       ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
       ! share.
       real(dp), parameter :: small_share = 1.0e-3_dp
-      character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh: make '// &
-         'their cells larger'
+      character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh, or depend '// &
+         'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
       real(dp), allocatable :: flexibility(:, :), gram(:, :), own(:), rho(:)
       integer :: i, info
 
@@ -494,7 +494,7 @@ contains
       if (info == 0) info = findloc([(gram(i, i)**2 <= negligible*sum(rows(i, :)**2), i=1, size(rows, 1))], .true., &
          dim=1)
       if (info /= 0) then
-         call new_error(error, numerical_failure, dependent)
+         call new_error(error, input_refused, dependent)
          return
       end if
       condensation%factor(:, :) = stiffness
