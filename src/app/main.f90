@@ -8,26 +8,15 @@ program main
    use amontons_messages, only: help_text, print_error, print_reference, version_text
    use amontons_run_decks, only: run_decks, verify_directories
    use amontons_sweep_ranks, only: serve
-   use amontons_system, only: return_large_arrays
+   use amontons_system, only: number_action, return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
    implicit none (type, external)
 
-   interface
-      !> Ends the process without output: `stop` with a status would print it.
-      subroutine c_exit(status) bind(c, name='exit')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: status !! exit status
-      end subroutine c_exit
-
-      !> Ends the process with a sentence where the BLAS has no room on some threads.
-      subroutine require_blas_room(n_threads) bind(c, name='amontons_require_blas_room')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: n_threads !! number of threads, at least 1
-      end subroutine require_blas_room
-   end interface
+   !> Ends the process with an exit status, without output: `stop` would print it.
+   procedure(number_action), bind(c, name='exit') :: c_exit
+   !> Ends the process with a sentence where the BLAS has no room on some of so many threads.
+   procedure(number_action), bind(c, name='amontons_require_blas_room') :: require_blas_room
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error

@@ -162,16 +162,12 @@ contains
       integer(c_int), value, intent(in) :: message_size !! room in message
       character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
-      type(outcome_t) :: outcome
-
       type(config_t) :: config
       type(error_t), allocatable :: error
 
       call begin_call()
       call read_config(config, text_of_c(deck), error)
-      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome, code)
-      call put_c_text(outcome%name, name_size, name)
-      call put_c_text(outcome%message, message_size, message)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), name, message, code)
       call end_call()
    end function amontons_solve_deck
 
@@ -191,26 +187,25 @@ contains
       integer(c_int), value, intent(in) :: message_size !! room in message
       character(c_char), intent(inout) :: message(message_size) !! the failure
       integer(c_int) :: code
-      type(outcome_t) :: outcome
       type(config_t) :: config
       type(error_t), allocatable :: error
 
       call begin_call()
       call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
-      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome, code)
-      call put_c_text(outcome%name, name_size, name)
-      call put_c_text(outcome%message, message_size, message)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), name, message, code)
       call end_call()
    end function amontons_solve_deck_text
 
    !> Solves a case and writes its files, as the program does.
-   subroutine run_deck(config, error, deck, directory, outcome, code)
+   subroutine run_deck(config, error, deck, directory, name, message, code)
       type(config_t), intent(in) :: config !! the case
       type(error_t), allocatable, intent(in) :: error !! the faults of its deck
       character(*), intent(in) :: deck !! name of the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(outcome_t), intent(out) :: outcome !! its outcome
+      character(c_char), intent(inout) :: name(:) !! takes the name of the case
+      character(c_char), intent(inout) :: message(:) !! takes the failure
       integer(c_int), intent(out) :: code !! the code for the C program
+      type(outcome_t) :: outcome
       class(study_t), allocatable :: study
       type(cache_t) :: cache
       type(study_options_t) :: options
@@ -225,6 +220,8 @@ contains
          call solve_study(study, cache, options, monitor, outcome)
       end if
       code = int(merge(no_equilibrium, outcome%status, outcome%word == word_no_equilibrium), c_int)
+      call put_c_text(outcome%name, size(name, kind=c_int), name)
+      call put_c_text(outcome%message, size(message, kind=c_int), message)
    end subroutine run_deck
 
    !> Makes a stepper.

@@ -409,7 +409,7 @@ contains
       call set_default(value, choices)
       kind = 'text'
       if (present(choices)) kind = joined(choices, "`'", "'`")
-      is_written = is_filled(value) .or. .not. (key%is_filled .or. key%is_file)
+      is_written = is_filled(value) .or. .not. (key%is_filled .or. key%is_file .or. key%default /= '')
       if (present(is_given)) is_written = is_given
       call self%write_key(key, kind, quoted(value), is_written)
    end subroutine writer_text

@@ -315,9 +315,8 @@ contains
       type(material_t), intent(inout) :: material !! the material
       type(error_t), allocatable :: error
       real(dp), allocatable :: young(:), poisson(:), expansion(:)
-      logical :: has_region, is_orthotropic, is_known
+      logical :: is_orthotropic, is_known
 
-      has_region = is_filled(material%region)
       is_orthotropic = material%shear > 0.0_dp
       is_known = all(material%young > 0.0_dp)
       young = material%young(:merge(3, 1, is_orthotropic))
@@ -351,7 +350,7 @@ contains
          ' `shear` one number or three, along the axes', '1/K', default='`0.0`', also='alpha cte'), expansion, &
          is_known)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
-         also='set elset'), material%region, has_region)
+         also='set elset'), material%region)
       call visitor%close_group()
       material%origin = ''
       call visitor%locate('region', material%origin)
@@ -554,11 +553,10 @@ contains
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      logical :: has_point, has_region, on_nodes, is_given(4), has(4), has_total, has_twist(2)
+      logical :: has_point, on_nodes, is_given(4), has(4), has_total, has_twist(2)
       real(dp) :: slopes(4)
       logical :: has_force, has_gravity, has_speed, has_center
 
-      has_region = is_filled(load%region)
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. is_filled(load%set)
       call visitor%open_group(load_group)
@@ -569,7 +567,7 @@ contains
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
-         also='elset'), load%region, has_region)
+         also='elset'), load%region)
       ! Describes the keys of a load on sides.
       has_total = any(abs(load%total_force) > 0.0_dp)
       has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp

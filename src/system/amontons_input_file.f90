@@ -8,7 +8,7 @@ module amontons_input_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_kinds, only: dp, int64
-   use amontons_system, only: error_text, path_action
+   use amontons_system, only: close_file, error_text, path_action
    use amontons_text, only: ends_word, line_end, newline, occurrences, read_real, scan_integer, scan_real, to_text
    implicit none (type, external)
    private
@@ -29,12 +29,6 @@ module amontons_input_file
 
    ! allow(assumed-size): C takes an address without a shape
    interface
-      subroutine c_close_input(file) bind(c, name='amontons_close_input')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: file
-      end subroutine c_close_input
-
       function c_read_input(file, text, n_bytes) bind(c, name='amontons_read_input') result(n_read)
          import :: c_char, c_int, c_long
          implicit none (type, external)
@@ -113,7 +107,7 @@ contains
          longer(:n_read) = text
          call move_alloc(longer, text)
       end do
-      if (number >= 0 .and. .not. present(is_standard_input)) call c_close_input(number)
+      if (number >= 0 .and. .not. present(is_standard_input)) call close_file(number)
       text = text(:n_read)
       if (n_read > largest_bytes) then
          reason = 'it is larger than '//to_text(largest_megabytes)//' MB'

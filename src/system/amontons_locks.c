@@ -59,8 +59,8 @@ int amontons_lock_path(const char *path, int *lock)
     return taken;
 }
 
-/* Locks a directory for the short time that files in it change hands. Returns a number for amontons_unlock, -1 where
-   there is no lock: somebody may keep it who has nothing to do with us, so that it is not waited for for ever. */
+/* Locks a directory for the short time that files in it change hands. Returns a number for amontons_close_file, -1
+   where there is no lock: somebody may keep it who has nothing to do with us, so that it is not waited for for ever. */
 int amontons_lock_directory(const char *path)
 {
     enum { most_attempts = 2000 };
@@ -74,11 +74,4 @@ int amontons_lock_directory(const char *path)
     if (file >= 0)
         close(file);
     return -1;
-}
-
-/* Ends a lock, if there is one. */
-void amontons_unlock(int lock)
-{
-    if (lock >= 0)
-        close(lock);
 }

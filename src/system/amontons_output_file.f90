@@ -5,8 +5,8 @@ module amontons_output_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: int64
-   use amontons_system, only: action, error_text, file_name_t, list_directory, path_action, remove_directory, &
-      remove_file, rename_file
+   use amontons_system, only: action, close_file, error_text, file_name_t, list_directory, path_action, &
+      remove_directory, remove_file, rename_file
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -67,12 +67,6 @@ module amontons_output_file
          integer(c_int), intent(inout) :: lock
          integer(c_int) :: code
       end function c_lock_path
-
-      subroutine c_unlock(lock) bind(c, name='amontons_unlock')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: lock
-      end subroutine c_unlock
    end interface
 
 contains
@@ -274,7 +268,7 @@ contains
    subroutine file_lock_release(self)
       class(file_lock_t), intent(inout) :: self !! the lock, none on return
 
-      call c_unlock(self%file)
+      call close_file(self%file)
       self%file = -1
    end subroutine file_lock_release
 

@@ -182,10 +182,11 @@ int amontons_open_input(const char *path)
     return file;
 }
 
-/* Closes a file that was read from. */
-void amontons_close_input(int file)
+/* Closes an open file, if there is one. That of a lock ends the lock. */
+void amontons_close_file(int file)
 {
-    close(file);
+    if (file >= 0)
+        close(file);
 }
 
 /* Reads from an open file what there is, up to a number of bytes. Returns how many, 0 at the end, or minus the system's

@@ -9,9 +9,10 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, action, append_to_file, available_memory_mb, check_code, checksum_t, cut_file, error_text, &
-      file_checksum, file_name_t, list_directory, make_directory, path_action, peak_memory_mb, remove_directory, &
-      remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, text_checksum, wall_seconds
+   public :: absolute_path, action, append_to_file, available_memory_mb, check_code, checksum_t, close_file, cut_file, &
+      error_text, file_checksum, file_name_t, list_directory, make_directory, number_action, path_action, &
+      peak_memory_mb, remove_directory, remove_file, rename_file, resident_memory_mb, return_large_arrays, &
+      return_memory, text_checksum, wall_seconds
 
    !> Name of a file.
    type :: file_name_t
@@ -24,6 +25,13 @@ module amontons_system
       subroutine action() bind(c)
          implicit none (type, external)
       end subroutine action
+
+      !> An action with a whole number.
+      subroutine number_action(number) bind(c)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value, intent(in) :: number !! the number
+      end subroutine number_action
 
       !> An action on a file or directory.
       function path_action(path) bind(c) result(code)
@@ -44,6 +52,8 @@ module amontons_system
    procedure(path_action), bind(c, name='amontons_make_directory') :: c_make_directory
    procedure(path_action), bind(c, name='unlink') :: c_remove
    procedure(path_action), bind(c, name='rmdir') :: c_remove_directory
+   !> Closes an open file by the system's number of it; a negative one stands for none.
+   procedure(number_action), bind(c, name='amontons_close_file') :: close_file
    procedure(memory), bind(c, name='amontons_peak_memory') :: c_peak_memory
    procedure(memory), bind(c, name='amontons_resident_memory') :: c_resident_memory
    procedure(memory), bind(c, name='amontons_available_memory') :: c_available_memory

@@ -52,6 +52,7 @@ module amontons_file_check
       character(:), allocatable :: stem !! directory and name of the case
       character(:), allocatable :: summary !! all bytes of its summary; not allocated if it cannot be read
       type(config_t) :: config !! the case as its effective deck has it
+      type(config_t) :: solved !! the same, but for a factorization over ranks: it is solved on any number of them
       type(fault_list_t) :: faults !! the disagreement
       logical :: is_certified = .false. !! whether it converged and its certificate passes, or it has no equilibrium
    contains

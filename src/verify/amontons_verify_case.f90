@@ -211,9 +211,7 @@ contains
          fault = 'it is not a table of '//to_text(size(list))//' numbers on three meshes or more'
          return
       end if
-      coarse = case%config
-      ! A body that was spread over ranks is solved again on one.
-      if (coarse%condensation%factorization == 'distributed') coarse%condensation%factorization = 'auto'
+      coarse = case%solved
       cache%is_refining = .true.
       allocate (values(size(list), n_levels))
       do level = 1, n_levels

@@ -8,7 +8,6 @@
 !> There the files are followed.
 module amontons_verify_history
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
    use amontons_document, only: read_status_runs
    use amontons_error, only: error_t, fault_list_t
    use amontons_file_check, only: agree, compare_collection, compare_line, csv_table_t, first_disagreement, &
@@ -57,16 +56,12 @@ contains
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the history needs another
       type(retrace_t) :: again
-      type(config_t) :: solved
       type(result_t) :: step
       type(error_t), allocatable :: error
       integer :: n_faults, n_iterations, stated
       real(dp), allocatable :: start(:)
 
-      ! A case that was spread over ranks is checked on any number of them.
-      solved = case%config
-      if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
-      call prepare_history(cache, solved, again%model, again%result%last, error)
+      call prepare_history(cache, case%solved, again%model, again%result%last, error)
       if (.not. allocated(error)) call start_history(again%result, cache, again%model, start, error)
       call take_no_equilibrium(again%result%last, error)
       if (allocated(error)) then

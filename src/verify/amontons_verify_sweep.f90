@@ -6,7 +6,6 @@
 !> is followed. The numbers of a case that did not converge are those of some iteration: only its lengths are verified.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_document, only: document_t, read_status_runs, status_runs
@@ -57,21 +56,14 @@ contains
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the sweep needs another
       type(retrace_t) :: again
       type(document_t) :: documents(n_documents), summary
-      type(config_t) :: solved
       type(error_t), allocatable :: error
       character(:), allocatable :: fault
       logical :: ok
 
-      ! A body that was spread over ranks is checked on any number of them.
-      solved = case%config
-      if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       associate (result => again%result, certified => again%result%certified, statistics => again%result%statistics)
-         call prepare_sweep(again%task, cache, solved, certified, error)
-         if (.not. allocated(error)) call condense_case(cache, solved, certified, error)
-         if (.not. allocated(error)) then
-            call condense_task(again%task, cache%body, cache%problem)
-            call again%task%solver%method%prepare(cache%problem, error)
-         end if
+         call prepare_sweep(again%task, cache, case%solved, certified, error)
+         if (.not. allocated(error)) call condense_case(cache, case%solved, certified, error)
+         if (.not. allocated(error)) call condense_task(again%task, cache%body, cache%problem, error)
          call take_no_equilibrium(certified, error)
          if (allocated(error)) then
             call case%fault('.deck.nml', error%message)

@@ -367,14 +367,16 @@ contains
          config%method, error)
    end subroutine prepare_sweep
 
-   !> Condenses the loads of a sweep, and computes the coefficients of its forces by name.
-   subroutine condense_task(task, body, problem)
+   !> Condenses the loads of a sweep, computes the coefficients of its forces by name, and prepares its method.
+   subroutine condense_task(task, body, problem, error)
       type(sweep_task_t), intent(inout) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
       real(dp), allocatable :: fields(:, :, :), loads(:, :, :)
 
       call task%solver%loads%condense(body, problem)
+      call task%solver%method%prepare(problem, error)
       allocate (task%named(0))
       if (.not. task%sweep%has_forces) return
       task%named = named_quantities(body)

@@ -21,8 +21,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive definite, or memory ran out
 
       n_sharing = 1
-      call condense_task(task, cache%body, cache%problem)
-      call task%solver%method%prepare(cache%problem, error)
+      call condense_task(task, cache%body, cache%problem, error)
       associate (unused => config)
       end associate
    end subroutine prepare_on_ranks

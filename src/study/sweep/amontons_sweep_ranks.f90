@@ -62,8 +62,7 @@ contains
       if (is_shared) is_shared = on_all_ranks(.true.)
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
       task%solver%shares_factor = is_shared .and. is_spread(cache)
-      call condense_task(task, cache%body, cache%problem)
-      call task%solver%method%prepare(cache%problem, error)
+      call condense_task(task, cache%body, cache%problem, error)
       if (is_shared) is_shared = is_same(task, cache, .not. allocated(error))
       n_sharing = merge(n_ranks, 1, is_shared)
    end subroutine prepare_on_ranks
@@ -83,8 +82,7 @@ contains
       if (.not. on_all_ranks(.not. allocated(error))) return
       call condense_case(taken%cache, taken%config, taken%result, error)
       if (.not. allocated(error)) taken%task%solver%shares_factor = is_spread(taken%cache)
-      if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem)
-      if (.not. allocated(error)) call taken%task%solver%method%prepare(taken%cache%problem, error)
+      if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem, error)
       if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine receive_sweep
 
