@@ -340,10 +340,8 @@ contains
          if (all(.not. constraints%is_free(size(prescribed, 1), rigid%node))) call new_error(error, input_refused, &
             'the rigid set lies on the axis of revolution and cannot turn')
       end if
-      if (allocated(error)) then
-         error%message = support%origin//error%message
-         return
-      end if
+      if (allocated(error)) error%message = support%origin//error%message
+      if (allocated(error)) return
       motion = merge(support%displacement(:3), 0.0_dp, support%is_held(:3))
       constraints%is_free(:, rigid%node) = .false.
       do k = 1, 3
@@ -596,10 +594,8 @@ contains
       do i = 1, size(supports)
          if (.not. any(supports(i)%spring > 0.0_dp)) cycle
          call mesh%set_sides(supports(i)%set, nodes, error)
-         if (allocated(error)) then
-            error%message = supports(i)%origin//error%message
-            return
-         end if
+         if (allocated(error)) error%message = supports(i)%origin//error%message
+         if (allocated(error)) return
          allocate (more(size(nodes, 2)))
          do k = 1, size(more)
             associate (side => more(k), moduli => supports(i)%spring)

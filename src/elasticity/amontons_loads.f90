@@ -98,10 +98,8 @@ contains
             ! A temperature strains the body and is no force; forces on motions come from `driven_forces`.
             cycle
          end select
-         if (allocated(error)) then
-            error%message = loads(i)%origin//error%message
-            return
-         end if
+         if (allocated(error)) error%message = loads(i)%origin//error%message
+         if (allocated(error)) return
          if (present(uncanceled)) uncanceled = uncanceled + norm2(forces - before)
       end do
    end subroutine load_vector
@@ -280,10 +278,8 @@ contains
          if (loads(i)%target /= load_by_temperature) cycle
          call mesh%region_elements(loads(i)%region, elements, error)
          if (.not. allocated(error)) call find_temperatures(at_nodes, mesh, loads(i), elements, error)
-         if (allocated(error)) then
-            error%message = loads(i)%origin//error%message
-            return
-         end if
+         if (allocated(error)) error%message = loads(i)%origin//error%message
+         if (allocated(error)) return
          do k = 1, size(elements)
             first = mesh%node_start(elements(k))
             last = mesh%node_start(elements(k) + 1) - 1

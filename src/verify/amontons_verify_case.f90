@@ -58,6 +58,7 @@ contains
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the case needs another
       type(result_t) :: result
       type(error_t), allocatable :: error
+      logical :: is_done
 
       ! That friction does not hold a body follows from a solution alone.
       if (case%value('', 'outcome') == '"'//word_no_equilibrium//'"') then
@@ -65,23 +66,25 @@ contains
       else
          call prepare_single_case(cache, case%config, result, error)
       end if
-      if (allocated(error)) then
-         call case%fault('.deck.nml', error%message)
-      else if (allocated(result%answer)) then
-         call verify_answer(case, cache%body, result)
-      else
-         call verify_result(case, cache%body, result)
-      end if
+      call verify_answer(case, cache, result, error, is_done)
+      if (.not. is_done) call verify_result(case, cache%body, result)
    end subroutine verify_case
 
-   !> Verifies the files of a case without a solution.
-   subroutine verify_answer(case, body, result)
+   !> Verifies the files of a case without a solution, and reports a deck that cannot be solved again.
+   subroutine verify_answer(case, cache, result, error, is_done)
       type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the load case, and why there is none
+      type(cache_t), intent(in) :: cache !! the body
+      type(result_t), intent(in) :: result !! the load case, and why there is no solution if there is none
+      type(error_t), allocatable, intent(in) :: error !! why the deck cannot be solved again, if it cannot
+      logical, intent(out) :: is_done !! whether it is one of them
 
-      call check_texts(case, body, result)
-      case%is_certified = result%outcome == outcome_no_equilibrium
+      is_done = allocated(error) .or. allocated(result%answer)
+      if (allocated(error)) then
+         call case%fault('.deck.nml', error%message)
+      else if (is_done) then
+         call check_texts(case, cache%body, result)
+         case%is_certified = result%outcome == outcome_no_equilibrium
+      end if
    end subroutine verify_answer
 
    !> Verifies the files of a load case, which may be a step of a history.

@@ -60,23 +60,18 @@ contains
       type(error_t), allocatable :: error
       integer :: n_faults, n_iterations, stated
       real(dp), allocatable :: start(:)
+      logical :: is_done
 
       call prepare_history(cache, case%solved, again%model, again%result%last, error)
       if (.not. allocated(error)) call start_history(again%result, cache, again%model, start, error)
       call take_no_equilibrium(again%result%last, error)
-      if (allocated(error)) then
-         call case%fault('.deck.nml', error%message)
-         return
-      end if
       associate (stepping => again%result%stepping, last => again%result%last)
-         if (len(case%value('', 'message')) > 0 .and. .not. allocated(last%answer)) then
+         if (len(case%value('', 'message')) > 0 .and. .not. (allocated(error) .or. allocated(last%answer))) then
             call stepping%advance(again%model, cache%body, cache%problem)
             call again%result%record_end()
          end if
-         if (allocated(last%answer)) then
-            call verify_answer(case, cache%body, last)
-            return
-         end if
+         call verify_answer(case, cache, last, error, is_done)
+         if (is_done) return
          n_faults = case%faults%n
          again%entries = ''
          call read_tables(case, again, cache)

@@ -58,21 +58,15 @@ contains
       type(document_t) :: documents(n_documents), summary
       type(error_t), allocatable :: error
       character(:), allocatable :: fault
-      logical :: ok
+      logical :: is_done, ok
 
       associate (result => again%result, certified => again%result%certified, statistics => again%result%statistics)
          call prepare_sweep(again%task, cache, case%solved, certified, error)
          if (.not. allocated(error)) call condense_case(cache, case%solved, certified, error)
          if (.not. allocated(error)) call condense_task(again%task, cache%body, cache%problem, error)
          call take_no_equilibrium(certified, error)
-         if (allocated(error)) then
-            call case%fault('.deck.nml', error%message)
-            return
-         end if
-         if (allocated(certified%answer)) then
-            call verify_answer(case, cache%body, certified)
-            return
-         end if
+         call verify_answer(case, cache, certified, error, is_done)
+         if (is_done) return
          certified%condition = case%number('', 'condition')
          call add_conditioning(certified, cache%body)
          call read_rows(case, again, cache%body, fault)

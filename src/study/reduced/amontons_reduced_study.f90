@@ -69,10 +69,8 @@ contains
 
       call new_timings(result%timings)
       call read_reduced_file(result%system, config%reduced%file, error)
-      if (allocated(error)) then
-         error%message = config%reduced%origin//error%message
-         return
-      end if
+      if (allocated(error)) error%message = config%reduced%origin//error%message
+      if (allocated(error)) return
       if (config%reduced%has_friction) result%system%friction = config%reduced%friction
       associate (system => result%system)
          if (system%asymmetry > rounding*system%largest) call result%warnings%add( &
