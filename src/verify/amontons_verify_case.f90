@@ -62,9 +62,9 @@ contains
 
       ! That friction does not hold a body follows from a solution alone.
       if (case%value('', 'outcome') == '"'//word_no_equilibrium//'"') then
-         call solve_case(cache, case%config, result, error)
+         call solve_case(cache, case%solved, result, error)
       else
-         call prepare_single_case(cache, case%config, result, error)
+         call prepare_single_case(cache, case%solved, result, error)
       end if
       call verify_answer(case, cache, result, error, is_done)
       if (.not. is_done) call verify_result(case, cache%body, result)
