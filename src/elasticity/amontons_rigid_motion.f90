@@ -9,7 +9,7 @@ module amontons_rigid_motion
    implicit none (type, external)
    private
 
-   public :: meets_supports, new_rigid_motions, rigid_motions_t
+   public :: displacement_of_nodes, meets_supports, new_rigid_motions, rigid_motions_t
 
    !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
    !> twisted body about the axis) and, where free jumps divide it into parts, of the translations of these parts
@@ -228,6 +228,27 @@ contains
 
       displacement = matmul(self%unit_motions(point, node), self%mode)
    end function rigid_motions_displacement
+
+   !> The displacements of all nodes under a combination of the free motions of all pieces (components, n_nodes) [L].
+   pure function displacement_of_nodes(motions, coordinates, amounts) result(displacement)
+      type(rigid_motions_t), intent(in) :: motions(:) !! the motions of each piece
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all) [L]
+      real(dp), allocatable :: displacement(:, :)
+      integer :: first, i, k
+
+      allocate (displacement(motions(1)%n_components, size(coordinates, 2)), source=0.0_dp)
+      first = 0
+      do k = 1, size(motions)
+         associate (node => motions(k)%node)
+            do i = 1, size(node)
+               displacement(:, node(i)) = matmul(motions(k)%displacement(coordinates(:, node(i)), node(i)), &
+                  amounts(first + 1:first + motions(k)%n_free))
+            end do
+            first = first + motions(k)%n_free
+         end associate
+      end do
+   end function displacement_of_nodes
 
    !> Text describing a combination of the free motions, with the position of the piece if the body has several.
    pure function rigid_motions_describe(self, amounts) result(text)

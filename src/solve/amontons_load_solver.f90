@@ -400,7 +400,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem, posed
       type(contact_solution_t), intent(in) :: solution !! displacements and forces
-      real(dp), intent(in) :: carried_force !! largest sum of normal forces before [F]
+      real(dp), intent(in) :: carried_force !! largest sum of the points' forces before [F]
       real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp), rounding_share = 1.0e-5_dp
       real(dp), dimension(problem%matrix%n) :: motion, strains
       type(contact_problem_t) :: counted

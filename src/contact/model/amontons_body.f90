@@ -26,7 +26,7 @@ module amontons_body
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
-   use amontons_rigid_motion, only: meets_supports, new_rigid_motions, rigid_motions_t
+   use amontons_rigid_motion, only: displacement_of_nodes, meets_supports, new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -622,40 +622,45 @@ contains
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
       if (body%is_motion_strained) return
       allocate (force(body%zone%n_rows))
-      do i = 1, size(body%rigid_modes, 2)
-         associate (motion => body%rigid_modes(:, i))
-            call problem%matrix%multiply_stiffness(motion, force)
-            if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, &
-               maxval(abs(force))/maxval(abs(motion)))
-         end associate
+      do i = 1, size(body%travel, 2)
+         call problem%matrix%multiply_stiffness(body%travel(:, i), force)
+         problem%rounding = max(problem%rounding, maxval(abs(force))/maxval(abs(body%travel(:, i))))
       end do
    end subroutine pose_body
 
    !> The displacements of the contact unknowns under the free motions that leave all contact points at rest (n_schur,
    !> any) [-].
    pure function contact_motions(body) result(motions)
-      type(body_t), intent(in) :: body !! the body; without pairs, whose slaves' unknowns are relative displacements
+      type(body_t), intent(in) :: body !! the body
       real(dp), allocatable :: motions(:, :)
-      real(dp), allocatable :: displacement(:, :)
-      integer :: axis, first, i, k, row
+      real(dp), allocatable :: moved(:, :), own(:, :)
+      logical :: is_at_rest(body%mesh%n_nodes)
+      type(mortar_pair_t), allocatable :: pairs(:)
+      integer :: axis, i, k, row
 
+      ! The unknown of a node may be the displacement of its point, or the jump of a tie.
+      is_at_rest = .false.
+      is_at_rest(body%zone%rows%node(body%zone%rows%start(body%zone%mean_point))) = .true.
+      pairs = [body%ties, body%zone%pairs]
+      do i = 1, size(pairs)
+         if (pairs(i)%is_set() .and. .not. allocated(pairs(i)%cells)) is_at_rest(pairs(i)%node) = .true.
+      end do
       allocate (motions(body%dof_map%n_schur - body%dof_map%n_lockable, size(body%common_motions, 2)), source=0.0_dp)
-      first = 1
-      do k = 1, size(body%motions)
-         associate (piece => body%motions(k), last => first + body%motions(k)%n_free - 1, rows => body%zone%rows)
-            do i = 1, size(piece%node)
-               ! The unknown of a node may be the displacement of its point, a mean over others, which is at rest.
-               if (any(rows%node(rows%start(body%zone%mean_point)) == piece%node(i))) cycle
-               displacement = matmul(transpose(body%constraints%frame(piece%node(i))), &
-                  piece%displacement(body%mesh%coordinates(:, piece%node(i)), piece%node(i)))
-               do axis = 1, size(displacement, 1)
-                  row = body%dof_map%dof(axis, piece%node(i)) - body%dof_map%n_dofs + body%dof_map%n_schur
-                  if (row > 0 .and. row <= size(motions, 1)) motions(row, :) = matmul(displacement(axis, :), &
-                     body%common_motions(first:last, :))
-               end do
+      do k = 1, size(motions, 2)
+         moved = displacement_of_nodes(body%motions, body%mesh%coordinates, body%common_motions(:, k))
+         own = merge(0.0_dp, moved, spread(is_at_rest, 1, size(moved, 1)))
+         ! Middle nodes count from the corners beside them, which go with the other body: pair by pair.
+         do i = 0, size(pairs)
+            own = merge(own, own + moved - body%dof_map%substitution%displacement(own), &
+               spread(is_at_rest, 1, size(moved, 1)))
+         end do
+         do i = 1, size(own, 2)
+            own(:, i) = matmul(transpose(body%constraints%frame(i)), own(:, i))
+            do axis = 1, size(own, 1)
+               row = body%dof_map%dof(axis, i) - body%dof_map%n_dofs + body%dof_map%n_schur
+               if (row > 0 .and. row <= size(motions, 1)) motions(row, k) = own(axis, i)
             end do
-         end associate
-         first = first + body%motions(k)%n_free
+         end do
       end do
    end function contact_motions
 
@@ -709,18 +714,19 @@ contains
          end associate
       end do
       if (size(body%common_motions, 2) == 0) return
+      ! The contact points may be at rest while nodes of their sets move: cells have means.
+      associate (at_nodes => contact_motions(body))
+         call find_travel(travel, amounts, at_nodes)
+         if (size(amounts, 2) == 0) return
+         if (maxval(abs(matmul(at_nodes, amounts(:, 1)))) > rounding) return
+      end associate
       if (any(body%zone%pairs%is_set())) then
          call new_error(error, no_equilibrium, 'nothing holds the bodies together against a common motion: '// &
-            largest_motion(body%motions, body%common_motions(:, 1))//'; contact between them cannot; add a support')
+            largest_motion(body%motions, matmul(body%common_motions, amounts(:, 1)))// &
+            '; contact between them cannot; add a support')
       else
-         ! The contact points may be at rest while nodes of their sets move: cells have means.
-         associate (at_nodes => contact_motions(body))
-            call find_travel(travel, amounts, at_nodes)
-            if (size(amounts, 2) == 0) return
-            if (maxval(abs(matmul(at_nodes, amounts(:, 1)))) <= rounding) call new_error(error, no_equilibrium, &
-               largest_motion(body%motions, matmul(body%common_motions, amounts(:, 1)))// &
-               ': nothing holds it; add a support or a contact set')
-         end associate
+         call new_error(error, no_equilibrium, largest_motion(body%motions, matmul(body%common_motions, &
+            amounts(:, 1)))//': nothing holds it; add a support or a contact set')
       end if
    end subroutine check_held
 

@@ -185,7 +185,9 @@ contains
             max(rounding_share*force_size, least_scale)*norm2(displacement))
          certificate%energy = energy_violation(body, internal, load_case%force + contact, reaction, displacement, &
             sums%internal_work - sums%external_work - sums%support_work, work)
-         certificate%duality_gap = relative(certificate%duality_gap, work)
+         ! A slip that the given bounds prevent has the rounding errors of displacements.
+         certificate%duality_gap = relative(certificate%duality_gap, max(work, rounding_share &
+            *sum(load_case%slip_bound)*maxval(abs(displacement))))
       end associate
    end subroutine new_certificate
 

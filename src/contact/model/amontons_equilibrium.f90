@@ -28,7 +28,7 @@ module amontons_equilibrium
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t, recover_displacement
-   use amontons_rigid_motion, only: rigid_motions_t
+   use amontons_rigid_motion, only: displacement_of_nodes, rigid_motions_t
    implicit none (type, external)
    private
 
@@ -313,8 +313,7 @@ contains
 
    !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
    !> was: points that were pressed keep touching, and those with a given slip bound move along with the obstacle. It
-   !> causes no forces. There is none where a load acts, where overlaps press, where a given slip bound resists the way,
-   !> and where motions strain ties.
+   !> causes no forces. There is none where a load acts, where overlaps press, and where motions strain ties.
    subroutine find_idle_motion(motion, body, problem, before, force)
       real(dp), allocatable, intent(out) :: motion(:)
          !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]
@@ -324,28 +323,35 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces before (n_rows) [F]
       ! Gaps that count as wide, over the largest overlap: no least motion reaches them. And what rounding leaves.
       real(dp), parameter :: wide = 1.0e4_dp, impossible = 1.0e-10_dp, few = 1.0e-10_dp
-      real(dp) :: columns(size(body%travel, 2) + 1, problem%n_points), remainder(size(body%travel, 2) + 1)
-      real(dp) :: place(size(body%travel, 2)), none, unit
-      logical :: is_idle
-      logical, dimension(body%zone%n_rows) :: is_kept, is_held
+      real(dp) :: place(size(body%travel, 2)), remainder(size(place) + 1), none, unit
+      real(dp), allocatable :: columns(:, :), lacking(:), slip(:)
+      logical :: is_idle, is_pressed(body%zone%n_rows), is_stuck(body%zone%n_rows - problem%n_points)
       integer :: i
 
       if (.not. all(abs(problem%load) <= 0.0_dp)) return
       place = matmul(before, body%travel)
-      is_held = [spread(.false., 1, problem%n_points), (problem%slip_bound > 0.0_dp, i=1, body%zone%n_tangents)]
-      is_kept = is_held .or. [(force(:problem%n_points) > 0.0_dp, i=0, body%zone%n_tangents)]
-      place = place + least_squares_amounts(merge(body%travel, 0.0_dp, spread(is_kept, 2, size(place))), &
-         merge(merge([problem%gap, problem%anchor], before, is_held) - matmul(body%travel, place), 0.0_dp, is_kept))
+      is_pressed = [(force(:problem%n_points) > 0.0_dp, i=0, body%zone%n_tangents)]
+      place = place + least_squares_amounts(merge(body%travel, 0.0_dp, spread(is_pressed, 2, size(place))), &
+         merge(before - matmul(body%travel, place), 0.0_dp, is_pressed))
       ! A body is where it is drawn but for the rounding errors of coordinates.
       if (all(abs(matmul(body%travel, place)) <= rounding*maxval(abs(body%zone%position)))) place = 0.0_dp
       associate (m => problem%n_points, n => size(body%travel, 2))
+         ! A given slip bound holds its point along the tangents, either way.
          motion = matmul(body%travel, place)
-         unit = maxval(motion(:m) - problem%gap)
+         lacking = motion - [problem%gap, problem%anchor]
+         is_stuck = [(problem%slip_bound > 0.0_dp, i=1, body%zone%n_tangents)]
+         lacking = [lacking(:m), pack(lacking(m + 1:), is_stuck), -pack(lacking(m + 1:), is_stuck)]
+         unit = maxval(lacking)
          if (unit > 0.0_dp) then
             ! The least distance under inequalities, G x >= h, from least squares (Lawson and Hanson, chapter 23).
-            columns(:n, :) = -transpose(body%travel(:m, :))
-            columns(n + 1, :) = max((motion(:m) - problem%gap)/unit, -wide)
-            remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, m), [spread(0.0_dp, 1, n), 1.0_dp])
+            allocate (columns(n + 1, size(lacking)))
+            do i = 1, n
+               slip = pack(body%travel(m + 1:, i), is_stuck)
+               columns(i, :) = -[body%travel(:m, i), slip, -slip]
+            end do
+            columns(n + 1, :) = max(lacking/unit, -wide)
+            remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, size(lacking)), [spread(0.0_dp, 1, n), &
+               1.0_dp])
             if (remainder(n + 1) > impossible) motion = matmul(body%travel, place &
                - unit/remainder(n + 1)*remainder(:n))
          end if
@@ -408,24 +414,11 @@ contains
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp) :: amounts(size(body%rigid_modes, 2))
-      real(dp), allocatable :: unit_amounts(:)
-      integer :: first, i, j
 
       amounts = 0.0_dp
       if (.not. body%is_motion_strained) amounts = least_squares_amounts(body%rigid_modes, solution)
       call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts))
-      first = 0
-      do j = 1, size(body%motions)
-         associate (motions => body%motions(j))
-            if (motions%n_free == 0) cycle
-            unit_amounts = matmul(motions%mode, amounts(first + 1:first + motions%n_free))
-            do i = 1, size(motions%node)
-               displacement(:, motions%node(i)) = displacement(:, motions%node(i)) + matmul(motions%unit_motions( &
-                  body%mesh%coordinates(:, motions%node(i)), motions%node(i)), unit_amounts)
-            end do
-            first = first + motions%n_free
-         end associate
-      end do
+      displacement = displacement + displacement_of_nodes(body%motions, body%mesh%coordinates, amounts)
       call refine_displacement(displacement, body, load_case, force)
    end subroutine recover_with_travel
 

@@ -58,7 +58,7 @@ module amontons_load_family
       real(dp), allocatable :: obstacle_motion(:)
          !! way of the obstacle along the tangent since rest; 0 but in a load history (n_rows - m) [L]
       real(dp) :: carried_force = 0.0_dp
-         !! largest sum of the normal forces in the load history so far; 0 without one [F]
+         !! largest sum of the points' normal and tangential forces in the load history so far; 0 without one [F]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! depth in the obstacle of a point out of reach, 0 for the others (m) [L]

@@ -106,7 +106,7 @@ module amontons_history_model
       real(dp), allocatable :: named(:) !! forces by name, in the order of `named_quantities` [F]
       real(dp), allocatable :: lock(:) !! where each motion that can be locked was locked; huge before that [L]
       real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
-      real(dp) :: carried_force = 0.0_dp !! largest sum of the normal forces in all steps [F]
+      real(dp) :: carried_force = 0.0_dp !! largest sum of the contact forces of points in all steps [F]
       real(dp) :: carried_energy = 0.0_dp !! largest strain energy in all steps [F L]
       real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
       real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
@@ -484,7 +484,8 @@ contains
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
       after%accumulated_slip = before%accumulated_slip + tangential_norm(after%slip, m)
       call complete(after, model, problem)
-      after%carried_force = max(before%carried_force, sum(after%solution%force(:m)))
+      after%carried_force = max(before%carried_force, sum(after%solution%force(:m)) &
+         + sum(tangential_norm(after%solution%force(m + 1:), m)))
       after%carried_energy = max(before%carried_energy, after%strain_energy)
       call add_works(after, model, problem, before)
    end subroutine take_step
@@ -620,6 +621,8 @@ contains
       real(dp), parameter :: rounding_share = 1.0e-5_dp
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
+      ! Of the violation of the identities: the energy of a rigid motion, which S has by rounding, is none.
+      real(dp), parameter :: limit = 1.0e-9_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing, way
       real(dp) :: slip(size(after%slip))
       real(dp), dimension(problem%matrix%n) :: mean_force, v_change, whole_change, moved, stiffness
@@ -675,7 +678,7 @@ contains
       end_work = model%energies%load_work(after%instant%factor, change, v_change) + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
          abs(load_work), abs(support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
-         rounding_share*model%energies%stiffness*max(sum(after%solution%displacement**2), &
+         max(rounding_share*model%energies%stiffness, problem%rounding/limit)*max(sum(after%solution%displacement**2), &
          sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force)*max( &
          norm2(after%solution%force)/model%energies%stiffness, sqrt(max(0.0_dp, after%strain_energy) &
          /model%energies%stiffness)))

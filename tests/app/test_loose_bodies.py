@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Loose bodies that points hold which see little of their motions: cells, two mortar points, given slip bounds."""
+import unittest
+
+from verification import Verification
+
+# A block on a block on a floor. A single cell does not notice that a body turns about its middle.
+STACK = """&mesh name = 'low'  size = 4.0, 1.0  cells = 6, 2  element = '{element}' /
+&mesh name = 'high'  size = 3.0, 1.0  cells = 4, 2  origin = 0.5, 1.0  element = '{element}' /
+&material young = 100.0  poisson = 0.3 /
+&load name = 'press'  set = 'high.top'  {load} /
+&contact set = 'low.bottom'  friction = 0.3  multipliers = 'constant'  cells = 1 /
+&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3  multipliers = {multipliers} /
+"""
+STEP = "&history times = 0.0, 1.0 /\n&steps load = 'press'  factor = 0.0, 1.0 /\n"
+ROW = "&sweep load = 'press'  factor = 0.0, 1.0 /\n"
+
+# A body on two mortar points above cells: it has no stiffness along their normals.
+ON_TWO_POINTS = """&mesh name = 'low'  size = 1.0, 0.5  cells = 5, 2  element = 'tri6' /
+&mesh name = 'mid'  size = 0.7, 0.8  cells = 4, 3  element = 'tri6'  origin = 0.15, 0.5 /
+&mesh name = 'high'  size = 0.76, 1.3  cells = 1, 2  element = 'tri6'  origin = 0.12, 1.3 /
+&material young = 2.0e4  poisson = 0.25 /
+&load set = 'high.top'  pressure = 3.0 /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&contact set = 'mid.bottom'  against = 'low.top'  friction = 0.3  multipliers = 'constant'  slip_bound = 0.1 /
+&contact set = 'high.bottom'  against = 'mid.top'  friction = 0.3 /
+"""
+
+# Three blocks that overlap by wedges below a ceiling, without loads. Given slip bounds hold the highest one.
+WEDGES = """&mesh name = 'low'  size = 3.0, 0.6  cells = 6, 2 /
+&mesh name = 'mid'  size = 2.5, 1.0  cells = 4, 2  origin = 0.2, 0.6 /
+&mesh name = 'high'  size = 2.0, 1.0  cells = 5, 2  origin = 0.5, 1.6 /
+&material young = 1000.0  poisson = 0.3 /
+&contact set = 'low.bottom'  gap_slope = -7e-4, 0.0  extra_gap = -1e-3 /
+&contact set = 'mid.bottom'  against = 'low.top'  friction = 0.3  gap_slope = -7e-4, 0.0  extra_gap = -3e-4 /
+&contact set = 'high.bottom'  against = 'mid.top'  slip_bound = 80.0  gap_slope = -7e-4, 0.0  extra_gap = -3e-4 /
+&contact set = 'high.top'  slip_bound = 10.0  point = 0.0, 2.7  normal = 0.0, -1.0 /
+"""
+
+# A block that a given slip bound holds, nearly unloaded at the end.
+STUCK = """&mesh name = 'low'  size = 3.0, 0.6  cells = 6, 2 /
+&mesh name = 'high'  size = 2.5, 1.0  cells = 4, 2  origin = 0.2, 0.6 /
+&material young = 1000.0  poisson = 0.3 /
+&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /
+&load name = 'press'  set = 'high.top'  pressure = 1e-3 /
+&contact set = 'high.bottom'  against = 'low.top'  slip_bound = 4.0 /
+&history times = 0.0, 1.0, 2.0, 3.0 /
+&steps load = 'press'  factor = 0.0, 0.4, 1.0, 1e-6 /
+"""
+
+
+class LooseBodies(Verification):
+    """Bodies whose equilibrium is plain, however little their contact points see of them."""
+
+    def forces_of(self, deck):
+        """Solves and verifies a deck; the normal forces of its points."""
+        self.solve_into_results(deck)
+        self.verify()
+        return list(self.result("case_0", "results")["normal_force"])
+
+    def test_motion_that_no_cell_of_a_stack_notices(self):
+        for element in ("quad4", "quad8", "tri6"):
+            for multipliers in ("'constant'  cells = 1", "'mortar'"):
+                deck = STACK.format(element=element, multipliers=multipliers, load="pressure = 1.0")
+                for study in ("", STEP):
+                    with self.subTest(element=element, multipliers=multipliers, study=study):
+                        forces = self.forces_of(deck + study)
+                        self.assertAlmostEqual(forces[0], 3.0, delta=1e-9)
+                        self.assertAlmostEqual(sum(forces[1:]), 3.0, delta=1e-9)
+                        self.solve_into_results(deck + ROW)
+                        self.verify()
+
+    def test_motion_that_no_cell_of_a_stack_notices_and_loads_drive(self):
+        # Their moment about the middle of the cell is not 0.
+        for study in ("", STEP, ROW.replace("0.0, ", "")):
+            with self.subTest(study=study):
+                deck = STACK.format(element="quad4", multipliers="'mortar'", load="pressure = 1.0")
+                run = self.run_program(self.write("case.nml", deck.replace("0.5, 1.0", "0.6, 1.0") + study), status=2)
+                self.assertRegex(run.stderr, "no equilibrium.*rotate|no case has an equilibrium")
+
+    def test_body_on_two_mortar_points_above_cells(self):
+        # The verdict hung on the sign of a pivot, and forces on rounding.
+        forces = self.forces_of(ON_TWO_POINTS)
+        self.assertAlmostEqual(sum(forces[:-2]), 3.0*0.76, delta=1e-9)
+        self.assertAlmostEqual(forces[-1], forces[-2], delta=1e-9)
+
+    def test_body_that_a_given_slip_bound_holds_leaves_an_overlap_without_slip(self):
+        for study in ("", "&load name = 'press'  set = 'low.left'  pressure = 0.0 /\n" + STEP):
+            with self.subTest(study=study):
+                self.assertEqual(set(self.forces_of(WEDGES + study)), {0.0})
+
+    def test_forces_before_count_along_tangents_too(self):
+        # What the load before leaves of the slip and of the force by rounding, times the bound.
+        self.solve_into_results(STUCK)
+        self.verify()
+
+
+if __name__ == "__main__":
+    unittest.main()
