@@ -311,6 +311,13 @@ class ForgedStudies(Verification):
         self.assert_every_number_is_checked("case_0.summary.json", '"load_history": .*', n_least=20)
         self.assert_every_number_is_checked("case_0.lst", r"(?s)\nLoad history.*\nLast step", n_least=40)
 
+    def test_states_of_a_history(self):
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, "load name = 'push'  set = 'right'  traction = -1.5, 0.3",
+                                      "history times = 0.0, 1.0, 2.0", "steps load = 'push'  factor = 0.0, 1.0, -1.0",
+                                      "output states_every = 1", mesh="size = 4.0, 2.0  cells = 4, 2"))
+        self.assertEqual(self.verify(), "case_0: verified\n")
+        self.assert_every_number_is_checked("case_0.states.csv", "(?s)\n.*", n_least=180)
+
     def test_refined_meshes(self):
         self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH, "accuracy refinements = 2",
                                       mesh="size = 4.0, 2.0  cells = 4, 2"))
