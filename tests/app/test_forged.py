@@ -312,7 +312,8 @@ class ForgedStudies(Verification):
         self.assert_every_number_is_checked("case_0.lst", r"(?s)\nLoad history.*\nLast step", n_least=40)
 
     def test_states_of_a_history(self):
-        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, "load name = 'push'  set = 'right'  traction = -1.5, 0.3",
+        push = "load name = 'push'  set = 'right'  traction = -1.5, 0.3"
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, push,
                                       "history times = 0.0, 1.0, 2.0", "steps load = 'push'  factor = 0.0, 1.0, -1.0",
                                       "output states_every = 1", mesh="size = 4.0, 2.0  cells = 4, 2"))
         self.assertEqual(self.verify(), "case_0: verified\n")
