@@ -322,7 +322,7 @@ contains
       real(dp), intent(in) :: before(:) !! displacements of the points before (n_rows) [L]
       real(dp), intent(in) :: force(:) !! contact forces before (n_rows) [F]
       ! Gaps that count as wide, over the largest overlap: no least motion reaches them. And what rounding leaves.
-      real(dp), parameter :: wide = 1.0e4_dp, impossible = 1.0e-10_dp, few = 1.0e-10_dp
+      real(dp), parameter :: wide = 1.0e4_dp, impossible = 1.0e-10_dp, few = 1.0e-10_dp, same = 1.0e-9_dp
       real(dp) :: place(size(body%travel, 2)), remainder(size(place) + 1), none, unit
       real(dp), allocatable :: columns(:, :), lacking(:), slip(:)
       logical :: is_idle, is_pressed(body%zone%n_rows), is_stuck(body%zone%n_rows - problem%n_points)
@@ -349,6 +349,8 @@ contains
                slip = pack(body%travel(m + 1:, i), is_stuck)
                columns(i, :) = -[body%travel(:m, i), slip, -slip]
             end do
+            ! A point that a motion moves across its normal would hold the body by what rounding leaves of its way.
+            where (abs(columns(:n, :)) <= same) columns(:n, :) = 0.0_dp
             columns(n + 1, :) = max(lacking/unit, -wide)
             remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, size(lacking)), [spread(0.0_dp, 1, n), &
                1.0_dp])
