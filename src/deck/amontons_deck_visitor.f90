@@ -179,7 +179,7 @@ contains
          numbers = values
       end if
       call self%reals(key, numbers, is_given)
-      if (size(numbers) > 0) call move_alloc(numbers, values)
+      if (self%has(key%name)) call move_alloc(numbers, values)
    end subroutine visitor_list
 
    !> Visits a key that has one word of a list.
