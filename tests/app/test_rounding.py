@@ -552,6 +552,22 @@ class Rounding(Verification):
                           ["resultants"]["normal_force"])
         self.assertLess(max(forces)/min(forces) - 1.0, 1e-8, forces)
 
+    def test_a_node_opposite_to_the_end_of_a_master_is_beside_a_segment(self):
+        # The end is opposite to the middle node of a side: by its last digit the node was beyond it, and penetrated.
+        for unit, x in ((1.0, 0.0), (0.3, 3.1), (0.3, 1.7), (0.7, 3.1)):
+            with self.subTest(unit=unit, x=x):
+                self.summary_of(f"""&mesh name = 'a'  size = {3*unit!r}, {unit!r}  cells = 3, 2
+   origin = {(x + 0.5)*unit!r}, 0.0  element = 'quad8' /
+&mesh name = 'b'  size = {2*unit!r}, {2*unit!r}  cells = 2, 4  origin = {x*unit!r}, {1.01*unit!r}  element = 'tri6' /
+&material region = 'a'  young = 100.0  poisson = 0.0 /
+&material region = 'b'  young = 100000.0  poisson = 0.25 /
+&contact set = 'a.bottom'  friction = 0.5 /
+&support set = 'b.left'  ux = 0.0 /
+&contact set = 'b.bottom'  against = 'a.top'  friction = 0.5 /
+&load set = 'b.top'  pressure = 2.0 /
+&load set = 'b.left'  traction = -0.5, 0.0 /
+""")
+
     def test_nodes_that_miss_the_axis_by_the_last_digit_lie_on_it(self):
         # The normal of a cone's tip lies along the axis.
         for slope in (0.3, -0.3):

@@ -334,7 +334,8 @@ contains
       do i = 1, size(pair%segments)
          associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
             do k = 1, 3
-               if (nodes(k) > 0 .and. range(1) <= xi(k) .and. range(2) >= xi(k)) is_beside_segment(nodes(k)) = .true.
+               if (nodes(k) > 0 .and. range(1) <= xi(k) + rounding .and. range(2) >= xi(k) - rounding) &
+                  is_beside_segment(nodes(k)) = .true.
             end do
          end associate
       end do
