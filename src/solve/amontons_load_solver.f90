@@ -21,6 +21,7 @@ module amontons_load_solver
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_equilibrium, only: can_be_wedged, check_balance, find_idle_motion, find_resting_motion, &
       fit_rigid_motion, fit_travel, imbalance_of_points, least_squares_amounts, on_round_line, round_normals
@@ -456,13 +457,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), allocatable :: amounts(:)
       character(:), allocatable :: motion
-      logical :: is_round_line
 
       call find_spin(amounts, body, is_in_reach, problem, solution, is_near, size_of_body)
       if (.not. allocated(amounts)) return
       motion = largest_motion(body%motions, amounts)
-      is_round_line = any(abs(round_normals(body%zone) - body%zone%normal) > same)
-      if (solution%is_converged .and. is_round_line) then
+      if (solution%is_converged .and. is_round(body%zone)) then
          call new_error(error, no_equilibrium, 'no equilibrium but for the irregularities of the mesh: on the '// &
             'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
             '; add a support or friction')
@@ -510,7 +509,7 @@ contains
                   if (is_unbalanced(problem, solution%force, rounding, amounts, on_round, modes)) return
                end do
                deallocate (amounts)
-               is_driven = is_exhausted(problem, solution%force, spins, on_round, modes)
+               is_driven = is_round(body%zone) .and. is_exhausted(problem, solution%force, spins, on_round, modes)
             end if
             if (is_driven) call find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
          end if
@@ -520,6 +519,13 @@ contains
          call find_driven_spin(amounts, problem, is_in_reach, rounding, spins, on_round, modes)
       end associate
    end subroutine find_spin
+
+   !> Whether points lie on a round line: facets and circles have different normals.
+   pure logical function is_round(zone)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+
+      is_round = any(abs(round_normals(zone) - zone%normal) > same)
+   end function is_round
 
    !> Whether the loads drive a motion by more than friction can take at given normal forces.
    pure logical function is_unbalanced(problem, force, rounding, amounts, on_round, modes)
@@ -560,8 +566,7 @@ contains
       motion = matmul(on_round, matmul(matmul(matmul(problem%load, modes), spins), transpose(spins)))
       associate (m => problem%n_points)
          capacity = sum(problem%bound(force(:m))*tangential_norm(motion(m + 1:), m))
-         is_exhausted = any(abs(on_round - modes) > same) .and. capacity > 0.0_dp .and. &
-            dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
+         is_exhausted = capacity > 0.0_dp .and. dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
       end associate
    end function is_exhausted
 

@@ -71,6 +71,22 @@ class NoEquilibrium(ProgramTest):
                     f"load set = 'left'  traction = {2.0*friction*(1.0 + excess)!r}, 0.0"))
                 self.run_program("--quiet", "--output", "results", "limit.nml", status=status)
 
+    def test_a_line_is_not_round_because_the_bodies_do_not_touch_at_rest(self):
+        # A block on a soft and a stiff one, over a gap; a point of the soft one still sticks, just below its bound.
+        deck = ("&mesh name = 'a'  size = 0.5, 1.0  cells = 5, 4 /\n"
+                "&mesh name = 'b'  size = 0.6, 1.0  cells = 4, 4  origin = 0.5, -0.0005 /\n"
+                "&mesh name = 'high'  size = 1.1, 0.4  cells = 9, 3  origin = 0.0, 1.0 /\n"
+                "&material young = 100.0  poisson = 0.3  region = 'a' /\n"
+                "&material young = 2500.0  poisson = 0.3 /\n"
+                "&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
+                "&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /\n"
+                "&load set = 'high.top'  traction = {}, -1.0 /\n"
+                "&contact set = 'a.top'  against = 'high.bottom'  friction = 0.6 /\n"
+                "&contact set = 'b.top'  against = 'high.bottom'  friction = 0.3 /\n")
+        for push, status in (0.32, 0), (0.36, 2):
+            self.write("stack.nml", deck.format(push))
+            self.run_program("--quiet", "--output", "results", "stack.nml", status=status)
+
     def test_body_rolled_over_its_corner(self):
         # 4 upwards at x = 4 and 4 downwards at x = 2 turn the block about its left side, free along x.
         # In the middle of the block, at x = 2, a rotation by 1/sqrt(5) is a displacement of 2/sqrt(5) = 0.8944.
