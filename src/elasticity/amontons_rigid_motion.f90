@@ -9,7 +9,7 @@ module amontons_rigid_motion
    implicit none (type, external)
    private
 
-   public :: displacement_of_nodes, meets_supports, new_rigid_motions, rigid_motions_t
+   public :: displacement_of_nodes, new_rigid_motions, rigid_motions_t
 
    !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
    !> twisted body about the axis) and, where free jumps divide it into parts, of the translations of these parts
@@ -126,30 +126,6 @@ contains
          motions(p)%mode = gram(:, :motions(p)%n_free)
       end do
    end subroutine new_rigid_motions
-
-   !> Whether supports resist a free motion a little: of those along a curve the body is free if it is nearly a circle.
-   pure logical function meets_supports(motions, constraints, coordinates)
-      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
-      ! Rounding errors of motions and coordinates are smaller.
-      real(dp), parameter :: negligible = 1.0e-10_dp
-      integer :: i, p
-
-      meets_supports = .false.
-      do p = 1, size(motions)
-         do i = 1, size(motions(p)%node)
-            associate (node => motions(p)%node(i))
-               if (all(constraints%is_free(:, node)) .or. constraints%rigid_of(node) > 0) cycle
-               associate (along => matmul(transpose(constraints%frame(node)), &
-                  motions(p)%displacement(coordinates(:, node), node)))
-                  meets_supports = meets_supports .or. any(abs(along) > negligible .and. &
-                     spread(.not. constraints%is_free(:, node), 2, motions(p)%n_free))
-               end associate
-            end associate
-         end do
-      end do
-   end function meets_supports
 
    !> Finds the parts into which free jumps divide a piece, and how each part moves under the jumps. Jumps that cannot
    !> move, because their two sides are also joined in another way or belong to other pieces, are held in the Gram

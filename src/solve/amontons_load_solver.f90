@@ -137,6 +137,8 @@ contains
          call self%solve_from_motion(motion, quick, body, acting, problem, solution, ignored)
       end if
       is_sure = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
+      ! Ties that lie apart hold a body that tips, by what a rotation strains them.
+      if (is_sure) is_sure = .not. body%is_motion_strained
       if (is_sure) is_sure = .not. may_move(body, problem, solution%force)
       if (.not. is_sure) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.

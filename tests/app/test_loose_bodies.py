@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Loose bodies that points hold which see little of their motions: cells, two mortar points, given slip bounds."""
+import csv
 import unittest
 
 from verification import Verification
@@ -48,6 +49,16 @@ STUCK = """&mesh name = 'low'  size = 3.0, 0.6  cells = 6, 2 /
 &steps load = 'press'  factor = 0.0, 0.4, 1.0, 1e-6 /
 """
 
+# Two blocks tied across a gap: what a rotation strains holds them.
+ACROSS = """&mesh name = 'low'  size = 3.0, 0.6  cells = 6, 2 /
+&mesh name = 'high'  size = 2.5, 1.0  cells = 4, 2  origin = 0.2, 0.7 /
+&material young = 1000.0  poisson = 0.3 /
+&tie set = 'high.bottom'  to = 'low.top' /
+&load name = 'weight'  set = 'high.top'  pressure = {} /
+&load name = 'press'  set = 'high.top'  traction = {}, 0.0 /
+&contact set = 'low.bottom'  friction = 0.5  {} /
+"""
+
 
 class LooseBodies(Verification):
     """Bodies whose equilibrium is plain, however little their contact points see of them."""
@@ -88,6 +99,26 @@ class LooseBodies(Verification):
         for study in ("", "&load name = 'press'  set = 'low.left'  pressure = 0.0 /\n" + STEP):
             with self.subTest(study=study):
                 self.assertEqual(set(self.forces_of(WEDGES + study)), {0.0})
+
+    def test_bodies_tied_across_a_gap_leave_a_tilted_overlap_without_forces(self):
+        for study in ("", STEP):
+            with self.subTest(study=study):
+                forces = self.forces_of(ACROSS.format(0.0, 0.0, "gap_slope = -7e-4, 0.0") + study)
+                self.assertEqual(set(forces), {0.0})
+
+    def test_bodies_tied_across_a_gap_tip_in_steps_where_they_do_in_cases(self):
+        # About the right corner of the floor.
+        tips = 0.1*(3.0 - 1.45)/(0.1*1.7)
+        deck = ACROSS.format(0.1, 0.1, "slip_bound = 9.0")
+        self.run_program("--quiet", self.write("case.nml", deck + STEP), status=2)
+        with open(self.directory / "case.history.csv", newline="", encoding="utf-8") as table:
+            last = float(list(csv.DictReader(table))[-1]["factor_press"])
+        self.assertAlmostEqual(last, tips, delta=1.0/512.0)
+        for factor, status in ((0.999*tips, 0), (1.001*tips, 2)):
+            for study in ("", f"&sweep load = 'press'  factor = {factor} /\n"):
+                with self.subTest(factor=factor, study=study):
+                    load = 0.1 if study else 0.1*factor
+                    self.solve_into_results(ACROSS.format(0.1, load, "slip_bound = 9.0") + study, status=status)
 
     def test_forces_before_count_along_tangents_too(self):
         # What the load before leaves of the slip and of the force by rounding, times the bound.

@@ -26,7 +26,7 @@ module amontons_body
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
-   use amontons_rigid_motion, only: displacement_of_nodes, meets_supports, new_rigid_motions, rigid_motions_t
+   use amontons_rigid_motion, only: displacement_of_nodes, new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -85,7 +85,7 @@ module amontons_body
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (n_rows, motions) [-]
       real(dp), allocatable :: travel(:, :)
-         !! orthonormal displacements of the contact points, of which these are combinations (n_rows, any) [-]
+         !! orthonormal displacements of the contact points under those of them that strain nothing (n_rows, any) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_motion_strained = .false. !! whether a free motion strains bonded pieces or meets supports a little
@@ -211,29 +211,32 @@ contains
       call name_forces(body%named, supports, contacts, all_ties, error)
    end subroutine new_body
 
-   !> Whether ties resist a free rotation of the joined bodies: across a gap, and between the polygons of a curve, the
-   !> displacement of a slave is the mean over another position of the master.
-   pure logical function strains_ties(body)
-      type(body_t), intent(in) :: body !! the body
-      ! Rounding errors of the coordinates of matching surfaces are smaller.
+   !> Which free motions strain something: those that rotate pieces whose ties lie apart, or meet supports a little
+   !> (motions). The jump of a free preload strains nothing.
+   function strained_motions(body) result(is_strained)
+      type(body_t), intent(in) :: body !! the body, with its free motions
+      logical :: is_strained(sum(body%motions%n_free))
+      ! Of motions by about 1: rounding errors of coordinates, of matching surfaces too, are smaller.
       real(dp), parameter :: negligible = 1.0e-10_dp
-      real(dp), allocatable :: rotation(:, :)
-      integer :: i, p
+      type(rigid_motions_t) :: without_jumps(size(body%motions))
+      real(dp) :: only(size(is_strained))
+      real(dp), allocatable :: moved(:, :)
+      integer :: i, k
 
-      strains_ties = .false.
-      if (size(body%ties) == 0 .or. body%is_axisymmetric) return
-      allocate (rotation, mold=body%mesh%coordinates)
-      rotation = 0.0_dp
-      do p = 1, size(body%motions)
-         associate (node => body%motions(p)%node)
-            if (body%motions(p)%n_free == 0) cycle
-            do i = 1, size(node)
-               rotation(:, node(i)) = turned(body%mesh%coordinates(:, node(i)) - body%motions(p)%center)
-            end do
-         end associate
+      without_jumps = body%motions
+      do k = 1, size(without_jumps)
+         without_jumps(k)%mode(4:, :) = 0.0_dp
       end do
-      strains_ties = any(abs(body%tie_rows%displacement(rotation)) > negligible*maxval(abs(rotation)))
-   end function strains_ties
+      do k = 1, size(is_strained)
+         only = [(merge(1.0_dp, 0.0_dp, i == k), i=1, size(only))]
+         moved = displacement_of_nodes(body%motions, body%mesh%coordinates, only)
+         is_strained(k) = any([(any(abs(matmul(moved(:, i), body%constraints%frame(i))) > negligible .and. &
+            .not. body%constraints%is_free(:, i)) .and. body%constraints%rigid_of(i) == 0, i=1, size(moved, 2))])
+         if (size(body%ties) == 0 .or. body%is_axisymmetric) cycle
+         moved = displacement_of_nodes(without_jumps, body%mesh%coordinates, only)
+         is_strained(k) = is_strained(k) .or. any(abs(body%tie_rows%displacement(moved)) > negligible)
+      end do
+   end function strained_motions
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties, error)
@@ -518,16 +521,20 @@ contains
       call pose_body(body, problem, error)
    end subroutine lock_motions
 
-   !> Finds the rigid motions that supports and locks leave free, and the displacements of the contact points under
-   !> them.
+   !> Finds the rigid motions that supports and locks leave free, and how contact points move under them.
    subroutine set_motions(body)
       type(body_t), intent(inout) :: body !! the body, its contact points found
+      logical, allocatable :: is_strained(:)
+      real(dp), allocatable :: unnoticed(:, :)
+      integer :: k
 
       call find_motions(body%motions, body, body%constraints, body%springs)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
       call find_travel(body%travel, body%common_motions, body%rigid_modes)
-      body%is_motion_strained = strains_ties(body) .or. &
-         meets_supports(body%motions, body%constraints, body%mesh%coordinates)
+      is_strained = strained_motions(body)
+      body%is_motion_strained = any(is_strained)
+      if (body%is_motion_strained) call find_travel(body%travel, unnoticed, body%rigid_modes(:, pack([(k, k=1, &
+         size(is_strained))], .not. is_strained)))
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
@@ -620,7 +627,6 @@ contains
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
-      if (body%is_motion_strained) return
       allocate (force(body%zone%n_rows))
       do i = 1, size(body%travel, 2)
          call problem%matrix%multiply_stiffness(body%travel(:, i), force)

@@ -313,7 +313,7 @@ contains
 
    !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
    !> was: points that were pressed keep touching, and those with a given slip bound move along with the obstacle. It
-   !> causes no forces. There is none where a load acts, where overlaps press, and where motions strain ties.
+   !> causes no forces. There is none where a load acts and where overlaps press.
    subroutine find_idle_motion(motion, body, problem, before, force)
       real(dp), allocatable, intent(out) :: motion(:)
          !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]
@@ -361,7 +361,7 @@ contains
          none = few*maxval(abs([motion, matmul(body%travel, place)]))
          is_idle = all(motion(:m) - problem%gap <= none .and. (.not. problem%slip_bound > 0.0_dp .or. &
             tangential_norm(motion(m + 1:) - problem%anchor, m) <= none))
-         if (.not. is_idle .or. (body%is_motion_strained .and. any(abs(motion) > 0.0_dp))) deallocate (motion)
+         if (.not. is_idle) deallocate (motion)
       end associate
    end subroutine find_idle_motion
 

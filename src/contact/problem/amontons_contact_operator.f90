@@ -416,8 +416,7 @@ contains
       call new_dense_stiffness(matrix, factor, error)
       if (allocated(error)) return
       if (.not. matrix%is_held) then
-         matrix%proximal_parameter = share*sum([(factor(i, i), i=1, matrix%n)]) &
-            /(matrix%n*(matrix%n/(1 + matrix%n_tangents)))
+         matrix%proximal_parameter = share*sum(matrix%augmentation)/(matrix%n*(matrix%n/(1 + matrix%n_tangents)))
          do i = 1, matrix%n
             factor(i, i) = factor(i, i) + matrix%proximal_parameter
          end do
