@@ -138,15 +138,13 @@ contains
    !> that of the stresses at the end of a contact: as an end lies anywhere between two nodes, a small last difference
    !> may be chance, and the one before it counts as well. An order below 0.5 is that of a singular solution: the number
    !> may have no limit. A number that a mesh cannot resolve, such as a length between nodes, changes by at least a
-   !> side; the bar is not smaller. A magnitude that is rounding on all three meshes, such as a slip if no point slips,
-   !> says nothing about a finer mesh: it is absent and has no bar. A sum that cancels, such as a force across an axis
-   !> of symmetry, is unchanged.
-   pure subroutine new_convergence(convergence, value, resolution, rounding, is_size)
+   !> side; the bar is not smaller. A number that is rounding on all three meshes, such as a slip if no point slips or
+   !> the friction of a single point that is held, says nothing about a finer mesh: it is absent and has no bar.
+   pure subroutine new_convergence(convergence, value, resolution, rounding)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first
       real(dp), intent(in) :: resolution !! the smallest change that the last mesh can show; 0 if it shows any
       real(dp), intent(in) :: rounding !! change that is rounding
-      logical, intent(in) :: is_size !! whether it is a length or a largest value, of what a mesh may not show
       real(dp), parameter :: least_order = 0.5_dp, most_order = 1.0_dp
       real(dp), parameter :: safety = 1.25_dp, large_safety = 3.0_dp
       real(dp) :: before, last
@@ -156,7 +154,7 @@ contains
       before = value(size(value) - 1) - value(size(value) - 2)
       last = value(size(value)) - value(size(value) - 1)
       convergence%verdict = verdict(before, last, rounding)
-      if (is_size .and. all(abs(value(size(value) - 2:)) <= rounding)) convergence%verdict = absent
+      if (all(abs(value(size(value) - 2:)) <= rounding)) convergence%verdict = absent
       select case (convergence%verdict)
       case (absent)
          return
@@ -309,8 +307,7 @@ contains
       do i = 1, size(list)
          result%convergence(i)%quantity = list(i)
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
-            rounding*max(maxval(abs(values(i, :))), list(i)%scale), &
-            list(i)%has_place .or. list(i)%resolution > 0.0_dp .or. index(list(i)%key, 'max_') > 0)
+            rounding*max(maxval(abs(values(i, :))), list(i)%scale))
          if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
          node = body%mesh%nearest_node(list(i)%place)
          if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &

@@ -273,6 +273,16 @@ class Accuracy(ProgramTest):
         for key, value in cold["key_results"].items():
             self.assertAlmostEqual(study["key_results"][key], value, delta=1e-8*max(1.0, abs(value)), msg=key)
 
+    def test_what_a_single_point_does_not_show_has_no_bar(self):
+        # On all three meshes the corner on the plane of symmetry alone is in contact; finer ones have contact beside it.
+        self.solve("point", "support set = 'left'  ux = 0.0", "support set = 'top'  ux = 0.0  uy = -0.001",
+                   "contact set = 'bottom'  friction = 0.6  obstacle = 'circle'  radius = 5.0",
+                   "accuracy refinements = 2", mesh="size = 2.0, 1.5  cells = 4, 3")
+        table = self.table("point")
+        for key in ("contact_centroid_x", "contact_force_x", "contact_moment"):
+            self.assertEqual((table[key]["verdict"], table[key]["error_bar"]), ("absent", ""), key)
+        self.assertGreater(float(table["contact_force_y"]["error_bar"]), 0.0)
+
     def test_truth_lies_within_the_bars(self):
         # Against a mesh four times finer than the finest of the study.
         self.solve("study", *GROUPS, "accuracy refinements = 3", mesh=COARSE)
