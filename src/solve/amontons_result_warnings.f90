@@ -32,7 +32,7 @@ module amontons_result_warnings
       'fewer than 3 contact points closed: the mesh is too coarse for the pressure there', &
       'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it', &
       "contact pressure above 2 % of Young's modulus; the theory is for small strains", &
-      'the contact reaches an end of its set and the boundary goes on: enlarge the set']
+      'the contact reaches an end of its set and the boundary goes on: enlarge the set, or search']
 
    !> Number of these warnings.
    integer, parameter, public :: n_case_warnings = size(case_warning_names)
@@ -139,8 +139,10 @@ contains
          associate (set_end => body%free_boundary%ends(reached(i)))
             set = result%load_case%contacts(set_end%set)%set
             if (set_end%is_of_master) set = result%load_case%contacts(set_end%set)%pairing%against
-            call result%warnings%add('the contact reaches the end of its set at '// &
-               result%warnings%place(set_end%position)//" and the boundary goes on: enlarge the set '"//set//"'")
+            call result%warnings%add('the contact reaches the end of '// &
+               trim(merge('search ', 'its set', set_end%is_of_search))//' at '// &
+               result%warnings%place(set_end%position)//' and the boundary goes on: enlarge '// &
+               trim(merge('search of', 'the set  ', set_end%is_of_search))//" '"//set//"'")
          end associate
       end do
       if (deepest > 0) call result%warnings%add('the boundary outside the contact sets penetrates the obstacle '// &

@@ -274,7 +274,7 @@ class Accuracy(ProgramTest):
             self.assertAlmostEqual(study["key_results"][key], value, delta=1e-8*max(1.0, abs(value)), msg=key)
 
     def test_what_a_single_point_does_not_show_has_no_bar(self):
-        # On all three meshes the corner on the plane of symmetry alone is in contact; finer ones have contact beside it.
+        # On all three meshes the corner on the plane of symmetry alone is in contact; finer ones show more.
         self.solve("point", "support set = 'left'  ux = 0.0", "support set = 'top'  ux = 0.0  uy = -0.001",
                    "contact set = 'bottom'  friction = 0.6  obstacle = 'circle'  radius = 5.0",
                    "accuracy refinements = 2", mesh="size = 2.0, 1.5  cells = 4, 3")

@@ -93,6 +93,8 @@ class SetEnds(Verification, ProgramTest):
                         deck = deck.replace("search = 3.0", f"search = {search}")
                         warnings, inside = self.run_deck(deck, 0 if is_enough else 4)
                         self.assertEqual(any(warning.startswith(INSIDE) for warning in warnings), not is_enough)
+                        self.assertEqual(any("the end of search at" in warning for warning in warnings),
+                                         not is_enough)
                         self.assertEqual(inside > 1e-3, not is_enough)
                         self.run_program("--verify", "results", status=0 if is_enough else 4)
 
@@ -175,7 +177,7 @@ class SetEnds(Verification, ProgramTest):
         deck += "&sweep load = 'press'  factor = 0.05, 1.0, 0.5 /\n"
         warnings, inside = self.run_deck(deck, 4)
         self.assertIn("2 of 3 cases, case 2 the first: the contact reaches an end of its set and the boundary goes on: "
-                      "enlarge the set", warnings)
+                      "enlarge the set, or search", warnings)
         self.assertEqual(self.summary["certificate"]["case"], 2)
         self.assertGreater(inside, 1e-3)
         rows = (self.directory/"results"/"case.sweep.csv").read_text(encoding="utf-8").splitlines()
@@ -194,6 +196,10 @@ class SetEnds(Verification, ProgramTest):
             self.assertIn("the contact reaches an end of its set and the boundary goes on: enlarge the set", found)
             self.assertGreater(self.summary["load_history"]["violation"], 1e-3)
             self.run_program("--verify", "results", status=4)
+        # The bodies of a pair close gaps larger than search at the peak alone.
+        deck = self.on_body(4.0, 6.0, ABOVE).replace("pressure = 5.0", NAMED).replace("search = 3.0", "search = 0.005")
+        self.run_deck(deck + history + "&steps load = 'press'  factor = 0.0, 1.0, 0.01 /\n", 4)
+        self.assertGreater(self.summary["load_history"]["violation"], 1e-3)
 
 
 class MeetingSets(Verification, ProgramTest):

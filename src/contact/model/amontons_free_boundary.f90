@@ -38,10 +38,12 @@ module amontons_free_boundary
       real(dp) :: arc_length = 0.0_dp !! length along the line of the set up to where this is nearest [L]
    end type free_node_t
 
-   !> An end of a contact set beyond which the boundary of the body continues without a corner.
+   !> An end of a contact set beyond which the boundary of the body continues without a corner; or a node of a slave
+   !> beyond which the distance of its master is larger than `search`.
    type :: set_end_t
       integer :: set = 0 !! number of the contact set
       logical :: is_of_master = .false. !! whether it is the set of the other body of the pair that ends
+      logical :: is_of_search = .false. !! whether the other body is too far away there, and the set goes on
       integer :: point = 0 !! the contact point next to the end
       integer :: beyond = 0 !! the first node beyond it, its place in `free_boundary_t`
       real(dp) :: position(2) = 0.0_dp !! position of the end [L]
@@ -140,10 +142,10 @@ contains
                end associate
             end do
          end if
-         call add_facing(boundary, set, 1, master, outline, body, zone%pairs(i), least)
+         call add_facing(boundary, set, 1, master, outline, body, zone, least)
          call add_ends(boundary, set, zone)
          call add_ends(boundary, master, zone)
-         call add_facing(boundary, master, master%n_own + 1, set, outline, body, zone%pairs(i), least)
+         call add_facing(boundary, master, master%n_own + 1, set, outline, body, zone, least)
       end do
       ! Only tables of gaps need lengths along the line.
       do i = 1, size(boundary%nodes)
@@ -308,15 +310,15 @@ contains
    end subroutine find_free_places
 
    !> Adds the nodes of one body of a pair that face the other one, except for positions that belong to both sets and
-   !> nodes of the slave beside a segment.
-   pure subroutine add_facing(boundary, extended, first, other, outline, body, pair, least)
+   !> nodes of the slave beside a segment; and the ends of the slave's part that faces its master within `search`.
+   pure subroutine add_facing(boundary, extended, first, other, outline, body, zone, least)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       type(extended_set_t), intent(in) :: extended !! the boundary of the one body
       integer, intent(in) :: first !! its first side to look at
       type(extended_set_t), intent(in) :: other !! the boundary of the other body
       type(outline_t), intent(in) :: outline !! the sides of the boundary
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(mortar_pair_t), intent(in) :: pair !! the surfaces of the pair
+      type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
       ! Displacements that the theory is for, over the body's size.
       real(dp), parameter :: small = 0.05_dp
@@ -326,20 +328,20 @@ contains
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       integer, allocatable :: side(:), corner(:), near(:)
-      logical :: is_beside_segment(body%mesh%n_nodes)
+      logical :: is_near(body%mesh%n_nodes)
       real(dp) :: reach
-      integer :: i, k, n, near_of
+      integer :: i, k, n, near_of, point
 
-      is_beside_segment = .false.
-      do i = 1, size(pair%segments)
-         associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
-            do k = 1, 3
-               if (nodes(k) > 0 .and. range(1) <= xi(k) + rounding .and. range(2) >= xi(k) - rounding) &
-                  is_beside_segment(nodes(k)) = .true.
-            end do
-         end associate
-      end do
-      associate (x => body%mesh%coordinates)
+      is_near = .false.
+      associate (pair => zone%pairs(extended%number), x => body%mesh%coordinates)
+         do i = 1, size(pair%segments)
+            associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
+               do k = 1, 3
+                  if (nodes(k) > 0 .and. range(1) <= xi(k) + rounding .and. range(2) >= xi(k) - rounding) &
+                     is_near(nodes(k)) = .true.
+               end do
+            end associate
+         end do
          reach = max(pair%search, small*maxval(maxval(x, dim=2) - minval(x, dim=2)))
       end associate
       near_of = 0
@@ -351,7 +353,7 @@ contains
             near_of = side(i)
             meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), reach)
             if (meeting%side == 0) cycle
-            if (side(i) <= extended%n_own .and. meeting%side <= other%n_own .and. is_beside_segment(node)) cycle
+            if (side(i) <= extended%n_own .and. meeting%side <= other%n_own .and. is_near(node)) cycle
             ! A boundary behind the node is the far side of the other body.
             if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
             foot = other%surface%place(meeting%side, meeting%xi)
@@ -367,6 +369,18 @@ contains
          end associate
       end do
       boundary%nodes = boundary%nodes(:n)
+      do i = 1, extended%n_own
+         do k = 1, 2
+            associate (nodes => extended%surface%side(:, i), position => extended%surface%corner(:, k, i))
+               if (.not. is_near(nodes(k)) .or. is_near(nodes(3 - k))) cycle
+               n = findloc(boundary%nodes%node == nodes(3 - k) .and. boundary%nodes%set == extended%number, .true., 1)
+               point = nearest_point(zone, extended%number, position)
+               if (n == 0 .or. point == 0) cycle
+               if (any(other%surface%side(1, :other%n_own) == boundary%nodes(n)%facing(1))) &
+                  boundary%ends = [boundary%ends, set_end_t(extended%number, .false., .true., point, n, position)]
+            end associate
+         end do
+      end do
    end subroutine add_facing
 
    !> Adds the ends of a set beyond which the boundary continues without a corner, and where no support holds it.
