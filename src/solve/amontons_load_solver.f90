@@ -163,9 +163,12 @@ contains
          end if
       end if
       if (solution%is_converged) call leave_in_place(self, body, problem, start, solution)
-      ! Forces of rounding errors of gaps are none.
-      if (allocated(idle) .and. maxval([0.0_dp, abs(solution%force)]) <= rounding*maxval(abs(body%zone%position)) &
-         *maxval(problem%matrix%augmentation)) call rest(idle, solution)
+      if (allocated(idle)) then
+         ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps
+         ! are none, either.
+         if (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= rounding &
+            *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation)) call rest(idle, solution)
+      end if
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message

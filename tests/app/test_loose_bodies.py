@@ -3,6 +3,7 @@
 import csv
 import unittest
 
+from mapped_mesh import mapped_mesh
 from verification import Verification
 
 # A block on a block on a floor. A single cell does not notice that a body turns about its middle.
@@ -57,6 +58,17 @@ ACROSS = """&mesh name = 'low'  size = 3.0, 0.6  cells = 6, 2 /
 &load name = 'weight'  set = 'high.top'  pressure = {} /
 &load name = 'press'  set = 'high.top'  traction = {}, 0.0 /
 &contact set = 'low.bottom'  friction = 0.5  {} /
+"""
+
+# A block on one with a crowned top, on a tilted floor, pressed and released. A given slip bound joins the two.
+CROWNED = """&mesh name = 'low'  file = 'low.msh' /
+&mesh name = 'high'  file = 'high.msh' /
+&material young = 2500.0  poisson = 0.3 /
+&load name = 'press'  set = 'high.top'  pressure = {} /
+&contact set = 'low.bottom'  gap_slope = {}, 0.0  friction = {} /
+&contact set = 'high.bottom'  against = 'low.top'  slip_bound = 17.0  friction = 0.1 /
+&history times = 0.0, 1.0, 2.0, 3.0 /
+&steps load = 'press'  factor = 0.0, {}, 1.0, 0.0 /
 """
 
 
@@ -119,6 +131,23 @@ class LooseBodies(Verification):
                 with self.subTest(factor=factor, study=study):
                     load = 0.1 if study else 0.1*factor
                     self.solve_into_results(ACROSS.format(0.1, load, "slip_bound = 9.0") + study, status=status)
+
+    def test_body_that_is_released_rests_where_no_forces_balance_each_other(self):
+        def crown(x):
+            return 0.713 + 0.092*(x/4.76 - 0.5)**2
+
+        def low(s, t):
+            return 4.76*s, t*crown(4.76*s)
+
+        def high(s, t):
+            return 0.748 + 3.437*s, (1.0 - t)*crown(0.748 + 3.437*s) + 1.548*t
+
+        self.write("low.msh", mapped_mesh((7, 3), "quad4", low))
+        self.write("high.msh", mapped_mesh((4, 3), "quad4", high))
+        for numbers in ((0.0771, -0.00094, 0.0, 0.16), (0.0126, -0.00085, 0.3, 0.61), (0.0219, -0.00098, 0.0, 0.18),
+                        (0.001, -0.00092, 0.3, 0.98), (0.0671, -0.00087, 0.5, 0.97), (0.0056, -0.00085, 0.5, 0.82)):
+            with self.subTest(numbers=numbers):
+                self.assertEqual(set(self.forces_of(CROWNED.format(*numbers))), {0.0})
 
     def test_forces_before_count_along_tangents_too(self):
         # What the load before leaves of the slip and of the force by rounding, times the bound.
