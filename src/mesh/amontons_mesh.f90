@@ -150,7 +150,8 @@ contains
       kind = self%element_kind(element)
       is_turned_over = .true.
       associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)))
-         least = min(rounding*maxval(abs(x))*maxval(maxval(x, dim=2) - minval(x, dim=2)), huge(least))
+         least = min(rounding*dot_product(maxval(abs(x), dim=2), abs(cshift(maxval(x, dim=2) - minval(x, dim=2), 1))), &
+            huge(least))
       end associate
       do corner = 1, n_corners(kind)
          if (.not. jacobian_determinant(self, element, node_coordinates(kind, corner)) > least) return

@@ -137,8 +137,6 @@ contains
          call self%solve_from_motion(motion, quick, body, acting, problem, solution, ignored)
       end if
       is_sure = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
-      ! Ties that lie apart hold a body that tips, by what a rotation strains them.
-      if (is_sure) is_sure = .not. body%is_motion_strained
       if (is_sure) is_sure = .not. may_move(body, problem, solution%force)
       if (.not. is_sure) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
@@ -162,13 +160,11 @@ contains
             call solution%prepend(first)
          end if
       end if
-      if (solution%is_converged) call leave_in_place(self, body, problem, start, solution)
-      if (allocated(idle)) then
-         ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps
-         ! are none, either.
-         if (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= rounding &
-            *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation)) call rest(idle, solution)
-      end if
+      call leave_in_place(self, body, problem, start, solution)
+      ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps are
+      ! none, either.
+      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= rounding &
+         *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation))) call rest(idle, solution)
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
@@ -178,7 +174,7 @@ contains
       else
          call judge_solution(self, body, acting, problem, solution, outcome, reason)
       end if
-      if (outcome == outcome_no_equilibrium) error_kind = no_equilibrium
+      error_kind = merge(no_equilibrium, error_kind, outcome == outcome_no_equilibrium)
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
 
@@ -194,8 +190,9 @@ contains
       real(dp) :: eigenvalues(size(works, 1))
       integer :: info, k
 
-      may_move = size(works) > 0
-      if (.not. may_move) return
+      ! Ties that lie apart hold a body that tips, by what a rotation strains them.
+      may_move = body%is_motion_strained
+      if (may_move .or. size(works) == 0) return
       associate (m => body%zone%n_points, shear => tangential_norm(force(body%zone%n_points + 1:), body%zone%n_points))
          works = matmul(transpose(body%rigid_modes), body%rigid_modes*spread(merge(1.0_dp, 0.0_dp, &
             [force(:m) > negligible*maxval(abs(force)), (shear < (1.0_dp - negligible)*problem%bound(force(:m)), &
@@ -360,7 +357,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: start !! where it was
-      type(contact_solution_t), intent(inout) :: solution !! a solution; moved if it needs no forces
+      type(contact_solution_t), intent(inout) :: solution !! where it is; moved if it needs no forces
       ! Gaps that no body closes, over its size; and forces of a body that tolerance wedges, over loads that cancel.
       real(dp), parameter :: far = 1.0e6_dp, small = 1.0e-6_dp
       type(contact_problem_t) :: unopposed, unloaded
@@ -368,7 +365,8 @@ contains
       type(error_t), allocatable :: error
       real(dp), allocatable :: motion(:)
 
-      if (size(body%travel, 2) == 0 .or. maxval([0.0_dp, abs(solution%force)]) > small*sum(problem%uncanceled)) return
+      if (.not. solution%is_converged .or. size(body%travel, 2) == 0 .or. maxval([0.0_dp, abs(solution%force)]) &
+         > small*sum(problem%uncanceled)) return
       unopposed = problem
       unopposed%gap = far*solver%size_of_body
       call solve_on_springs(unopposed, 1.0_dp, body%travel, strained, error)

@@ -79,7 +79,7 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
-      corner = corner_penetration(body%mesh, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
+      corner = corner_penetration(body, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
          result%displacement(:2, :), badly_resolved)
       if (corner%set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(corner%set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(corner%depth, 'L')// &

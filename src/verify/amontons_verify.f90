@@ -111,8 +111,8 @@ contains
                call case%fault('.deck.nml', error%message)
             else
                case%solved = case%config
-               if (case%solved%condensation%factorization == 'distributed') &
-                  case%solved%condensation%factorization = 'auto'
+               if (case%solved%condensation%factorization == 'distributed') case%solved%condensation%factorization &
+                  = 'auto'
                if (case%config%name /= name) call case%fault('.deck.nml', "it is the deck of case '"// &
                   case%config%name//"'")
                if (case%config%reduced%is_given) then

@@ -31,6 +31,22 @@ class ObstacleCorners(Verification, ProgramTest):
         summary = json.loads((self.directory/"results"/"case.summary.json").read_text(encoding="utf-8"))
         return summary["warnings"], summary["certificate"]["penetration_between"]
 
+    def test_step_ahead_of_a_sliding_block(self):
+        # Lower than the first cell, so that no node of the free side is opposite to it.
+        self.write("step.csv", "-10.0, 0.0\n4.2, 0.0\n4.25, 0.3\n10.0, 0.3\n")
+        for element in ("tri3", "quad4", "quad8"):
+            for way, status in ((0.1, 0), (0.24, 0), (0.27, 4), (0.35, 4)):
+                with self.subTest(element=element, way=way):
+                    self.run_program("--output", "results", self.write("case.nml", block(
+                        f"support set = 'left'  ux = {way}", PRESSED, "contact set = 'bottom'  friction = 0.2  "
+                        "obstacle = 'polyline'  line = 'step.csv'", material="young = 1000.0  poisson = 0.3",
+                        mesh=f"size = 4.0, 2.0  cells = 8, 4  element = '{element}'")), status=status)
+                    summary = json.loads((self.directory/"results"/"case.summary.json").read_text(encoding="utf-8"))
+                    depth = summary["certificate"]["penetration_between"]*summary["key_results"]["max_displacement"]
+                    # The side moves a little more by the strain of the block.
+                    self.assertAlmostEqual(depth, max(0.0, way - 0.25), delta=2e-3)
+                    self.assertEqual(status == 4, any(text.startswith(BETWEEN) for text in summary["warnings"]))
+
     def test_tooth_between_two_nodes(self):
         for element in ("quad4", "quad8"):
             for height in (0.001, 0.1, 0.3):

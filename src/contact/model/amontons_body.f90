@@ -526,15 +526,14 @@ contains
       type(body_t), intent(inout) :: body !! the body, its contact points found
       logical, allocatable :: is_strained(:)
       real(dp), allocatable :: unnoticed(:, :)
-      integer :: k
 
       call find_motions(body%motions, body, body%constraints, body%springs)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
       call find_travel(body%travel, body%common_motions, body%rigid_modes)
       is_strained = strained_motions(body)
       body%is_motion_strained = any(is_strained)
-      if (body%is_motion_strained) call find_travel(body%travel, unnoticed, body%rigid_modes(:, pack([(k, k=1, &
-         size(is_strained))], .not. is_strained)))
+      if (body%is_motion_strained) call find_travel(body%travel, unnoticed, reshape(pack(body%rigid_modes, &
+         spread(.not. is_strained, 1, body%zone%n_rows)), [body%zone%n_rows, count(.not. is_strained)]))
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.

@@ -338,7 +338,7 @@ contains
       call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
          displacement(:2, :), depth, deepest)
       certificate%penetration_outside = relative(depth, certificate%length_scale)
-      deepest_corner = corner_penetration(body%mesh, load_case%contacts, body%zone, load_case%extra_gap, &
+      deepest_corner = corner_penetration(body, load_case%contacts, body%zone, load_case%extra_gap, &
          displacement(:2, :), unresolved)
       certificate%penetration_between = relative(deepest_corner%depth, certificate%length_scale)
       associate (normal => force(:m), tangential => force(m + 1:), &

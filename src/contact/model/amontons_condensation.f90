@@ -281,7 +281,7 @@ contains
       if (size(self%is_locked) > 0) call self%eliminate(schur, error)
       if (allocated(error)) return
       if (allocated(self%rows)) then
-         call new_row_condensation(self%to_rows, schur, self%rows, self%unknown, self%unnoticed, error)
+         call new_row_condensation(self%to_rows, schur, self%rows, self%unnoticed, error)
          if (allocated(error)) return
          schur = self%to_rows%stiffness
       end if
@@ -465,11 +465,10 @@ contains
    end function may_suit_band
 
    !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + C^T R C.
-   pure subroutine new_row_condensation(condensation, stiffness, rows, row_of, unnoticed, error)
+   pure subroutine new_row_condensation(condensation, stiffness, rows, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
       real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
-      integer, intent(in) :: row_of(:, :) !! the rows of each point, 0 for none (components, points)
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows are dependent, or leave another part of S's kernel free
@@ -478,8 +477,8 @@ contains
       ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
       ! share.
       real(dp), parameter :: small_share = 1.0e-3_dp
-      ! Of the largest of a point.
-      real(dp), parameter :: least_share = 1.0e-6_dp
+      ! Far above the rounding errors of the stiffest part.
+      real(dp), parameter :: least_share = 1.0e-9_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh, or depend '// &
          'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
       real(dp), allocatable :: flexibility(:, :), gram(:, :), own(:), rho(:)
@@ -505,14 +504,9 @@ contains
       ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
       ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
       own = [(stiffness(i, i), i=1, size(stiffness, 1))]
-      own = max(own, epsilon(own)*maxval(own))
-      rho = 1.0_dp/[(sum(rows(i, :)**2/own), i=1, size(rows, 1))]
       ! A loose body on two mortar points has no stiffness along their normals.
-      do i = 1, size(row_of, 2)
-         associate (own_rows => pack(row_of(:, i), row_of(:, i) > 0))
-            rho(own_rows) = max(rho(own_rows), least_share*maxval(rho(own_rows)))
-         end associate
-      end do
+      own = max(own, least_share*maxval(own))
+      rho = 1.0_dp/[(sum(rows(i, :)**2/own), i=1, size(rows, 1))]
       condensation%least_augmentation = small_share*minval(rho)
       do i = 1, size(rows, 2)
          condensation%factor(:, i) = condensation%factor(:, i) + matmul(rho*rows(:, i), rows)

@@ -336,10 +336,8 @@ contains
       associate (pair => zone%pairs(extended%number), x => body%mesh%coordinates)
          do i = 1, size(pair%segments)
             associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
-               do k = 1, 3
-                  if (nodes(k) > 0 .and. range(1) <= xi(k) + rounding .and. range(2) >= xi(k) - rounding) &
-                     is_near(nodes(k)) = .true.
-               end do
+               is_near(pack(nodes(:3), nodes(:3) > 0 .and. range(1) <= xi + rounding .and. range(2) >= xi - rounding)) &
+                  = .true.
             end associate
          end do
          reach = max(pair%search, small*maxval(maxval(x, dim=2) - minval(x, dim=2)))
@@ -352,17 +350,15 @@ contains
             if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, reach)
             near_of = side(i)
             meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), reach)
-            if (meeting%side == 0) cycle
-            if (side(i) <= extended%n_own .and. meeting%side <= other%n_own .and. is_near(node)) cycle
+            if (meeting%side == 0 .or. (side(i) <= extended%n_own .and. meeting%side <= other%n_own &
+               .and. is_near(node))) cycle
             ! A boundary behind the node is the far side of the other body.
             if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
             foot = other%surface%place(meeting%side, meeting%xi)
             ! The corner at which the other set ends belongs to it, on whichever of its two sides rounding puts it.
             k = maxloc(foot%values, dim=1)
-            if (side(i) <= extended%n_own .and. meeting%side > other%n_own &
-               .and. foot%values(k) > 1.0_dp - rounding) then
-               if (outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
-            end if
+            if (side(i) <= extended%n_own .and. meeting%side > other%n_own .and. foot%values(k) > 1.0_dp - rounding &
+               .and. outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
             n = n + 1
             boundary%nodes(n) = free_node_t(node, extended%number, extended%surface%normal(:, corner(i), side(i)), &
                other%surface%side(:3, meeting%side), foot%values, max(least, meeting%gap))
@@ -376,8 +372,8 @@ contains
                n = findloc(boundary%nodes%node == nodes(3 - k) .and. boundary%nodes%set == extended%number, .true., 1)
                point = nearest_point(zone, extended%number, position)
                if (n == 0 .or. point == 0) cycle
-               if (any(other%surface%side(1, :other%n_own) == boundary%nodes(n)%facing(1))) &
-                  boundary%ends = [boundary%ends, set_end_t(extended%number, .false., .true., point, n, position)]
+               if (any(other%surface%side(1, :other%n_own) == boundary%nodes(n)%facing(1))) boundary%ends = &
+                  [boundary%ends, set_end_t(extended%number, .false., .true., point, n, position)]
             end associate
          end do
       end do
@@ -558,10 +554,10 @@ contains
    !>
    !> The depth is measured along the normal of the displaced side, like gaps. The depth to which a smooth surface or a
    !> single corner may reach into a side between two nodes is a discretization error and does not count up to
-   !> limits, see `resolved_depth`.
-   pure type(corner_penetration_t) function corner_penetration(mesh, contacts, zone, extra_gap, displacement, limits) &
+   !> limits, see `resolved_depth`. Corners that the motion takes into the body through a side of no set count as well.
+   pure type(corner_penetration_t) function corner_penetration(body, contacts, zone, extra_gap, displacement, limits) &
       result(deepest)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: extra_gap(:) !! additions of the deck to their gaps (m) [L]
@@ -573,39 +569,39 @@ contains
       real(dp), parameter :: nearly = 0.99_dp
       integer, allocatable :: sides(:, :)
       real(dp), allocatable :: corners(:, :)
-      logical, allocatable :: is_beside(:)
       type(error_t), allocatable :: error
-      real(dp) :: side(2, 3), moved(2, 3), normal(2), xi(2), values(3), slopes(3), overlap, ends(2), largest, least
+      type(mesh_t) :: displaced
+      real(dp), dimension(2, 3) :: side, moved
+      real(dp) :: normal(2), xi(2), values(3), slopes(3), overlap, along, ends(2), largest, least
       integer :: i, k, j, l, node, p
 
+      displaced = body%mesh
+      displaced%coordinates = displaced%coordinates + displacement
       largest = maxval(abs(displacement))
-      least = max(negligible*largest, noise*maxval(abs(mesh%coordinates)))
+      least = max(negligible*largest, noise*maxval(abs(body%mesh%coordinates)))
       do i = 1, size(contacts)
          corners = corners_of(contacts(i))
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle
-         call mesh%set_sides(contacts(i)%set, sides, error)
+         call body%mesh%set_sides(contacts(i)%set, sides, error)
          if (allocated(error)) cycle
          do k = 1, size(sides, 2)
-            normal = mesh%coordinates(:, sides(2, k)) - mesh%coordinates(:, sides(1, k))
+            normal = body%mesh%coordinates(:, sides(2, k)) - body%mesh%coordinates(:, sides(1, k))
             normal = unit_vector([normal(2), -normal(1)])
-            ends = [(-cross_product(normal, mesh%coordinates(:, sides(j, k))), j=1, 2)]
-            associate (along => normal(2)*corners(1, :) - normal(1)*corners(2, :))
-               is_beside = along >= minval(ends) .and. along <= maxval(ends)
-            end associate
-            if (.not. any(is_beside)) cycle
+            ends = [(-cross_product(normal, body%mesh%coordinates(:, sides(j, k))), j=1, 2)]
             do j = 1, 3
                node = sides(j, k)
                if (node == 0) then
                   side(:, 3) = 0.5_dp*(side(:, 1) + side(:, 2))
                   moved(:, 3) = 0.5_dp*(moved(:, 1) + moved(:, 2))
                else
-                  side(:, j) = mesh%coordinates(:, node)
+                  side(:, j) = body%mesh%coordinates(:, node)
                   p = nearest_point(zone, i, side(:, j))
                   moved(:, j) = side(:, j) + (dot_product(displacement(:, node), normal) - extra_gap(p))*normal
                end if
             end do
             do l = 1, size(corners, 2)
-               if (.not. is_beside(l)) cycle
+               along = -cross_product(normal, corners(:, l))
+               if (along < minval(ends) .or. along > maxval(ends)) cycle
                xi = meet_side(moved, corners(:, l), normal)
                do j = 1, 2
                   if (abs(xi(j)) > 1.0_dp) cycle
@@ -616,15 +612,44 @@ contains
                      limits*max(largest, least)) > least) cycle
                   ! A point beyond the far side of the body does not penetrate it.
                   associate (on_side => matmul(side, values))
-                     if (.not. (is_inside(mesh, on_side - 0.5_dp*overlap*normal) .and. &
-                        is_inside(mesh, on_side - nearly*overlap*normal))) cycle
+                     if (.not. (is_inside(body%mesh, on_side - 0.5_dp*overlap*normal) .and. &
+                        is_inside(body%mesh, on_side - nearly*overlap*normal))) cycle
                   end associate
                   deepest = corner_penetration_t(overlap, matmul(side, values), i)
                end do
             end do
          end do
+         do l = 1, size(corners, 2)
+            overlap = depth_behind(body, displaced, sides, corners(:, l))
+            if (overlap > max(least, deepest%depth)) deepest = corner_penetration_t(overlap, corners(:, l), i)
+         end do
       end do
    end function corner_penetration
+
+   !> The depth of a place in the displaced body, outside of which it was, behind a side that is none of a contact set;
+   !> 0 if one of the set is nearer, as where contact is resolved by its mesh [L].
+   pure real(dp) function depth_behind(body, displaced, sides, place) result(depth)
+      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
+      type(mesh_t), intent(in) :: displaced !! the same mesh, displaced
+      integer, intent(in) :: sides(:, :) !! nodes of the sides of the contact set (4, any)
+      real(dp), intent(in) :: place(2) !! the place [L]
+      real(dp) :: way(2), before(2), distance
+      logical :: is_own
+      integer :: side(3), i
+
+      depth = huge(depth)
+      is_own = .true.
+      do i = 1, size(body%outer)
+         side = body%mesh%side(side_element(body%outer(i)), side_place(body%outer(i)))
+         before = place - displaced%coordinates(:, side(1))
+         way = displaced%coordinates(:, side(2)) - displaced%coordinates(:, side(1))
+         distance = norm2(before - way*min(1.0_dp, max(0.0_dp, dot_product(before, way)/dot_product(way, way))))
+         if (distance < depth) is_own = any(sides(1, :) == side(1) .and. sides(2, :) == side(2))
+         depth = min(depth, distance)
+      end do
+      if (.not. is_own) is_own = is_inside(body%mesh, place) .or. .not. is_inside(displaced, place)
+      if (is_own) depth = 0.0_dp
+   end function depth_behind
 
    !> The convex corners of a rigid obstacle: ends of a polyline and points where its line turns to the right, away from
    !> the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].

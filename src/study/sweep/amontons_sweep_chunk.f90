@@ -124,7 +124,7 @@ contains
    !=sweep.csv `warnings` | | of a converged case: `large_displacement` (of contact points, above 5 % of the body's
    !=   size), `no_contact`, `few_points` (1 or 2 closed), `pressure_jump` (the largest pressure more than twice that of
    !=   its neighbors), `large_strain` (a contact pressure above 2 % of Young's modulus), `end_of_set` (contact reaches
-   !=   an end of its set and the boundary goes on); empty for none
+   !=   an end of its set, or of what `search` reaches, and the boundary goes on); empty for none
    !=sweep.csv `statuses` | | the contact line as run lengths: `4o 12+ 17s` is 4 points open, 12 `slip+`, 17 stick; `-`
    !=   is `slip-`, `*` is `slip` of a twisted body; a bar separates contact sets
    !> The stored numbers of a case: lengths, sums of forces, key results of the contact points and, if they are asked
