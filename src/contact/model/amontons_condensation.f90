@@ -477,8 +477,8 @@ contains
       ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
       ! share.
       real(dp), parameter :: small_share = 1.0e-3_dp
-      ! Far above the rounding errors of the stiffest part.
-      real(dp), parameter :: least_share = 1.0e-9_dp
+      ! Of the rows beside it: those of the same point or of the next one.
+      real(dp), parameter :: least_share = 1.0e-3_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh, or depend '// &
          'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
       real(dp), allocatable :: flexibility(:, :), gram(:, :), own(:), rho(:)
@@ -504,9 +504,10 @@ contains
       ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
       ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
       own = [(stiffness(i, i), i=1, size(stiffness, 1))]
-      ! A loose body on two mortar points has no stiffness along their normals.
-      own = max(own, least_share*maxval(own))
+      own = max(own, epsilon(own)*maxval(own))
       rho = 1.0_dp/[(sum(rows(i, :)**2/own), i=1, size(rows, 1))]
+      ! A loose body on two mortar points has no stiffness along their normals.
+      rho = max(rho, least_share*max(cshift(rho, 1), cshift(rho, -1)))
       condensation%least_augmentation = small_share*minval(rho)
       do i = 1, size(rows, 2)
          condensation%factor(:, i) = condensation%factor(:, i) + matmul(rho*rows(:, i), rows)
