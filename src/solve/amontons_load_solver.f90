@@ -179,7 +179,8 @@ contains
    end subroutine load_solver_solve
 
    !> Whether a free motion moves no point that bears a normal force along the normal, nor one along the tangent whose
-   !> shear is below its bound: methods accept a solution for loads a little above what contact and friction bear.
+   !> shear is below its bound: methods accept a solution for loads a little above what contact and friction bear. Or
+   !> whether it strains ties that lie apart: by that they hold a body that tips.
    logical function may_move(body, problem, force)
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! its contact problem
@@ -190,7 +191,6 @@ contains
       real(dp) :: eigenvalues(size(works, 1))
       integer :: info, k
 
-      ! Ties that lie apart hold a body that tips, by what a rotation strains them.
       may_move = body%is_motion_strained
       if (may_move .or. size(works) == 0) return
       associate (m => body%zone%n_points, shear => tangential_norm(force(body%zone%n_points + 1:), body%zone%n_points))

@@ -313,7 +313,7 @@ contains
 
    !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
    !> was: points that were pressed keep touching, and those with a given slip bound move along with the obstacle. It
-   !> causes no forces. There is none where a load acts and where overlaps press.
+   !> causes no forces. There is none where a load acts, where overlaps press, and where such a point would slip.
    subroutine find_idle_motion(motion, body, problem, before, force)
       real(dp), allocatable, intent(out) :: motion(:)
          !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]

@@ -575,8 +575,6 @@ contains
       real(dp) :: normal(2), xi(2), values(3), slopes(3), overlap, along, ends(2), largest, least
       integer :: i, k, j, l, node, p
 
-      displaced = body%mesh
-      displaced%coordinates = displaced%coordinates + displacement
       largest = maxval(abs(displacement))
       least = max(negligible*largest, noise*maxval(abs(body%mesh%coordinates)))
       do i = 1, size(contacts)
@@ -584,6 +582,8 @@ contains
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle
          call body%mesh%set_sides(contacts(i)%set, sides, error)
          if (allocated(error)) cycle
+         displaced = body%mesh
+         displaced%coordinates = displaced%coordinates + displacement
          do k = 1, size(sides, 2)
             normal = body%mesh%coordinates(:, sides(2, k)) - body%mesh%coordinates(:, sides(1, k))
             normal = unit_vector([normal(2), -normal(1)])
