@@ -216,6 +216,7 @@ contains
       allocate (displacement(motions(1)%n_components, size(coordinates, 2)), source=0.0_dp)
       first = 0
       do k = 1, size(motions)
+         if (motions(k)%n_free == 0) cycle
          associate (node => motions(k)%node)
             do i = 1, size(node)
                displacement(:, node(i)) = matmul(motions(k)%displacement(coordinates(:, node(i)), node(i)), &
