@@ -76,7 +76,8 @@ worst=0
 for i in "${!decks[@]}"; do
    log=$logs/$(basename "${decks[i]}")
    status=$(cat "$log.status" 2>/dev/null || echo 5)
-   outcome=${outcomes[i]:-system_failure}
+   # The row of a deck goes where another deck of its case name writes over its files.
+   outcome=${outcomes[i]:-replaced}
    ((status != 5)) || outcome=interrupted
    ((status <= 5)) || status=3 outcome=system_failure
    ((status <= worst)) || worst=$status

@@ -265,7 +265,7 @@ def page_of(folder: Path, paths: list[str]) -> str:
     without = [(case.summary["case"], case.summary["message"]) for case in answers]
     n_first = sum(case.summary["outcome"] == "not_converged" for case in answers)
     pictures = pictures_of_all([case.path for case in cases])
-    failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
+    failures = decks_of(folder, FAILED)
     colors = [verdict_of(case.summary)[0] for case in cases]
     tally = [f"{colors.count(color)} {color}" for color in COLORS]
     ends = ((len(without) - n_first, "without equilibrium"), (n_first, "without a first step"),
@@ -276,7 +276,7 @@ def page_of(folder: Path, paths: list[str]) -> str:
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
     units = f"Units: {html.escape(units_of(found))}." if units_of(found) else \
         "Lengths, forces and stresses are in the units of the decks."
-    others = (("red", "failed: ", failures), ("amber", "", without + replaced))
+    others = (("red", "failed: ", failures), ("amber", "", without))
     unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>'
                        f"{html.escape(without_deck(message, deck))}</span></p>\n"
                        for color, words, some in others for deck, message in some)
