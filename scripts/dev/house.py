@@ -5,9 +5,9 @@ A code line is a line of a Fortran file that is neither blank nor only a comment
 input/long_bar_1.nml on one thread, watched by `valgrind --tool=callgrind`; a module is entered where any of its
 procedures is called. The program is that of a release build, build/release/bin/amontons unless another is given.
 
-Usage: house.py [--update] [PROGRAM]
+Usage: house.py [PROGRAM]
 
---update writes both numbers into doc/architecture.md. Without valgrind or a program only the lines are counted.
+Without valgrind or a program only the lines are counted.
 """
 import os
 import re
@@ -18,10 +18,8 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT/"doc"/"architecture.md"
 DECK = ROOT/"input"/"long_bar_1.nml"
 MODULE = re.compile(r"\b__(amontons_\w+?)_MOD_")
-SENTENCE = re.compile(r"\d+ lines of code in \d+ modules; the smallest run\s+enters\s+\d+ of them")
 
 
 def count_lines():
@@ -44,9 +42,7 @@ def entered_modules(program):
 
 def main(arguments):
     """Prints the numbers; returns the exit status."""
-    is_update = "--update" in arguments
-    paths = [argument for argument in arguments if argument != "--update"]
-    program = Path(paths[0] if paths else ROOT/"build"/"release"/"bin"/"amontons")
+    program = Path(arguments[0] if arguments else ROOT/"build"/"release"/"bin"/"amontons")
     n_lines, n_modules = count_lines()
     print(f"{n_lines} lines of code in {n_modules} modules")
     if not (program.is_file() and shutil.which("valgrind")):
@@ -55,13 +51,6 @@ def main(arguments):
     entered = entered_modules(program)
     print(f"{len(entered)} modules entered by the smallest run: " + ", ".join(
         name.removeprefix("amontons_") for name in entered))
-    if is_update:
-        sentence = f"{n_lines} lines of code in {n_modules} modules; the smallest run enters {len(entered)} of them"
-        page = PAGE.read_text(encoding="utf-8")
-        if not SENTENCE.search(page):
-            print(f"{PAGE}: no sentence to update", file=sys.stderr)
-            return 1
-        PAGE.write_text(SENTENCE.sub(sentence, page), encoding="utf-8")
     return 0
 
 
