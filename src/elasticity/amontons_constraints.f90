@@ -523,7 +523,7 @@ contains
       end do
    end function constraints_supported_part
 
-   !> Whether the supports leave a node free in some direction that is not perpendicular to a given one.
+   !> Whether a node is free in some direction that is not perpendicular to a given one; no node of a rigid set is.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node

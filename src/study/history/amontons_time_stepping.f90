@@ -32,7 +32,7 @@ module amontons_time_stepping
       'changing']
    !> Indices of the classes in `cycle_outcomes`.
    integer, parameter :: first_cycle = 1, shakedown = 2, steady = 3, ratcheting = 4, changing = 5
-   !> Number of numbers of a cycle other than those of fretting, in the order of `cycle_numbers`.
+   !> Number of numbers of a cycle other than those of fretting, as `cycle_record_finish` orders them.
    integer, parameter :: n_plain_numbers = 14
    !> Number of all numbers of a cycle.
    integer, parameter :: n_cycle_numbers = n_plain_numbers + 3
@@ -62,7 +62,7 @@ module amontons_time_stepping
    !> The record of the present cycle and the numbers of the last complete one.
    type :: cycle_record_t
       logical :: is_finished = .false. !! whether the last step ended a cycle
-      real(dp) :: numbers(n_cycle_numbers) = 0.0_dp !! the last complete cycle, in the order of `cycle_numbers`
+      real(dp) :: numbers(n_cycle_numbers) = 0.0_dp !! the last complete cycle, as `cycle_record_finish` orders them
       type(fretting_t) :: fretting !! stresses and slips of the cycle so far
       logical, private :: is_begun = .false. !! whether the beginning of the cycle was seen
       logical, private :: has_before = .false. !! whether the cycle before was seen from beginning to end
