@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""Checks that every test can fail: that it is run, and that it asks something. Usage: check_tests.py [ROOT]
+"""Checks that every test can fail: that it is run, and that it asks something.
+
+Usage: check_tests.py [ROOT]
+       check_tests.py --untested    lists the modules without unit tests of their own
 
 * A test file of tests/ (`*.pf`, `test_*.py`) is named in the CMakeLists.txt of its folder, or in a benchmarks.txt that
   is read there, and the folder is added by the one above it.
+* A .pf file is named after the module that it tests: tests/ROOM/test_NAME.pf, where src/ROOM has amontons_NAME.
 * Every test of a .pf file comes to an assertion, in itself or in a procedure of tests/ that it calls.
 * A test_*.py has test methods, and runs them when it is called.
 """
@@ -17,8 +21,9 @@ LOOP = re.compile(r"foreach\s*\(\s*(\w+)\s+([^()]*)\)\s*add_program_test\s*\(\s*
 BEGIN = re.compile(r"(?:[\w ]+\s)?(subroutine|function)\s+(\w+)", re.IGNORECASE)
 END = re.compile(r"end\s*(subroutine|function)\b", re.IGNORECASE)
 ASSERTION = re.compile(r"\s*@assert|.*\bcall\s+throw\b", re.IGNORECASE)
-# Those of the stand-in for pFUnit show verdicts, and a script compares these.
-VERDICTS = Path("funit/conformance")
+# Unit tests of the stand-in for pFUnit, which is no module of src/. Some show verdicts, and a script compares these.
+STAND_IN = "funit"
+VERDICTS = Path(STAND_IN, "conformance")
 
 
 def commands(text):
@@ -54,6 +59,18 @@ def is_added(folder, tests):
             return False
         folder = parent
     return True
+
+
+def modules(root):
+    """The room and the name, without `amontons_`, of each module of src/; variants for build options are one module."""
+    return {(path.relative_to(root/"src").parts[0], path.name.split(".")[0].removeprefix("amontons_"))
+            for path in (root/"src").glob("*/**/*.f90")}
+
+
+def tested_modules(tests):
+    """The file of the unit tests of each module, by its room and name."""
+    return {(path.parent.name, path.stem.removeprefix("test_")): path for path in sorted(tests.rglob("*.pf"))
+            if path.relative_to(tests).parts[0] != STAND_IN}
 
 
 def executables(tests):
@@ -119,11 +136,19 @@ def faults(tests):
             yield path, 1, "no add_subdirectory leads to its folder: it is never run"
         if path.suffix == ".py":
             yield from ((path, *fault) for fault in script_faults(path))
+    known = modules(tests.parent)
+    for (room, name), path in tested_modules(tests).items():
+        if (room, name) not in known:
+            yield path, 1, f"src/{room} has no module amontons_{name}: a file of unit tests is named after its module"
     yield from assertion_faults(tests)
 
 
 def main(root=ROOT):
-    """Prints the faults; returns the exit status."""
+    """Prints the faults, or the modules without unit tests; returns the exit status."""
+    if root == "--untested":
+        for room, name in sorted(modules(ROOT).difference(tested_modules(ROOT/"tests"))):
+            print(f"{room}/{name}")
+        return 0
     found = list(faults(Path(root).resolve() / "tests"))
     for path, number, text in found:
         print(f"{path.relative_to(Path(root).resolve())}:{number}: {text}")

@@ -40,6 +40,7 @@ class Tests(CheckerTest):
                    "file(STRINGS benchmarks.txt names)\n# test_six.pf, add_program_test(six program)\n")
         self.write("tests/base/benchmarks.txt", "five\n")
         self.write("tests/base/test_one.pf", UNIT.format(first="@assertEqual(1, 1)"))
+        self.write("src/base/deep/amontons_one.f90", "")
         for name in ("two", "three", "four", "five"):
             self.write(f"tests/base/test_{name}.py", SCRIPT)
 
@@ -48,6 +49,7 @@ class Tests(CheckerTest):
 
     def test_files_that_are_not_listed_are_refused(self):
         self.write("tests/base/test_six.pf", UNIT.format(first="@assertEqual(1, 1)"))
+        self.write("src/base/amontons_six.option.f90", "")
         self.write("tests/base/test_six.py", SCRIPT)
         self.write("tests/base/test_program.py", SCRIPT)
         self.assert_finds(*(f"tests/base/{name}:1: {UNLISTED}" for name in
@@ -59,6 +61,12 @@ class Tests(CheckerTest):
         self.write("tests/cellar/test_older.py", SCRIPT)
         self.assert_finds("tests/attic/test_old.py:1: no add_subdirectory leads to its folder: it is never run",
                           f"tests/cellar/test_older.py:1: {UNLISTED}")
+
+    def test_unit_test_that_no_module_is_named_after_is_refused(self):
+        (self.root/"src/base/deep/amontons_one.f90").rename(self.root/"src/mesh.f90")
+        self.write("src/mesh/amontons_one.f90", "")
+        self.assert_finds("tests/base/test_one.pf:1: src/base has no module amontons_one: "
+                          "a file of unit tests is named after its module")
 
     def test_unit_test_without_assertion_is_refused(self):
         self.write("tests/base/test_one.pf", UNIT.format(first="call work() ! @assertEqual(1, 1)"))
