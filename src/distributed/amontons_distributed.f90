@@ -222,8 +222,7 @@ contains
          end do
       end associate
       allocate (subdomain%node(0))
-      call number_nodes(subdomain%node, number, [subdomain%mesh%node, (springs(i)%node(:springs(i)%n_nodes), &
-         i=1, size(springs))])
+      call number_nodes(subdomain%node, number, [subdomain%mesh%node, (springs(i)%node, i=1, size(springs))])
       ! After those whose displacements are of interest come those whose unknowns these are made of.
       n_displaced = size(subdomain%node)
       call dof_map%substitution%own_nodes_of_elements([(i, i=1, n_displaced + 1)], subdomain%node, start, node)
@@ -235,9 +234,7 @@ contains
       call subdomain%dof_map%substitution%copy_part(dof_map%substitution, subdomain%node(:n_displaced), number)
       subdomain%springs = springs
       do i = 1, size(springs)
-         associate (spring => subdomain%springs(i))
-            spring%node(:spring%n_nodes) = number(spring%node(:spring%n_nodes))
-         end associate
+         subdomain%springs(i)%node = number(springs(i)%node)
       end do
       number(subdomain%node) = 0
    end subroutine new_subdomain

@@ -38,11 +38,11 @@ contains
       allocate (spring_start(size(springs)))
       n = size(mesh%node) + 1
       do i = 1, size(springs)
-         n = n + springs(i)%n_nodes
+         n = n + size(springs(i)%node)
          spring_start(i) = n
       end do
       call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
-         [mesh%node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))], start, node)
+         [mesh%node, (springs(i)%node, i=1, size(springs))], start, node)
       allocate (unknowns(size(dof_map%dof, 1)*size(node)))
       do i = 1, size(node)
          unknowns(2*i - 1:2*i) = dof_map%dof(:2, node(i))
@@ -72,10 +72,12 @@ contains
          call add_elements(stiffness, mesh, twist, coloring, constraints, dof_map)
       end if
       do i = 1, size(springs)
-         n = springs(i)%n_nodes
-         call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
-         if (size(dof_map%dof, 1) > 2) call add_block(stiffness, springs(i)%node(:n), springs(i)%around(:n, :n), &
-            constraints, dof_map)
+         n = size(springs(i)%node)
+         associate (block => springs(i)%stiffness)
+            call add_block(stiffness, springs(i)%node, reshape(block(:2, :, :2, :), [2*n, 2*n]), constraints, dof_map)
+            if (size(block, 1) > 2) call add_block(stiffness, springs(i)%node, reshape(block(3, :, 3, :), [n, n]), &
+               constraints, dof_map)
+         end associate
       end do
    end subroutine assemble_stiffness
 
@@ -251,18 +253,15 @@ contains
    pure function spring_forces(n_nodes, springs, displacement) result(forces)
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
       type(spring_side_t), intent(in) :: springs(:) !! the springs
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), allocatable :: forces(:, :)
-      integer :: i, n
+      integer :: i
 
       allocate (forces(size(displacement, 1), n_nodes), source=0.0_dp)
       do i = 1, size(springs)
-         n = springs(i)%n_nodes
-         associate (nodes => springs(i)%node(:n))
-            forces(:2, nodes) = forces(:2, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
-               reshape(displacement(:2, nodes), [2*n])), [2, n])
-            if (size(forces, 1) > 2) forces(3, nodes) = forces(3, nodes) + matmul(springs(i)%around(:n, :n), &
-               displacement(3, nodes))
+         associate (nodes => springs(i)%node, n => size(springs(i)%stiffness(:, :, 1, 1)))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(reshape(springs(i)%stiffness, [n, n]), &
+               reshape(displacement(:, nodes), [n])), shape(forces(:, nodes)))
          end associate
       end do
    end function spring_forces

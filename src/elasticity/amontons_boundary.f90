@@ -1,7 +1,7 @@
 !> Boundary lines: the sides of a set in consecutive order, with normals and weights.
 module amontons_boundary
-   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
@@ -18,12 +18,11 @@ module amontons_boundary
       integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
       real(dp), allocatable :: normal(:, :) !! unit outward normal, a mean by the shape function (2, n_nodes) [-]
       real(dp), allocatable :: area(:)
-         !! tributary area, where materials give the depth; 0 for a corner of a quadratic side on the axis of revolution
-         !! (n_nodes) [L^2]
+         !! tributary area; 0 for a corner of a quadratic side on the axis of revolution (n_nodes) [L^2]
       real(dp), allocatable :: bare_area(:)
          !! of such a corner the integral of its shape function, which may be negative; 0 elsewhere (n_nodes) [L^2]
       real(dp), allocatable :: moment(:)
-         !! integral of the node's shape function times the square of x, where materials are given (n_nodes) [L^4]
+         !! integral of the node's shape function times the square of x (n_nodes) [L^4]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
    end type boundary_line_t
@@ -37,20 +36,20 @@ contains
       character(*), intent(in) :: set !! name of the boundary set
       type(error_t), allocatable, intent(out) :: error
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
-      type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
+      type(materials_t), intent(in), optional :: materials !! materials of the elements, which give the depth; it is 1 without them
       ! Length of the sum of two unit normals that cancel but for the digits of a mesh file.
       real(dp), parameter :: negligible = 1.0e-6_dp
-      integer, allocatable :: sides(:, :), after(:), before(:)
-      logical, allocatable :: is_bare(:), is_on_axis(:)
+      type(face_t), allocatable :: faces(:)
+      integer, allocatable :: after(:), before(:)
       real(dp) :: length
       integer :: i, turn, node, place, first_place
 
-      call mesh%set_sides(set, sides, error)
+      call set_faces(faces, mesh, set, error, materials)
       if (allocated(error)) return
       ! The node that follows each node, and the corner that comes before each corner.
       allocate (after(mesh%n_nodes), before(mesh%n_nodes), source=0)
-      do i = 1, size(sides, 2)
-         associate (first => sides(1, i), second => sides(2, i), middle => sides(3, i))
+      do i = 1, size(faces)
+         associate (first => faces(i)%node(1), second => faces(i)%node(2), middle => faces(i)%node(3))
             if (after(first) /= 0 .or. before(second) /= 0) then
                call new_error(error, input_refused, "the sides of the set '"//set// &
                   "' do not form lines: they branch at node "//to_text(merge(first, second, after(first) /= 0)))
@@ -62,10 +61,10 @@ contains
          end associate
       end do
       ! Open pieces from their first node on, then closed ones.
-      allocate (line%node(3*size(sides, 2)), line%next(3*size(sides, 2)))
+      allocate (line%node(3*size(faces)), line%next(3*size(faces)))
       do turn = 1, 2
-         do i = 1, size(sides, 2)
-            node = sides(1, i)
+         do i = 1, size(faces)
+            node = faces(i)%node(1)
             if (after(node) == 0 .or. (turn == 1 .and. before(node) /= 0)) cycle
             first_place = line%n_nodes + 1
             do
@@ -75,26 +74,14 @@ contains
                node = after(node)
                after(line%node(place)) = 0
                line%next(place) = merge(place + 1, 0, node > 0)
-               if (node == sides(1, i)) line%next(place) = first_place
-               if (node == 0 .or. node == sides(1, i)) exit
+               if (node == faces(i)%node(1)) line%next(place) = first_place
+               if (node == 0 .or. node == faces(i)%node(1)) exit
             end do
          end do
       end do
       line%node = line%node(:line%n_nodes)
       line%next = line%next(:line%n_nodes)
-      call measure_sides(line, sides, mesh, materials)
-      if (present(materials)) then
-         ! A corner of a quadratic side on the axis of revolution has no area: that of a straight side is 0; of a curved
-         ! one, or with its middle node off the middle, the integral is a small number of either sign, over which a
-         ! force is no stress.
-         is_on_axis = on_axis(mesh, materials)
-         allocate (is_bare(mesh%n_nodes), source=.false.)
-         do i = 1, size(sides, 2)
-            if (sides(3, i) > 0) is_bare(sides(:2, i)) = is_on_axis(sides(:2, i))
-         end do
-         line%bare_area = merge(line%area, 0.0_dp, is_bare(line%node))
-         line%area = line%area - line%bare_area
-      end if
+      call measure_faces(line, faces, mesh, materials)
       do i = 1, line%n_nodes
          length = norm2(line%normal(:, i))
          if (.not. length > negligible*line%weight(i)) then
@@ -108,52 +95,52 @@ contains
       end do
    end subroutine new_boundary_line
 
-   !> Integrals of the nodes' shape functions: alone, times the normal and, if materials are given, times the depth.
-   !> Sides on the axis of revolution are inside the body: they do not contribute to the normals of their ends.
-   pure subroutine measure_sides(line, sides, mesh, materials)
+   !> Integrals of the nodes' shape functions: alone, times the normal and times the depth. Faces on the axis of
+   !> revolution are inside the body: they do not contribute to the normals of their ends.
+   pure subroutine measure_faces(line, faces, mesh, materials)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order; its normals are no unit vectors yet
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
+      type(face_t), intent(in) :: faces(:) !! its faces
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
-      type(side_geometry_t) :: geometry
-      integer :: place(mesh%n_nodes), i, k, point, p
-      logical :: is_on_axis(mesh%n_nodes)
-      real(dp) :: length, area, axial(2, line%n_nodes)
+      type(materials_t), intent(in), optional :: materials !! materials of the elements
+      integer :: place(mesh%n_nodes), i, k, p, point
+      logical :: is_bare(mesh%n_nodes), is_on_axis(mesh%n_nodes)
+      real(dp) :: axial(2, line%n_nodes)
 
       place = 0
       place(line%node) = [(i, i=1, line%n_nodes)]
-      allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
-      is_on_axis = .false.
+      allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), line%area(line%n_nodes), &
+         line%moment(line%n_nodes), source=0.0_dp)
       axial = 0.0_dp
-      if (present(materials)) then
-         allocate (line%area(line%n_nodes), line%moment(line%n_nodes), source=0.0_dp)
-         is_on_axis = on_axis(mesh, materials)
-      end if
-      do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
-         do point = 1, size(geometry%along, 2)
-            length = norm2(geometry%along(:, point))
-            area = 0.0_dp
-            if (present(materials)) area = length &
-               *materials%list(materials%of_element(sides(4, i)))%depth(geometry%position(1, point))
-            do k = 1, count(sides(:3, i) > 0)
-               p = place(sides(k, i))
-               associate (value => geometry%values(k, point), along => geometry%along(:, point))
-                  line%weight(p) = line%weight(p) + value*length
-                  if (all(is_on_axis(sides(:2, i)))) then
-                     axial(:, p) = axial(:, p) + value*[along(2), -along(1)]
-                  else
-                     line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
-                  end if
-                  if (.not. present(materials)) cycle
-                  line%area(p) = line%area(p) + value*area
-                  line%moment(p) = line%moment(p) + value*area*geometry%position(1, point)**2
-               end associate
+      is_bare = .false.
+      is_on_axis = .false.
+      if (present(materials)) is_on_axis = on_axis(mesh, materials)
+      do i = 1, size(faces)
+         associate (face => faces(i))
+            do point = 1, size(face%area)
+               do k = 1, face%n_nodes
+                  p = place(face%node(k))
+                  associate (value => face%values(k, point))
+                     line%weight(p) = line%weight(p) + value*face%length(point)
+                     line%area(p) = line%area(p) + value*face%area(point)
+                     line%moment(p) = line%moment(p) + value*face%area(point)*face%position(1, point)**2
+                     if (all(is_on_axis(face%node(:2)))) then
+                        axial(:, p) = axial(:, p) + value*face%outward(:, point)
+                     else
+                        line%normal(:, p) = line%normal(:, p) + value*face%outward(:, point)
+                     end if
+                  end associate
+               end do
             end do
-         end do
+            if (face%n_nodes > 2) is_bare(face%node(:2)) = is_on_axis(face%node(:2))
+         end associate
       end do
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(line%normal) > 0.0_dp, dim=1), 1, 2)) line%normal = axial
-   end subroutine measure_sides
+      ! A corner of a quadratic side on the axis of revolution has no area: that of a straight side is 0; of a curved
+      ! one, or with its middle node off the middle, the integral is a small number of either sign, over which a
+      ! force is no stress.
+      line%bare_area = merge(line%area, 0.0_dp, is_bare(line%node))
+      line%area = line%area - line%bare_area
+   end subroutine measure_faces
 
 end module amontons_boundary

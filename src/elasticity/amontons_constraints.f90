@@ -14,11 +14,11 @@
 !> element.
 module amontons_constraints
    use amontons_boundary, only: boundary_line_t, new_boundary_line
-   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
-   use amontons_mesh, only: find_set, mesh_t, side_number
+   use amontons_mesh, only: find_set, mesh_t
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
@@ -108,17 +108,12 @@ module amontons_constraints
    !> which should agree differ in the last of them.
    real(dp), parameter :: negligible = 1.0e-6_dp
 
-   !> Most unknowns of a side: two of each of three nodes.
-   integer, parameter :: max_unknowns = 6
-
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
       integer :: support = 0 !! number of the support
       integer :: number = 0 !! number of the element's side
-      integer :: n_nodes = 0 !! number of nodes of the side, 2 or 3
-      integer :: node(3) = 0 !! the nodes
-      real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
-      real(dp) :: around(3, 3) = 0.0_dp !! stiffness around the axis on each node of a twisted body [F/L]
+      integer, allocatable :: node(:) !! its nodes
+      real(dp), allocatable :: stiffness(:, :, :, :) !! stiffness (components, nodes, components, nodes) [F/L]
    end type spring_side_t
 
    !> The rows of P of the nodes whose displacements are substituted: those of node i from `start(i)` to `start(i + 1) -
@@ -577,55 +572,49 @@ contains
       frame(:2, 2) = [-self%axis(2, node), self%axis(1, node)]
    end function constraints_frame
 
-   !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t t t^T) along each side.
-   pure subroutine new_foundation(sides, mesh, materials, supports, error)
-      type(spring_side_t), allocatable, intent(out) :: sides(:) !! the springs, side by side
+   !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t (1 - n n^T)) over each face.
+   subroutine new_foundation(springs, mesh, materials, supports, error)
+      type(spring_side_t), allocatable, intent(out) :: springs(:) !! the springs, face by face
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(support_t), intent(in) :: supports(:) !! the supports, with their spring moduli
       type(error_t), allocatable, intent(out) :: error !! a support names a set that the mesh has not
+      type(face_t), allocatable :: faces(:)
       type(spring_side_t), allocatable :: more(:)
-      type(side_geometry_t) :: geometry
-      integer, allocatable :: nodes(:, :)
-      real(dp) :: tangent(2), normal(2), modulus(2, 2), area
+      real(dp) :: normal(materials%n_components()), modulus(size(normal), size(normal))
       integer :: i, j, k, l, point
 
-      allocate (sides(0))
+      allocate (springs(0))
       do i = 1, size(supports)
          if (.not. any(supports(i)%spring > 0.0_dp)) cycle
-         call mesh%set_sides(supports(i)%set, nodes, error)
+         call set_faces(faces, mesh, supports(i)%set, error, materials)
          if (allocated(error)) error%message = supports(i)%origin//error%message
          if (allocated(error)) return
-         allocate (more(size(nodes, 2)))
+         allocate (more(size(faces)))
          do k = 1, size(more)
-            associate (side => more(k), moduli => supports(i)%spring)
-               side%support = i
-               associate (set => mesh%sets(find_set(mesh%sets, supports(i)%set)))
-                  side%number = side_number(set%element(k), set%side(k))
-               end associate
-               side%n_nodes = count(nodes(:3, k) > 0)
-               side%node = nodes(:3, k)
-               call new_side_geometry(geometry, nodes(:3, k), mesh%coordinates)
-               do point = 1, size(geometry%along, 2)
-                  area = norm2(geometry%along(:, point))
-                  tangent = geometry%along(:, point)/area
-                  normal = [tangent(2), -tangent(1)]
-                  area = area*materials%list(materials%of_element(nodes(4, k)))%depth(geometry%position(1, point))
-                  do j = 1, 2
-                     modulus(:, j) = area*(moduli(1)*normal*normal(j) + moduli(2)*tangent*tangent(j))
+            associate (spring => more(k), face => faces(k), along_normal => supports(i)%spring(1), &
+               across => supports(i)%spring(2))
+               spring%support = i
+               spring%number = face%number
+               spring%node = face%node(:face%n_nodes)
+               allocate (spring%stiffness(size(normal), face%n_nodes, size(normal), face%n_nodes), source=0.0_dp)
+               do point = 1, size(face%area)
+                  normal = 0.0_dp
+                  normal(:2) = face%outward(:, point)/face%length(point)
+                  do j = 1, size(normal)
+                     modulus(:, j) = face%area(point)*(along_normal - across)*normal*normal(j)
+                     modulus(j, j) = modulus(j, j) + face%area(point)*across
                   end do
-                  do j = 1, side%n_nodes
-                     do l = 1, side%n_nodes
-                        side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) = side%stiffness(2*l - 1:2*l, 2*j - 1:2*j) &
-                           + geometry%values(l, point)*geometry%values(j, point)*modulus
-                        side%around(l, j) = side%around(l, j) &
-                           + geometry%values(l, point)*geometry%values(j, point)*area*moduli(2)
+                  do j = 1, face%n_nodes
+                     do l = 1, face%n_nodes
+                        spring%stiffness(:, l, :, j) = spring%stiffness(:, l, :, j) &
+                           + face%values(l, point)*face%values(j, point)*modulus
                      end do
                   end do
                end do
             end associate
          end do
-         sides = [sides, more]
+         springs = [springs, more]
          deallocate (more)
       end do
    end subroutine new_foundation

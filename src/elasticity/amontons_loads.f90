@@ -2,8 +2,8 @@
 !> free thermal strain.
 module amontons_loads
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
-   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, set_faces
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
@@ -111,25 +111,20 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(error_t), allocatable, intent(out) :: error !! no such set, or one without area
-      type(side_geometry_t) :: geometry
-      integer, allocatable :: sides(:, :)
-      real(dp) :: area, polar_moment, share
+      type(face_t), allocatable :: faces(:)
+      real(dp) :: area, polar_moment
       integer :: i, point
 
       if (.not. any(abs([load%total_force, load%torque]) > 0.0_dp)) return
-      call mesh%set_sides(load%set, sides, error)
+      call set_faces(faces, mesh, load%set, error, materials)
       if (allocated(error)) return
       area = 0.0_dp
       polar_moment = 0.0_dp
-      do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
-         associate (material => materials%list(materials%of_element(sides(4, i))))
-            do point = 1, size(geometry%along, 2)
-               share = norm2(geometry%along(:, point))*material%depth(geometry%position(1, point))
-               area = area + share
-               polar_moment = polar_moment + share*geometry%position(1, point)**2
-            end do
-         end associate
+      do i = 1, size(faces)
+         do point = 1, size(faces(i)%area)
+            area = area + faces(i)%area(point)
+            polar_moment = polar_moment + faces(i)%area(point)*faces(i)%position(1, point)**2
+         end do
       end do
       if (area > 0.0_dp) then
          if (any(abs(load%total_force) > 0.0_dp)) load%traction = load%total_force/area
@@ -148,8 +143,7 @@ contains
       type(load_t), intent(in) :: given !! the load
       type(error_t), allocatable, intent(out) :: error !! no such set, or a total force on one without area
       type(load_t) :: load
-      integer, allocatable :: sides(:, :)
-      type(side_geometry_t) :: geometry
+      type(face_t), allocatable :: faces(:)
       real(dp) :: force(3)
       integer :: i, k, point
 
@@ -157,22 +151,22 @@ contains
       if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. size(forces, 1) == 2) call new_error(error, &
          input_refused, 'torque and traction_theta need twist = .true. in &material')
       if (.not. allocated(error)) call spread_total_force(load, mesh, materials, error)
-      if (.not. allocated(error)) call mesh%set_sides(load%set, sides, error)
+      if (.not. allocated(error)) call set_faces(faces, mesh, load%set, error, materials)
       if (allocated(error)) return
-      do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
-         do point = 1, size(geometry%along, 2)
-            associate (x => geometry%position(:, point), along => geometry%along(:, point), &
-               material => materials%list(materials%of_element(sides(4, i))))
-               force(:2) = (load%traction + matmul(load%traction_slope, x))*norm2(along) &
-                  - (load%pressure + dot_product(load%pressure_slope, x))*[along(2), -along(1)]
-               force(3) = (load%traction_theta + load%torque_traction*x(1))*norm2(along)
-               force = force*material%depth(x(1))
-            end associate
-            do k = 1, count(sides(:3, i) > 0)
-               forces(:, sides(k, i)) = forces(:, sides(k, i)) + geometry%values(k, point)*force(:size(forces, 1))
+      do i = 1, size(faces)
+         associate (face => faces(i))
+            do point = 1, size(face%area)
+               associate (x => face%position(:, point), length => face%length(point))
+                  force(:2) = (load%traction + matmul(load%traction_slope, x))*length &
+                     - (load%pressure + dot_product(load%pressure_slope, x))*face%outward(:, point)
+                  force(3) = (load%traction_theta + load%torque_traction*x(1))*length
+               end associate
+               force = force*face%depth(point)
+               do k = 1, face%n_nodes
+                  forces(:, face%node(k)) = forces(:, face%node(k)) + face%values(k, point)*force(:size(forces, 1))
+               end do
             end do
-         end do
+         end associate
       end do
    end subroutine add_side_forces
 

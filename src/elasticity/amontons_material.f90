@@ -377,7 +377,7 @@ contains
    end function material_squared_norms
 
    !> Factor from areas of the plane to volumes: the thickness, or the circumference at a radius [L].
-   pure real(dp) function material_depth(self, x) result(depth)
+   elemental real(dp) function material_depth(self, x) result(depth)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: x !! the radius; without effect on a plane body [L]
       real(dp), parameter :: pi = acos(-1.0_dp)

@@ -49,10 +49,10 @@ contains
       real(dp), intent(in) :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      ! A quadratic side has three nodes.
-      integer, parameter :: most_components = 6
+      ! A quadratic side of a twisted body has three nodes of three components.
+      integer, parameter :: most_components = 9
       integer, allocatable :: piece(:), start(:), node(:)
-      real(dp), allocatable :: around(:, :), gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
+      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
       real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
       integer :: axis, i, info, k, n_jumps, n_pieces, p
 
@@ -61,7 +61,7 @@ contains
       call number_pieces(mesh, piece, n_pieces, bonds(:2, :))
       call fill_bins(start, node, piece, n_pieces)
       allocate (motions(n_pieces), gram(3 + n_jumps, 3 + n_jumps), values(3 + n_jumps))
-      allocate (motion(most_components, 3 + n_jumps), around(3, 3 + n_jumps), source=0.0_dp)
+      allocate (motion(most_components, 3 + n_jumps), source=0.0_dp)
       do p = 1, n_pieces
          motions(p)%node = node(start(p):start(p + 1) - 1)
          motions(p)%is_whole = n_pieces == 1
@@ -100,18 +100,18 @@ contains
          end do
          ! The directions that springs resist, whatever their stiffness.
          do i = 1, size(springs)
-            associate (side => springs(i), n => 2*springs(i)%n_nodes)
-               if (piece(side%node(1)) /= p) cycle
-               largest = maxval(abs(side%stiffness))
+            associate (spring => springs(i), n => motions(p)%n_components)
+               if (piece(spring%node(1)) /= p) cycle
+               largest = maxval(abs(spring%stiffness))
                if (.not. largest > 0.0_dp) cycle
-               do k = 1, side%n_nodes
-                  unit = motions(p)%unit_motions(mesh%coordinates(:, side%node(k)), side%node(k))
-                  motion(2*k - 1:2*k, :) = unit(:2, :)
-                  around(k, :) = 0.0_dp
-                  if (size(unit, 1) > 2) around(k, :) = unit(3, :)
+               do k = 1, size(spring%node)
+                  motion(n*(k - 1) + 1:n*k, :) = motions(p)%unit_motions(mesh%coordinates(:, spring%node(k)), &
+                     spring%node(k))
                end do
-               gram = gram + matmul(transpose(around), matmul(side%around/largest, around))
-               gram = gram + matmul(transpose(motion(:n, :)), matmul(side%stiffness(:n, :n)/largest, motion(:n, :)))
+               associate (along => motion(:n*size(spring%node), :))
+                  gram = gram + matmul(transpose(along), matmul(reshape(spring%stiffness/largest, &
+                     [size(along, 1), size(along, 1)]), along))
+               end associate
             end associate
          end do
          if (is_axisymmetric) then
