@@ -36,7 +36,8 @@ contains
       character(*), intent(in) :: set !! name of the boundary set
       type(error_t), allocatable, intent(out) :: error
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
-      type(materials_t), intent(in), optional :: materials !! materials of the elements, which give the depth; it is 1 without them
+      type(materials_t), intent(in), optional :: materials
+         !! materials of the elements, which give the depth; it is 1 without them
       ! Length of the sum of two unit normals that cancel but for the digits of a mesh file.
       real(dp), parameter :: negligible = 1.0e-6_dp
       type(face_t), allocatable :: faces(:)

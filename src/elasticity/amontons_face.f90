@@ -1,5 +1,5 @@
-!> Faces of the boundary, in the plane its sides, with one quadrature: loads, foundations, areas and normals are sums over
-!> its points.
+!> Faces of the boundary, in the plane its sides, with one quadrature: loads, foundations, areas and normals are sums
+!> over its points.
 module amontons_face
    use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
    use amontons_error, only: error_t
@@ -9,7 +9,7 @@ module amontons_face
    implicit none (type, external)
    private
 
-   public :: face_t, new_face, set_faces
+   public :: face_t, set_faces
 
    !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions.
    type :: face_t
