@@ -573,7 +573,7 @@ contains
    end function constraints_frame
 
    !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t (1 - n n^T)) over each face.
-   subroutine new_foundation(springs, mesh, materials, supports, error)
+   pure subroutine new_foundation(springs, mesh, materials, supports, error)
       type(spring_side_t), allocatable, intent(out) :: springs(:) !! the springs, face by face
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth

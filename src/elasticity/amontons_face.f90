@@ -29,7 +29,7 @@ module amontons_face
 contains
 
    !> Makes the faces of a boundary set.
-   subroutine set_faces(faces, mesh, set, error, materials)
+   pure subroutine set_faces(faces, mesh, set, error, materials)
       type(face_t), allocatable, intent(out) :: faces(:) !! the faces, in the order of the set
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
