@@ -7,9 +7,9 @@ class Amontons(CMakePackage):
     Python."""
 
     # A repository of recipes wants the address of an archive here; without one, build from a copy of the sources:
-    # spack dev-build amontons@0.2.0
+    # spack dev-build amontons@0.3.0
     license("BSD-3-Clause")
-    version("0.2.0")
+    version("0.3.0")
 
     variant("shared", default=True, description="Build the C interface, which the Python package loads")
     variant("suitesparse", default=True, description="Use CHOLMOD and UMFPACK, which are under the GPL")

@@ -23,7 +23,7 @@ LENGTHS = {"open": 3.75, "slip": 20.0, "stick": 16.25}  # row 1 of the paper's T
 
 C_PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(only_c LANGUAGES C)
-find_package(amontons 0.2 REQUIRED)
+find_package(amontons 0.3 REQUIRED)
 add_executable(from_c from_c.c)
 target_link_libraries(from_c PRIVATE amontons::amontons_c)
 """
