@@ -8,7 +8,7 @@ module amontons_config
       describe_accuracy, describe_case, describe_contact, describe_load, describe_material, describe_mesh, &
       describe_output, describe_preload, describe_problem, describe_rigid, describe_support, describe_tie, &
       driven_set_t, load_group, material_group, mesh_group, output_group, preload_group, problem_group, &
-      reduced_source_t, require_expansion, rigid_group, support_group, tie_group
+      reduced_source_t, rigid_group, support_group, tie_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
@@ -18,7 +18,7 @@ module amontons_config
    use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_t
+   use amontons_loads, only: load_on_motion, load_on_nodes, load_t
    use amontons_material, only: material_t
    use amontons_mesh, only: find_set, mesh_t
    use amontons_mesh_file, only: mesh_part_t, read_file_model
@@ -261,14 +261,13 @@ contains
          call visitor%require(.not. any([(any(config%meshes(k)%is_used), k=1, i - 1)]), 'use', &
             'use is only for one &mesh')
          if (len(config%meshes(i)%file) == 0) cycle
-         call read_file_model(model, config%meshes(i)%file, config%meshes(i)%is_used, error)
+         call read_file_model(model, config%meshes(i)%file, config%meshes(i)%is_used, config%meshes(i)%step, error)
          if (allocated(error)) then
             call visitor%require(.false., 'use', error%message)
             config%n_used = 0
             cycle
          end if
          config%n_used = [size(model%materials), model%n_supports, model%n_loads]
-         if (any(model%loads(:model%n_loads)%target == load_by_temperature)) call require_expansion(visitor, 'use')
       end do
       if (is_new) then
          ! Makes room for the materials, supports and loads of the deck, behind those of its mesh file.
@@ -399,7 +398,7 @@ contains
             if (find_set(mesh%regions, name) > 0) return
             call mesh%region_elements(name, elements, fault)
          else
-            if (find_set(mesh%sets, name) > 0 .or. find_set(mesh%node_sets, name) > 0) return
+            if (find_set(mesh%node_sets, name) > 0) return
             call mesh%set_sides(name, sides, fault)
          end if
          if (allocated(fault)) call faults%add(0, origin//fault%message)

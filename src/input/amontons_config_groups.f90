@@ -7,7 +7,7 @@ module amontons_config_groups
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
    use amontons_error, only: error_t
-   use amontons_file_model, only: use_names
+   use amontons_file_model, only: use_loads, use_names, use_supports
    use amontons_generated_mesh, only: diagonal_names
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
@@ -23,7 +23,7 @@ module amontons_config_groups
 
    public :: accuracy_options_t, add_driven_set, describe_accuracy, describe_case, describe_contact, describe_load, &
       describe_material, describe_mesh, describe_output, describe_preload, describe_problem, describe_rigid, &
-      describe_support, describe_tie, driven_set_t, reduced_source_t, require_expansion
+      describe_support, describe_tie, driven_set_t, reduced_source_t
 
    !> The group of the case.
    type(group_t), parameter, public :: case_group = group_t('case')
@@ -270,7 +270,7 @@ contains
       type(mesh_part_t), intent(inout) :: part !! the part of the mesh
       character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
       character(9) :: kind
-      logical :: is_rectangle, needs_size, is_written
+      logical :: is_rectangle, is_stepped, needs_size, is_written
 
       call visitor%open_group(mesh_group)
       kind = kind_names(merge(2, 1, is_filled(part%file) .or. visitor%has('file')))
@@ -283,6 +283,10 @@ contains
          is_filled=.true., also='filename path'), part%file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
          default='none', also='read import'), use_names, part%is_used)
+      is_stepped = part%step > 0
+      call visitor%whole(key_t('step', 'of a file with several: the step whose supports and loads are used,'// &
+         ' with what it keeps of those before', default='the only one', at_least=1.0_dp), part%step, &
+         is_stepped)
       ! Describes the keys of a rectangle.
       needs_size = is_rectangle .and. .not. visitor%has('file')
       is_written = is_rectangle
@@ -303,7 +307,8 @@ contains
       call visitor%close_group()
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
       if (.not. visitor%is_judging()) return
-      call visitor%only('file use', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('file use step', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('step', any(part%is_used([use_supports, use_loads])), "use = 'supports' or 'loads'")
       call visitor%only('use', .not. visitor%has('name'), 'a mesh without a name')
       call visitor%only('size cells element diagonal grading', is_rectangle, "kind = 'rectangle'")
       call visitor%require(visitor%has('file') .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
@@ -556,6 +561,7 @@ contains
       logical :: has_point, on_nodes, is_given(4), has(4), has_total, has_twist(2)
       real(dp) :: slopes(4)
       logical :: has_force, has_gravity, has_speed, has_center
+      integer :: material
 
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. is_filled(load%set)
@@ -632,7 +638,13 @@ contains
          'traction, pressure, total_force and torque need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
          'force', 'force needs either set or point')
-      if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
+      material = 0
+      do while (load%target == load_by_temperature)
+         material = visitor%deck%next_group('material', material)
+         if (material == 0) exit
+         call visitor%require(visitor%deck%has(material, 'expansion'), 'temperature', &
+            'temperature needs the expansion of every &material; 0 for one that does not expand')
+      end do
    end subroutine describe_load
 
    !> Describes the keys of a temperature.
@@ -662,21 +674,6 @@ contains
       call visitor%require(.not. (has_value .or. has_slope), table_key, &
          'give either temperature and temperature_slope, or temperature_table')
    end subroutine describe_temperature
-
-   !> Requires the key `expansion` of every `&material`, since there are temperatures.
-   subroutine require_expansion(visitor, key)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      character(*), intent(in) :: key !! the key that brings the temperatures
-      integer :: material
-
-      material = 0
-      do
-         material = visitor%deck%next_group('material', material)
-         if (material == 0) exit
-         call visitor%require(visitor%deck%has(material, 'expansion'), key, &
-            'temperature needs the expansion of every &material; 0 for one that does not expand')
-      end do
-   end subroutine require_expansion
 
    !> Describes one `&contact`.
    subroutine describe_contact(visitor, contact)

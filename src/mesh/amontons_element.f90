@@ -7,10 +7,10 @@ module amontons_element
    implicit none (type, external)
    private
 
-   public :: element_names, is_triangle, max_corners, max_nodes, max_points, n_corners, n_element_nodes, &
-      n_element_points, n_fine_points, n_sampling_points, n_side_points, new_side_geometry, node_coordinates, quad4, &
-      quad8, quad9, quadrature_point, shape_functions, side_abscissa, side_geometry_t, side_nodes, side_shapes, &
-      side_weight, tri3, tri6
+   public :: element_names, is_triangle, jacobian_degree, mapped_square, max_corners, max_nodes, max_points, &
+      n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, n_side_points, &
+      new_side_geometry, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, side_abscissa, &
+      side_geometry_t, side_nodes, side_shapes, side_weight, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -29,6 +29,8 @@ module amontons_element
    integer, parameter :: n_element_nodes(*) = [3, 4, 6, 8, 9]
    !> Number of corners, and of sides, of each kind.
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
+   !> Degree of the Jacobian of each kind in either coordinate of `mapped_square`.
+   integer, parameter :: jacobian_degree(*) = [0, 1, 2, 3, 3]
    !> Number of quadrature points where the stresses of each kind are most accurate: of the rule one order lower.
    integer, parameter :: n_sampling_points(*) = [1, 1, 3, 4, 4]
    !> Number of quadrature points that are exact for products of two stresses of one order higher than those of a kind.
@@ -96,6 +98,16 @@ contains
          xi = quad_nodes(:, node)
       end if
    end function node_coordinates
+
+   !> Reference coordinates of a point of the unit square, which covers the reference element; in a triangle the side
+   !> 0, 1 of the square becomes one side, and its opposite side a corner (2) [-].
+   pure function mapped_square(kind, place) result(xi)
+      integer, intent(in) :: kind !! kind of element
+      real(dp), intent(in) :: place(2) !! the point, from 0 to 1 [-]
+      real(dp) :: xi(2)
+
+      xi = merge([place(1), place(2)*(1.0_dp - place(1))], 2.0_dp*place - 1.0_dp, is_triangle(kind))
+   end function mapped_square
 
    !> The nodes (local numbers) of a side: its corners, in the direction that has the element on its left, and its
    !> middle, 0 for a linear element.

@@ -5,8 +5,8 @@
 !> Chunks of one color share no node. A chunk consists of consecutive elements, so that their common data stays in the
 !> cache. If the elements are numbered at random, so that all chunks share nodes, every element is a chunk of its own.
 module amontons_mesh
-   use amontons_element, only: max_nodes, n_corners, n_element_nodes, n_element_points, node_coordinates, &
-      quadrature_point, shape_functions, side_nodes
+   use amontons_element, only: jacobian_degree, mapped_square, max_nodes, n_corners, n_element_nodes, &
+      shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp, int64
@@ -137,35 +137,66 @@ contains
       end do
    end subroutine mesh_check
 
-   !> Whether the Jacobian of an element is not positive, beyond its rounding errors, at a corner or a quadrature point
-   !> of either rule.
+   !> Whether the Jacobian of an element is not positive everywhere, beyond its rounding errors. Over the square onto
+   !> which an element is mapped, its Jacobian is a polynomial, and lies between its least and its greatest Bernstein
+   !> coefficient (Johnen, Remacle, Geuzaine, J. Comp. Phys. 233, 2013).
    pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
       ! Rounding errors of a product of two differences of coordinates.
       real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp)
-      real(dp) :: xi(2), weight, least
-      integer :: corner, kind, n_points, point, rule
+      ! From values at equal distances to Bernstein coefficients, of quadratic and of cubic polynomials.
+      real(dp), parameter :: to_bernstein(4, 4, 2:3) = reshape([6.0_dp, -3.0_dp, 0.0_dp, 0.0_dp, &
+         0.0_dp, 12.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, -3.0_dp, 6.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, &
+         6.0_dp, -5.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 18.0_dp, -9.0_dp, 0.0_dp, &
+         0.0_dp, -9.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, -5.0_dp, 6.0_dp], [4, 4, 2])/6.0_dp
+      ! Halves in which the sign is still in doubt are halved again, up to this many times: by then the bounds are as
+      ! close as the square of their size.
+      integer, parameter :: most_halvings = 24
+      real(dp) :: coefficients(4, 4), least
+      integer :: i, j, kind, n
 
       kind = self%element_kind(element)
-      is_turned_over = .true.
       associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)))
          least = min(rounding*dot_product(maxval(abs(x), dim=2), abs(cshift(maxval(x, dim=2) - minval(x, dim=2), 1))), &
             huge(least))
       end associate
-      do corner = 1, n_corners(kind)
-         if (.not. jacobian_determinant(self, element, node_coordinates(kind, corner)) > least) return
-      end do
-      ! The Jacobian of a linear element has its least value at a corner.
-      do rule = 1, merge(0, 2, n_element_nodes(kind) == n_corners(kind))
-         n_points = n_element_points(kind, rule == 2)
-         do point = 1, n_points
-            call quadrature_point(kind, n_points, point, xi, weight)
-            if (.not. jacobian_determinant(self, element, xi) > least) return
+      n = jacobian_degree(kind) + 1
+      do j = 1, n
+         do i = 1, n
+            coefficients(i, j) = jacobian_determinant(self, element, &
+               mapped_square(kind, [real(dp) :: i - 1, j - 1]/max(1, n - 1)))
          end do
       end do
-      is_turned_over = .false.
+      if (n > 2) then
+         associate (matrix => to_bernstein(:n, :n, n - 1))
+            coefficients(:n, :n) = matmul(matrix, matmul(coefficients(:n, :n), transpose(matrix)))
+         end associate
+      end if
+      is_turned_over = .not. exceeds(coefficients(:n, :n), least, most_halvings)
    end function mesh_is_turned_over
+
+   !> Whether a polynomial exceeds a value on all of a square.
+   pure recursive logical function exceeds(coefficients, least, n_halvings) result(is_above)
+      real(dp), intent(in) :: coefficients(:, :) !! its Bernstein coefficients; those at the corners are its values
+      real(dp), intent(in) :: least !! the value
+      integer, intent(in) :: n_halvings !! how often the square may be halved; what is in doubt then does not exceed it
+      real(dp) :: first(size(coefficients, 2), size(coefficients, 1)), second(size(coefficients, 2), &
+         size(coefficients, 1))
+      integer :: i, n
+
+      n = size(coefficients, 1)
+      is_above = all(coefficients > least)
+      if (is_above .or. n_halvings == 0 .or. any(coefficients([1, n], [1, size(coefficients, 2)]) <= least)) return
+      ! De Casteljau's algorithm along the first direction, which then becomes the other one.
+      second = transpose(coefficients)
+      do i = 1, n
+         first(:, i) = second(:, 1)
+         second(:, :n - i) = 0.5_dp*(second(:, :n - i) + second(:, 2:n - i + 1))
+      end do
+      is_above = exceeds(first, least, n_halvings - 1)
+      if (is_above) is_above = exceeds(second, least, n_halvings - 1)
+   end function exceeds
 
    !> Determinant of the Jacobian dx_i / dxi_j of an element at a reference point [L^2].
    pure real(dp) function jacobian_determinant(mesh, element, xi) result(determinant)
@@ -222,10 +253,18 @@ contains
       set = find_set(self%sets, name)
       if (set > 0) then
          allocate (sides(4, size(self%sets(set)%element)))
+         if (size(sides) == 0) call new_error(error, input_refused, "the set '"//name//"' lies inside the body: "// &
+            'the elements on both sides share its nodes, and nothing can act, open or slip there; mesh two bodies '// &
+            'without common nodes, each with a set of its own')
          do i = 1, size(sides, 2)
             sides(:3, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
             sides(4, i) = self%sets(set)%element(i)
          end do
+         return
+      end if
+      if (find_set(self%node_sets, name) > 0) then
+         call new_error(error, input_refused, "the set '"//name//"' has nodes, but no side of the boundary lies "// &
+            'between them; where both sides of a line share its nodes, it lies inside the body')
          return
       end if
       text = '; it has no sets at all: name its boundaries in the mesh file, in Gmsh as physical curves'

@@ -72,6 +72,8 @@ PLAIN_LOADS = """\
 &load set = 'top'  force = 0.0, -1.0 /
 &load set = 'right top'  pressure = 1.0 /
 """
+REFERENCE = (" cannot be used: points of reference of *RIGID BODY, *COUPLING and *PRE-TENSION SECTION become &rigid "
+             "and &preload in the deck, with their forces and supports")
 # Data lines that cannot be used, the keyword in front of them, what is used, and the message.
 REFUSED = [
     ("*SOLID SECTION, ELSET=eall, MATERIAL=gold\n", "materials", "*SOLID SECTION: there is no material 'gold'"),
@@ -91,7 +93,7 @@ REFUSED = [
      "materials cannot be used: some elements are of type plane stress, others of plane strain"),
     ("*BOUNDARY\nnone, 1\n", "supports", "*BOUNDARY: there is no set 'none' above"),
     ("*BOUNDARY\nleft, up\n", "supports", "*BOUNDARY: expected the number of a component, found 'up'"),
-    ("*BOUNDARY, OP=NEW\nleft, 1\n", "supports", "*BOUNDARY with OP=NEW cannot be used"),
+    ("*BOUNDARY, OP=OLD\nleft, 1\n", "supports", "*BOUNDARY with OP=OLD cannot be used"),
     ("*BOUNDARY\n1, 1, 1, 0., 0., 0., 0., 0., 0., 7\n", "supports", "more than 9 fields on a line"),
     (f"*BOUNDARY\n{'x'*81}, 1\n", "supports", "a field of more than 80 characters"),
     ("*CLOAD\ntop, 3, 1.\n", "loads", "*CLOAD: expected the component 1 or 2, found '3'"),
@@ -114,7 +116,20 @@ REFUSED = [
     ("*TEMPERATURE\nnall, 1., 2.\n", "loads", "*TEMPERATURE: expected nodes and one temperature"),
     ("*TEMPERATURE, AMPLITUDE=ramp\nnall, 1.\n", "loads", "*TEMPERATURE with AMPLITUDE=ramp cannot be used"),
     ("*INITIAL CONDITIONS, TYPE=TEMPERATURE, USER\n", "loads", "*INITIAL CONDITIONS with USER cannot be used"),
-    ("*STEP\n*END STEP\n*STEP\n", "loads", "a second *STEP: the supports and loads of one step can be used"),
+    ("*STEP\n*END STEP\n*STEP\n", "loads", "a second *STEP: &mesh step = 2 uses the supports and loads of this "
+     "one, and what it keeps of the first"),
+    ("*DLOAD\neall, P3, 1.\n1, P2, 1.\n", "loads",
+     "a load on 1 side inside the body, between two elements, cannot be used"),
+    ("*NODE\n99, 9., 9.\n*CLOAD\n6, 2, 1.\n99, 2, 1.\n", "loads", "a force on 1 node of no element" + REFERENCE),
+    ("*NODE\n99, 9., 9.\n*BOUNDARY\n99, 1\n", "supports", "a support of nodes of no element" + REFERENCE),
+    ("*STEP\n*STEP, PERTURBATION\n*STEP\n", "loads' step = 2 '", "*STEP with PERTURBATION cannot be used"),
+    ("*STEP\n*CLOAD\ntop, 2, 1.\n*STEP\n*CLOAD\n5, 2, 1.\n", "loads' step = 2 '",
+     "*CLOAD after another load of its kind on a part of the same set or body in an earlier step cannot be used; "
+     "end that by OP=NEW"),
+    ("*STEP\n*DLOAD\neall, BX, 1.\n*STEP\n*DLOAD\nright, BX, 1.\n", "loads' step = 2 '",
+     "*dload after another load of its kind on a part of the same set or body in an earlier step cannot be used; "
+     "end that by OP=NEW"),
+    ("*STEP\n", "loads' step = 2 '", "the file has no step 2, only 1"),
     ("*TRANSFORM, NSET=nall\n", "supports", "supports and loads in the directions of a *TRANSFORM cannot be used"),
 ]
 
@@ -214,12 +229,49 @@ class Abaqus(ProgramTest):
 
     def test_temperatures_need_an_expansion(self):
         self.write_mesh(MATERIAL.replace("*EXPANSION, ZERO=20.\n1E-3\n", ""), SUPPORTS, "*TEMPERATURE\nnall, 12.\n")
-        self.assertIn("*TEMPERATURE has no effect: no *SOLID SECTION has a material with *EXPANSION", self.run_program(
-            "--check", self.write("deck.nml", ALL + CONTACT), status=1).stderr)
+        warning = "warning: temperature has no effect: no material has a coefficient of thermal expansion\n"
+        self.assertIn(warning, self.run_program("--check", self.write("deck.nml", ALL + CONTACT)).stdout)
         deck = USE.format("'supports', 'loads'") + CONTACT + PLAIN_MATERIAL.format("plane stress", 1.0)
-        self.assertIn("deck.nml:1: temperature needs the expansion of every &material", self.run_program(
-            "--check", self.write("deck.nml", deck.replace("expansion = 1e-3", "")), status=1).stderr)
-        self.run_program("--check", self.write("deck.nml", deck))
+        self.assertIn(warning, self.run_program(
+            "--check", self.write("deck.nml", deck.replace("expansion = 1e-3", ""))).stdout)
+        self.assertNotIn(warning, self.run_program("--check", self.write("deck.nml", deck)).stdout)
+
+    def test_expansion_along_three_axes(self):
+        # Free along x, held along z by nothing in plane stress: the strain is that of axis 2, which lies along x.
+        axes = "*ORIENTATION, NAME=o\n0., 1., 0., -1., 0., 0.\n"
+        self.write_mesh(axes, MATERIAL.replace("*EXPANSION, ZERO=20.\n1E-3\n", "*EXPANSION, TYPE=ORTHO\n1E-3, 2E-3,\n")
+                        .replace("MATERIAL=STEEL", "MATERIAL=STEEL, ORIENTATION=o"),
+                        "*BOUNDARY\nleft, 1\nfloor, 2\n*TEMPERATURE\nnall, 10.\n")
+        case = self.solve(ALL)
+        self.assertAlmostEqual(case.summary["key_results"]["max_displacement"], ((2.0*0.02)**2 + 0.01**2)**0.5,
+                               delta=1e-12)
+        self.assertAlmostEqual(case.summary["key_results"]["max_von_mises"], 0.0, delta=1e-10)
+
+    def test_steps_keep_replace_and_end_what_was_given_before(self):
+        # As common programs write steps: empty keywords with OP=NEW, blank fields, values given once more.
+        steps = ["*BOUNDARY\nleft, 1, , \n4, 2, 2, 0.\n6, 2\n*STEP\n*STATIC\n*BOUNDARY, OP=NEW\n*CLOAD, op=New\n*DLOAD,"
+                 " OP=NEW\n*BOUNDARY, OP=NEW\nleft, 1, ,\n4, 2, 2,\n6, 2, 2\n*CLOAD\ntop, 2, -1.\n6, 1, 2.\n5, 1, 2.\n"
+                 "*DLOAD\neall, P3, 5.\neall, GRAV, 2., 0., -1.\n*END STEP\n",
+                 "*STEP\n*BOUNDARY\n4, 2, 2, -0.01\n*CLOAD\n6, 1, 3.\ntop, 2, -4.\n*DLOAD\n1, P3, 7.\n"
+                 "eall, GRAV, 1., 0., -1.\n*END STEP\n",
+                 "*STEP, NLGEOM=NO\n*BOUNDARY, OP=NEW\nleft, 1\n*CLOAD, OP=NEW\n*DLOAD, OP=NEW\nright, P3, 6.\n"
+                 "*END STEP\n"]
+        plain = ("&mesh kind = 'file'  file = 'block.inp' /\n" + PLAIN_MATERIAL.format("plane stress", 2.0)
+                 + PLAIN_SUPPORT + "&support point = 0.0, 1.0  uy = 0.0 /\n&support point = 2.0, 1.0  uy = 0.0 /\n")
+        loads = ("&load set = 'top'  force = 0.0, -1.0 /\n&load point = 2.0, 1.0  force = 2.0, 0.0 /\n"
+                 "&load point = 1.0, 1.0  force = 2.0, 0.0 /\n&load set = 'right top'  pressure = 5.0 /\n"
+                 "&load set = 'left top'  pressure = 5.0 /\n&load gravity = 0.0, -2.0 /\n")
+        changed = loads.replace("-1.0", "-4.0").replace("2.0, 1.0  force = 2.0", "2.0, 1.0  force = 3.0").replace(
+            "'left top'  pressure = 5", "'left top'  pressure = 7").replace("0.0, -2.0", "0.0, -1.0")
+        decks = [plain + loads, plain.replace("0.0, 1.0  uy = 0.0", "0.0, 1.0  uy = -0.01") + changed,
+                 plain[:plain.index("&support point")] + "&load set = 'right top'  pressure = 6.0 /\n"]
+        for n, deck in enumerate(decks, 1):
+            with self.subTest(step=n):
+                self.assert_same(ALL.replace(" /", f"  step = {n} /") + CONTACT, deck + CONTACT,
+                                 parts=("*SURFACE, NAME=left top\n1, S3\n", MATERIAL, *steps))
+                # Three lines of one pressure, or of one force on nodes, are one load.
+                listing = (self.directory/"used.lst").read_text(encoding="utf-8")
+                self.assertEqual(listing.count("\n  Load "), (4, 6, 1)[n - 1], listing)
 
     def test_loads_can_be_swept(self):
         self.write_mesh(MATERIAL, SUPPORTS, LOADS)
@@ -261,6 +313,8 @@ class Abaqus(ProgramTest):
                              ("*BASE MOTION, DOF=1\n*FIELD\n1, 2.\n", "*BASE MOTION, *FIELD"),
                              ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS"),
                              ("*INITIAL CONDITIONS, TYPE=STRESS\n1, 2.\n", "*INITIAL CONDITIONS, TYPE=STRESS"),
+                             ("*DISTRIBUTING COUPLING\n1\n*GASKET BEHAVIOR\n1.\n*PRESSURE PENETRATION\n1.\n",
+                              "*DISTRIBUTING COUPLING, *GASKET BEHAVIOR, *PRESSURE PENETRATION"),
                              ("*TEMPERATURE\nnall, 2.\n", "*TEMPERATURE; give them in the deck, or &mesh use = "
                               "'loads'")):
             self.write_mesh(SUPPORTS, lines)
@@ -272,12 +326,13 @@ class Abaqus(ProgramTest):
         for lines, use, message in REFUSED:
             with self.subTest(lines=lines):
                 self.write_mesh(lines)
-                deck = USE.format(f"'{use}'") + ("" if use == "materials" else PLAIN_MATERIAL.format("plane stress", 1))
+                use = f"'{use}'".replace(" ''", "")
+                deck = USE.format(use) + ("" if use == "'materials'" else PLAIN_MATERIAL.format("plane stress", 1))
                 run = self.run_program("--check", self.write("deck.nml", deck + CONTACT), status=1)
                 self.assertRegex(run.stderr, r"^deck.nml:1: \S*block.inp:\d+: ")
                 self.assertTrue(run.stderr.endswith(f": {message}\n"), run.stderr)
                 # Of what is not used nothing is read.
-                self.write("deck.nml", deck.replace(f"use = '{use}'", "") + PLAIN_MATERIAL.format("plane stress", 1)
+                self.write("deck.nml", deck.replace(f"use = {use}", "") + PLAIN_MATERIAL.format("plane stress", 1)
                            + CONTACT)
                 if "TYPE=CPE3" not in lines:
                     self.assertNotIn("block.inp:", self.run_command([PROGRAM, "--check", "deck.nml"], None).stderr)
@@ -289,6 +344,26 @@ class Abaqus(ProgramTest):
         deck = USE.format("'loads'") + PLAIN_MATERIAL.format("axisymmetric", 1) + CONTACT
         self.assertIn("CENTRIF: a body of revolution spins about its own axis", self.run_program(
             "--check", self.write("deck.nml", deck), status=1).stderr)
+
+    def test_names_of_results_hold_no_folder(self):
+        self.write("part.inc", "*BOUNDARY\n1, 1, 2\n3, 2\n")
+        self.write_mesh(MATERIAL, "*INCLUDE, INPUT=part.inc\n")
+        names = self.solve(ALL + "&load set = 'top'  pressure = 1.0 /\n").summary["key_results"]
+        self.assertNotIn(str(self.directory), str(names))
+        self.assertIn("reaction_x_*BOUNDARY:part.inc:2", " ".join(names))
+
+    def test_set_inside_the_body_cannot_bear_contact(self):
+        body = PLAIN_MATERIAL.format("plane stress", 1)
+        for lines, message in (
+                ("*SURFACE, NAME=joint\n1, S2\n", "lies inside the body: the elements on both sides share its nodes, "
+                 "and nothing can act, open or slip there; mesh two bodies without common nodes, each with a set of "
+                 "its own"),
+                ("*NSET, NSET=joint\n2, 5\n", "has nodes, but no side of the boundary lies between them; where both "
+                 "sides of a line share its nodes, it lies inside the body")):
+            self.write_mesh(lines)
+            deck = self.write("deck.nml", "&mesh file = 'block.inp' /\n" + body + "&contact set = 'joint' /\n")
+            run = self.run_program("--check", deck, status=1)
+            self.assertIn(f"deck.nml:3: the set 'joint' {message}\n", run.stderr)
 
     def test_use_is_for_files_of_abaqus(self):
         self.write("square.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n")

@@ -47,6 +47,7 @@ contains
 
       start = input%position
       n_included = 0
+      call blank_tabs(input%text)
       do
          place = next_include(input)
          if (place == 0 .or. allocated(input%error)) exit
@@ -65,10 +66,21 @@ contains
          if (allocated(input%error)) exit
          ! The last line may have no end.
          included%text = included%text//line_feed
+         call blank_tabs(included%text)
          call input%replace(included, place)
       end do
       input%position = start
    end subroutine insert_included
+
+   !> Replaces tabs by blanks.
+   pure subroutine blank_tabs(text)
+      character(:), allocatable, intent(inout) :: text !! the text
+      integer :: i
+
+      do i = 1, len(text)
+         if (text(i:i) == achar(9)) text(i:i) = ' '
+      end do
+   end subroutine blank_tabs
 
    !> Position of the next `*INCLUDE`, 0 if there is none.
    pure integer function next_include(input) result(place)
@@ -251,14 +263,16 @@ contains
       call input%end_line()
    end subroutine take_fields
 
-   !> Converts a field to a number.
+   !> Converts a field to a number; a blank one is 0.
    pure subroutine take_number(input, field, value)
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: field !! the field
       real(dp), intent(out) :: value !! the number
       logical :: ok
 
-      call read_real(trim(field), value, ok)
+      value = 0.0_dp
+      ok = field == ''
+      if (.not. ok) call read_real(trim(field), value, ok)
       if (.not. ok) call input%refuse_line("expected a number, found '"//trim(field)//"'")
    end subroutine take_number
 
@@ -268,8 +282,9 @@ contains
       character(*), intent(in) :: line !! the keyword line
       ! Those that say what is meant anyway, whatever their value or with this one alone.
       character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'name', 'zero', 'moduli']
-      character(25), parameter :: harmless(*) = [character(25) :: 'op=mod', 'type=displacement', 'type=iso', &
-         'type=isotropic', 'type=engineeringconstants', 'type=temperature', 'dependencies=0', 'system=rectangular']
+      character(25), parameter :: harmless(*) = [character(25) :: 'op=mod', 'op=new', 'type=displacement', &
+         'type=iso', 'type=isotropic', 'type=engineeringconstants', 'type=temperature', 'dependencies=0', &
+         'system=rectangular']
       character(:), allocatable :: field
       integer :: first, last, i
 
@@ -280,7 +295,8 @@ contains
          do i = first, last
             if (line(i:i) /= ' ') field = field//lower_case(line(i:i))
          end do
-         if (all(harmless_names /= field(:index(field//'=', '=') - 1)) .and. all(harmless /= field)) then
+         if (all(harmless_names /= field(:index(field//'=', '=') - 1)) .and. all(harmless /= field) .and. .not. &
+            (field == 'type=ortho' .and. index(lower_case(line), 'expansion') > 0)) then
             call input%refuse_line('*'//line(:index(line//',', ',') - 1)//' with '//trim(adjustl(line(first:last)))// &
                ' cannot be used')
             return
@@ -426,7 +442,7 @@ contains
       n = 0
       if (is_there) call take_fields(input, fields, n)
       do i = 1, min(n, size(values))
-         if (fields(i) /= '') call take_number(input, fields(i), values(i))
+         call take_number(input, fields(i), values(i))
       end do
    end subroutine take_line_of_numbers
 
@@ -489,10 +505,10 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
-      character(:), allocatable :: field, instance, scope, value
+      character(:), allocatable :: instance, scope, value
       type(integer_list_t) :: members
-      integer :: first, group, i, increment, last, n, shift
-      logical :: has_elements, is_in_instance, is_range, is_there
+      integer :: group
+      logical :: has_elements, is_in_instance, is_left_out, is_range
 
       call find_parameter(line, 'elset', value, has_elements)
       call find_parameter(line, 'instance', instance, is_in_instance)
@@ -503,15 +519,37 @@ contains
          call raw%add_note('a set of the nodes of an element set left out: '//line)
          return
       end if
-      if (raw%scope == assembly_scope .and. .not. is_in_instance) then
-         call raw%add_note('a set outside the instance left out: '//line)
-         return
-      end if
       call get_set(raw, input, line, keyword, group)
       scope = raw%scope
       if (is_in_instance) raw%scope = instance//'.'
-      shift = instance_shift(raw, raw%scope)
       if (group == 0) call input%refuse_line('expected '//keyword//'= and a name')
+      call take_set_lines(raw, input, keyword, is_range, members, is_left_out)
+      raw%scope = scope
+      if (allocated(input%error)) return
+      if (is_left_out) then
+         call raw%add_note('a set of other things than nodes and elements left out: '//line)
+      else if (keyword == 'nset') then
+         call raw%groups(group)%node%append_all(members%items())
+      else
+         call raw%groups(group)%cell%append_all(members%items())
+         call raw%groups(group)%side%append_all(spread(0, 1, members%n))
+      end if
+   end subroutine read_set
+
+   !> Reads the data lines of a set of nodes or elements.
+   pure subroutine take_set_lines(raw, input, keyword, is_range, members, is_left_out)
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'nset' or 'elset'
+      logical, intent(in) :: is_range !! whether the lines are ranges
+      type(integer_list_t), intent(out) :: members !! numbers of the nodes or elements
+      logical, intent(out) :: is_left_out !! whether some of them are no numbers of nodes or elements
+      character(:), allocatable :: field
+      integer :: first, i, increment, last, n, shift
+      logical :: is_there
+
+      shift = instance_shift(raw, raw%scope)
+      is_left_out = is_range .and. raw%scope == assembly_scope
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -524,21 +562,19 @@ contains
          else
             do
                call take_field(input, field)
-               call add_members(raw, input, 'there is no set', keyword == 'nset', field, members)
+               ! A number in the assembly itself is that of a point of reference.
+               is_left_out = is_left_out .or. (raw%scope == assembly_scope .and. field /= '' .and. &
+                  verify(field, '0123456789') == 0)
+               if (.not. is_left_out) call add_members(raw, input, 'there is no set', keyword == 'nset', field, &
+                  members)
                call take_comma(input, is_there)
                if (is_at_line_end(input) .or. allocated(input%error)) exit
             end do
          end if
       end do
-      raw%scope = scope
-      if (allocated(input%error)) return
-      if (keyword == 'nset') then
-         call raw%groups(group)%node%append_all(members%items())
-      else
-         call raw%groups(group)%cell%append_all(members%items())
-         call raw%groups(group)%side%append_all(spread(0, 1, members%n))
-      end if
-   end subroutine read_set
+      ! Some programs write sets of their own with numbers below 1.
+      if (members%n > 0) is_left_out = is_left_out .or. any(members%items() < 1)
+   end subroutine take_set_lines
 
    !> Reads a range: its first number, its last one and an increment.
    pure subroutine take_range(input, first, last, increment)

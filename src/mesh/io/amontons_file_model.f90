@@ -35,7 +35,7 @@ module amontons_file_model
       real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
       real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise [degrees]
       real(dp) :: density = 0.0_dp !! mass per volume [M/L^3]
-      real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
+      real(dp) :: expansion(3) = 0.0_dp !! coefficient of thermal expansion along the axes [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of the region [L]
       integer :: place = 0 !! position of the section in the file
    end type file_material_t
@@ -47,6 +47,7 @@ module amontons_file_model
       real(dp), allocatable :: step(:) !! temperatures of the step [K]
       logical, allocatable :: is_given(:) !! whether the step gives a temperature
       logical :: has_initial = .false. !! whether initial temperatures are given
+      integer :: n_steps = 0 !! number of steps where OP=NEW was met last
       integer :: place = 0 !! position of those of the step in the file; 0 if it has none
    end type file_temperatures_t
 
@@ -63,6 +64,9 @@ module amontons_file_model
       integer :: n_supports = 0 !! number of supports
       integer :: n_loads = 0 !! number of loads
       integer :: n_steps = 0 !! number of steps
+      integer :: step = 0 !! step that is used, with what it keeps of those before; 0 if there is only one
+      integer :: n_earlier_supports = 0 !! number of supports given before the present step
+      integer :: n_earlier_loads = 0 !! number of loads given before the present step
    contains
       procedure :: add_load => file_model_add_load
       procedure :: add_support => file_model_add_support

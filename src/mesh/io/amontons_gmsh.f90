@@ -83,6 +83,11 @@ contains
       integer :: dimension, n_dropped
 
       is_kept = raw%cell_kind%items() < 0
+      if (.not. groups%has_entities .and. raw%n_groups > 0) then
+         if (all([(groups%of_dimension(dimension)%run_owner%n == 0, dimension=0, 2)])) call input%refuse( &
+            'no element belongs to any of the named physical groups, as version 2.2 leaves it with Mesh.SaveAll: '// &
+            'save without that, or as version 4.1')
+      end if
       do dimension = 0, 2
          call add_sets_of_dimension(groups%of_dimension(dimension), groups%has_entities, raw, input, is_kept, &
             has_surfaces)

@@ -6,7 +6,8 @@
 !> between them. The sides on both faces of a slit, and those at hanging nodes, are then boundary sides, so that only
 !> these are searched.
 module amontons_mesh_cleanup
-   use amontons_element, only: n_corners, n_element_nodes
+   use amontons_element, only: n_corners, n_element_nodes, quad4, quad8, tri3, tri6
+   use amontons_error, only: input_refused, new_error
    use amontons_file_model, only: n_cell_nodes, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
@@ -32,6 +33,7 @@ module amontons_mesh_cleanup
       integer, allocatable :: node(:) !! node of the mesh of each node of the raw mesh, 0 for none
       integer, allocatable :: element(:) !! element of each cell of the raw mesh, 0 for none
       logical, allocatable :: is_turned(:) !! whether an element runs round the other way than its cell (n_elements)
+      integer, allocatable :: collapsed(:) !! side of each quadrilateral that is a triangle with one of length 0; or 0
    end type renumbering_t
 
    !> Members of a set that is being collected: each once, in the order found.
@@ -144,8 +146,10 @@ contains
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
       if (allocated(input%error)) return
       call new_tag_map(renumbering%place, raw%node_tag%items())
+      allocate (renumbering%collapsed(raw%cell_tag%n), source=0)
       do cell = 1, raw%cell_tag%n
          first = raw%cell_start%item(cell)
+         call collapse(raw, cell, renumbering%collapsed(cell))
          do i = first, first + n_cell_nodes(raw%cell_kind%item(cell)) - 1
             tag = raw%node%item(i)
             node = renumbering%place%find(tag)
@@ -158,6 +162,8 @@ contains
             raw%node%item(i) = node
          end do
       end do
+      if (any(renumbering%collapsed > 0)) call raw%add_note(counted(count(renumbering%collapsed > 0), &
+         'quadrilateral')//' with two corners at one node read as a triangle')
       call connect_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
       call place_nodes(mesh, raw, input, renumbering%node)
@@ -175,6 +181,34 @@ contains
       mesh%hypothesis = raw%hypothesis
       if (allocated(raw%warning)) call mesh%warnings%add(raw%warning)
    end subroutine new_clean_mesh
+
+   !> Makes a triangle of a quadrilateral whose corners at the ends of one side are the same node, as is the middle of
+   !> this side.
+   pure subroutine collapse(raw, cell, side)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      integer, intent(in) :: cell !! the cell
+      integer, intent(out) :: side !! number of this side, 0 if there is none
+      integer :: i, n
+
+      associate (kind => raw%cell_kind%item(cell), first => raw%cell_start%item(cell))
+         side = 0
+         if (kind /= quad4 .and. kind /= quad8) return
+         n = n_element_nodes(kind)
+         associate (node => raw%node%item(first:first + n - 1))
+            side = findloc(node(:4) == cshift(node(:4), 1), .true., dim=1)
+            if (side == 0) return
+            if (n == 8) then
+               if (node(4 + side) /= node(side)) then
+                  side = 0
+                  return
+               end if
+            end if
+            node(:3) = pack(node(:4), [(i /= side, i=1, 4)])
+            if (n == 8) node(4:6) = pack(node(5:8), [(i /= side, i=1, 4)])
+         end associate
+         kind = merge(tri3, tri6, n == 4)
+      end associate
+   end subroutine collapse
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
    pure subroutine check_tags(input, thing, tags, places)
@@ -413,8 +447,11 @@ contains
          call collect_cells(members, mesh, raw, input, table, renumbering, group)
          call collect_nodes(members, mesh, raw, input, table, renumbering, group)
          if (allocated(input%error)) return
+         call refuse_lost(raw, input, group, members)
+         if (allocated(input%error)) return
          associate (sides => members%sides%list%items())
-            if (size(sides) > 0) then
+            ! A set inside the body is one without sides, so that its name is known.
+            if (size(sides) > 0 .or. (members%n_inside > 0 .and. members%nodes%list%n == 0)) then
                n_sets = n_sets + 1
                sets(n_sets)%name = raw%groups(group)%name
                sets(n_sets)%element = side_element(sides)
@@ -450,6 +487,38 @@ contains
       if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
    end subroutine name_sets
 
+   !> Refuses loads of the file of which a part would be left out, and supports that hold nothing.
+   pure subroutine refuse_lost(raw, input, group, members)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: group !! number of the group
+      type(group_members_t), intent(in) :: members !! its members in the mesh
+      character(*), parameter :: cure = ': points of reference of *RIGID BODY, *COUPLING and *PRE-TENSION SECTION '// &
+         'become &rigid and &preload in the deck, with their forces and supports'
+      integer :: i
+
+      associate (model => raw%model, name => raw%groups(group)%name)
+         do i = 1, model%n_loads
+            if (model%loads(i)%set /= name .or. allocated(input%error)) cycle
+            if (members%n_inside > 0) then
+               call new_error(input%error, input_refused, model%loads(i)%origin//'a load on '// &
+                  counted(members%n_inside, 'side')//' inside the body, between two elements, cannot be used')
+            else if (members%n_elsewhere > 0) then
+               call new_error(input%error, input_refused, model%loads(i)%origin//'a load on '// &
+                  counted(members%n_elsewhere, 'line')//' of no element cannot be used')
+            else if (members%n_unused > 0 .or. members%nodes%list%n + members%sides%list%n == 0) then
+               call new_error(input%error, input_refused, model%loads(i)%origin//'a force on '// &
+                  counted(max(1, members%n_unused), 'node')//' of no element cannot be used'//cure)
+            end if
+         end do
+         if (members%nodes%list%n + members%sides%list%n > 0) return
+         do i = 1, model%n_supports
+            if (model%supports(i)%set == name .and. .not. allocated(input%error)) call new_error(input%error, &
+               input_refused, model%supports(i)%origin//'a support of nodes of no element cannot be used'//cure)
+         end do
+      end associate
+   end subroutine refuse_lost
+
    !> Collects the mesh entities of a group's cells and sides of cells.
    subroutine collect_cells(members, mesh, raw, input, table, renumbering, group)
       type(group_members_t), intent(inout) :: members !! the members of the group; gains those
@@ -467,6 +536,8 @@ contains
          element = renumbering%element(cell)
          n = n_cell_nodes(raw%cell_kind%item(cell))
          if (side > 0) then
+            if (side == renumbering%collapsed(cell)) cycle
+            if (renumbering%collapsed(cell) > 0 .and. side > renumbering%collapsed(cell)) side = side - 1
             if (renumbering%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
             nodes = mesh%side(element, side)
          else
@@ -477,9 +548,7 @@ contains
                nodes(:n) = renumbering%node(raw%node%item(first:first + n - 1))
             end associate
          end if
-         left = 0
-         right = 0
-         if (n /= 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+         call find_side(table, nodes, merge(2, n, side > 0), left, right)
          number = max(left, right)
          if (side == 0 .and. n == 1) then
             call put_node(members, nodes(1), group)
@@ -510,6 +579,23 @@ contains
       end subroutine count_doubled
 
    end subroutine collect_cells
+
+   !> Finds the sides of elements to the left and to the right of a line.
+   pure subroutine find_side(table, nodes, n, left, right)
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      integer, intent(inout) :: nodes(3) !! nodes of the line; on return the middle is the last
+      integer, intent(in) :: n !! number of these nodes; a point has no sides
+      integer, intent(out) :: left !! number of the side on the left, 0 for none
+      integer, intent(out) :: right !! number of the side on the right, 0 for none
+
+      left = 0
+      right = 0
+      if (n > 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+      if (n < 3 .or. max(left, right) > 0) return
+      ! Some programs give the middle second.
+      nodes = nodes([1, 3, 2])
+      if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+   end subroutine find_side
 
    !> Collects the nodes of a group and, if the group names no sides otherwise, the boundary sides between these nodes.
    subroutine collect_nodes(members, mesh, raw, input, table, renumbering, group)

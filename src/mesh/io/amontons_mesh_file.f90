@@ -11,7 +11,7 @@ module amontons_mesh_file
    use amontons_kinds, only: dp
    use amontons_mesh, only: find_set, mesh_t, named_set_t, parents_t
    use amontons_mesh_cleanup, only: new_clean_mesh
-   use amontons_text, only: newline
+   use amontons_text, only: lower_case, newline
    implicit none (type, external)
    private
 
@@ -22,6 +22,7 @@ module amontons_mesh_file
       character(:), allocatable :: name !! its name; empty where its sets keep theirs
       character(:), allocatable :: file !! name of the mesh file from the root on; empty for a rectangle
       logical :: is_used(size(use_names)) = .false. !! which of `use_names` are read from the file as well
+      integer :: step = 0 !! the step whose supports and loads are used; 0 if the file has only one
       type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
       real(dp) :: origin(2) = 0.0_dp !! position of the origin of its own coordinates [L]
       integer :: n_refinements = 0 !! number of uniform refinements
@@ -179,17 +180,18 @@ contains
 
    !> Reads a mesh file; harmless defects are repaired, with a note, and others are refused. If materials, supports or
    !> loads of the file are used, the mesh has the sets that `read_file_model` names.
-   subroutine read_mesh_file(mesh, file, notes, error, is_used)
+   subroutine read_mesh_file(mesh, file, notes, error, is_used, step)
       type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
       character(*), intent(in) :: file !! name of the file
       character(:), allocatable, intent(out) :: notes
          !! repairs and omissions, a line of text for each
       type(error_t), allocatable, intent(out) :: error !! the first fault of the file, with its position
       logical, intent(in), optional :: is_used(:) !! which of `use_names` are used; none without it
+      integer, intent(in), optional :: step !! the step whose supports and loads are used; the only one without it
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
 
-      call read_raw_mesh(raw, input, file, error, is_used)
+      call read_raw_mesh(raw, input, file, error, is_used, step)
       if (allocated(error)) return
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, raw, input)
       call move_alloc(input%error, error)
@@ -200,32 +202,42 @@ contains
    end subroutine read_mesh_file
 
    !> Reads materials, supports and loads of a mesh file.
-   subroutine read_file_model(model, file, is_used, error)
+   subroutine read_file_model(model, file, is_used, step, error)
       type(file_model_t), intent(out) :: model !! materials, supports and loads
       character(*), intent(in) :: file !! name of the file
       logical, intent(in) :: is_used(:) !! which of `use_names` are used
+      integer, intent(in) :: step !! the step whose supports and loads are used; 0 if the file has only one
       type(error_t), allocatable, intent(out) :: error !! the first fault of the file, with its position
       type(input_file_t) :: input
       type(raw_mesh_t) :: raw
 
-      call read_raw_mesh(raw, input, file, error, is_used)
+      call read_raw_mesh(raw, input, file, error, is_used, step)
       if (allocated(error)) return
       call move_alloc(input%error, error)
       model = raw%model
    end subroutine read_file_model
 
    !> Reads a mesh file as it is, before its defects are repaired.
-   subroutine read_raw_mesh(raw, input, file, error, is_used)
+   subroutine read_raw_mesh(raw, input, file, error, is_used, step)
       type(raw_mesh_t), intent(out) :: raw !! its contents
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
       character(*), intent(in) :: file !! its name
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read
       logical, intent(in), optional :: is_used(:) !! which of `use_names` are used; none without it
+      integer, intent(in), optional :: step !! the step whose supports and loads are used; the only one without it
+
+      ! How many characters at the beginning tell the format.
+      integer, parameter :: longest_head = 10000
+      character(:), allocatable :: name
 
       call new_input_file(input, file, error)
       if (allocated(error)) return
       if (present(is_used)) raw%model%is_used = is_used
+      if (present(step)) raw%model%step = step
       call input%skip_white()
+      name = foreign_format(input%text(input%position:min(len(input%text), input%position + longest_head)))
+      if (name /= '') call input%refuse(name//' files are not read: save the mesh as one of Gmsh or Abaqus, or '// &
+         'take it in Python by meshio and amontons.Mesh.from_meshio')
       select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
          if (any(raw%model%is_used)) call input%refuse( &
@@ -235,9 +247,23 @@ contains
          call read_abaqus(raw, input)
       case default
          call input%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
-            'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
+            'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2; Python can take others by '// &
+            'meshio and amontons.Mesh.from_meshio')
       end select
    end subroutine read_raw_mesh
+
+   !> Name of the format of a file of some other programs, by its first lines; empty for any other file.
+   pure function foreign_format(text) result(name)
+      character(*), intent(in) :: text !! how the file begins
+      character(:), allocatable :: name
+      character(len(text) + 1) :: head
+
+      head = newline//lower_case(text)
+      name = ''
+      if (index(text, '-1') == 1) name = 'UNV'
+      if (index(head, newline//'begin bulk') + index(head, newline//'cend') > 0) name = 'Nastran'
+      if (index(head, newline//'*keyword') > 0) name = 'LS-DYNA'
+   end function foreign_format
 
    !> Makes or reads the parts of a mesh. Refinements common to all parts are done last, so that refining the mesh once
    !> more does not change the numbers of its nodes.
@@ -276,7 +302,7 @@ contains
 
       notes = ''
       if (len(part%file) > 0) then
-         call read_mesh_file(mesh, part%file, notes, error, part%is_used)
+         call read_mesh_file(mesh, part%file, notes, error, part%is_used, part%step)
       else
          call new_rectangle_mesh(mesh, part%rectangle, error)
       end if
