@@ -41,7 +41,7 @@ MAY_USE = {
     "study/history": ["study", "output", "solve", "input", "contact/model", "contact/problem", "contact/uniqueness",
                       "system"],
     "run": ["study", "study/reduced", "study/single", "study/sweep", "study/history", "output", "input", "system"],
-    "verify": ["study/sweep", "study/history", "study/reduced", "output", "solve", "input", "contact/problem",
+    "verify": ["study", "study/sweep", "study/history", "study/reduced", "output", "solve", "input", "contact/problem",
                "contact/model", "system"],
     "binding": ["run", "study", "study/history", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }

@@ -20,7 +20,7 @@ module amontons_vtu
    implicit none (type, external)
    private
 
-   public :: base64_size, bytes_per_length, decode_base64, encode_base64, n_line_points, show_body, &
+   public :: base64_size, bytes_per_length, decode_base64, encode_base64, show_body, &
       show_contact_line, vtk_file_t, write_case_grids, write_grids
 
    !> The base64 letters of the numbers 0 to 63.

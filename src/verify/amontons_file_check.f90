@@ -173,19 +173,20 @@ contains
       ! Compares the words of two lines, up to the end of one of them or to where they do not belong to each other.
       i = 1
       j = 1
+      number = 0
       do
          i = next_sign(stated, i)
          j = next_sign(computed, j)
          if (i > len(stated) .or. j > len(computed)) exit
          last_i = i + max(0, word_length(stated, i) - 1)
          last_j = j + max(0, word_length(computed, j) - 1)
+         call read_real(computed(j:last_j), b, is_b)
+         if (is_b) number = number + 1
          if (stated(i:last_i) /= computed(j:last_j)) then
-            number = max(1, min(size(scales), n_numbers(computed(:last_j))))
             ! Whether two words are numbers that agree up to rounding.
             call read_real(stated(i:last_i), a, is_a)
-            call read_real(computed(j:last_j), b, is_b)
             is_same = .false.
-            if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scales(number))) .or. &
+            if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scales(min(size(scales), number)))) .or. &
                abs(a - b) <= least_difference*max(abs(a), abs(b))
             ! The rest of the line belongs together only if what differs is a word.
             if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
@@ -242,24 +243,6 @@ contains
       length = scan(line(first:), separators) - 1
       if (length < 0) length = len(line) - first + 1
    end function word_length
-
-   !> Number of numbers at the beginning of a line.
-   pure integer function n_numbers(line) result(n)
-      character(*), intent(in) :: line !! the beginning of a line, up to the end of a word
-      real(dp) :: value
-      integer :: first, length
-      logical :: ok
-
-      n = 0
-      first = 1
-      do while (first <= len(line))
-         length = word_length(line, first)
-         ok = .false.
-         if (length > 0) call read_real(line(first:first + length - 1), value, ok)
-         if (ok) n = n + 1
-         first = first + length + 1
-      end do
-   end function n_numbers
 
    !> The name of a word in a line: its column in a table, its members in JSON; otherwise empty.
    pure function place_name(before, header) result(name)

@@ -16,6 +16,7 @@ module amontons_verify_case
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point, &
       tangential_norm
    use amontons_kinds, only: dp
+   use amontons_load_family, only: acting_t, load_family_t
    use amontons_quantity, only: quantity_t
    use amontons_reduced_study, only: new_reduced_check, new_reduced_summary, prepare_reduced, reduced_documents, &
       reduced_result_t
@@ -29,8 +30,8 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, check_statuses, contact_state_t, law_scales_t, restore_displacement, &
-      state_of, verify_answer, verify_case, verify_reduced, verify_result
+   public :: check_grids, follow_statuses, law_scales_t, scales_of, verify_answer, verify_case, verify_reduced, &
+      verify_result
 
    !> Gaps, slips, forces and statuses of the contact points.
    type :: contact_state_t
@@ -93,6 +94,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the load case; gains what the files state, and what follows
       character(:), allocatable :: fault
+      integer :: m
 
       call new_contact_solution(result%solution, body%zone%n_points, body%zone%n_tangents)
       call read_points(case%stem//'.contact.csv', body%zone%n_points, shear_names(:body%zone%n_tangents), &
@@ -112,9 +114,18 @@ contains
          call restore_convergence(case, body, result, fault)
          call case%fault('.convergence.csv', fault)
       end if
-      if (result%solution%is_converged) call check_law(case%faults, body, result, case%stem//'.contact.csv', .true.)
+      m = body%zone%n_points
+      if (result%solution%is_converged .and. m > 0) then
+         associate (load_case => result%load_case, solution => result%solution, certificate => result%certificate, &
+            limit => certificate_limit(case%config%method%tolerance))
+            call check_statuses(case%faults, case%stem//'.contact.csv', .true., state_of(load_case%free_gap &
+               - solution%displacement(:m), merge(0.0_dp, solution%displacement(m + 1:) - load_case%anchor, &
+               body%zone%is_slip_fixed), solution%force, solution%status), load_case%friction, load_case%slip_bound, &
+               body%zone%is_shear_fixed, law_scales_t(limit*certificate%length_scale, limit*certificate%force_scale))
+         end associate
+      end if
       call check_texts(case, body, result)
-      call check_grids(case, body, result, case%stem)
+      call check_grids(case%faults, case%config%units, body, result, case%stem)
       case%is_certified = result%solution%is_converged .and. &
          max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(case%config%method%tolerance)
    end subroutine verify_result
@@ -253,21 +264,22 @@ contains
    end subroutine check_texts
 
    !> Compares everything that two grids show: mesh, stresses, contact quantities.
-   subroutine check_grids(case, body, result, stem)
-      type(verified_case_t), intent(inout) :: case !! the case; gains what does not agree
+   subroutine check_grids(faults, units, body, result, stem)
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: units !! names of the units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result as it was restored
       character(*), intent(in) :: stem !! name of the grids without endings, with their directory
       type(vtk_check_t) :: check
 
-      call new_vtk_check(check, stem//'.vtu', case%config%units)
+      call new_vtk_check(check, stem//'.vtu', units)
       call show_body(check, body, result)
       call check%close()
-      call case%faults%append(check%faults)
-      call new_vtk_check(check, stem//'.contact.vtu', case%config%units)
+      call faults%append(check%faults)
+      call new_vtk_check(check, stem//'.contact.vtu', units)
       call show_contact_line(check, body, result)
       call check%close()
-      call case%faults%append(check%faults)
+      call faults%append(check%faults)
    end subroutine check_grids
 
    !> Checks the statuses of a converged case with the contact law, point by point.
@@ -330,26 +342,37 @@ contains
       end associate
    end function state_of
 
-   !> Checks the statuses of a converged case with the contact law.
-   subroutine check_law(faults, body, result, path, has_rows)
+   !> Takes the statuses that a row states for those of the solution found again: of a point on a bound of the contact
+   !> law rounding decides the status. Reports those that the law does not allow.
+   subroutine follow_statuses(faults, solution, path, stated, body, loads, acting, scales)
       type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      type(contact_solution_t), intent(inout) :: solution !! the solution; gains the statuses
+      character(*), intent(in) :: path !! name of the file, with the line of the row
+      integer, intent(in) :: stated(:) !! the statuses of the row (m)
       type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result as it was restored
-      character(*), intent(in) :: path !! name of the file that states forces and statuses
-      logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
-      real(dp) :: limit
+      type(load_family_t), intent(in) :: loads !! loads and friction of the study
+      class(acting_t), intent(in) :: acting !! what acts in the case or at the end of the step
+      type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
       integer :: m
 
-      m = body%zone%n_points
-      if (m == 0) return
-      limit = certificate_limit(result%method%tolerance)
-      associate (load_case => result%load_case, solution => result%solution)
-         call check_statuses(faults, path, has_rows, state_of(load_case%free_gap - solution%displacement(:m), &
-            merge(0.0_dp, solution%displacement(m + 1:) - load_case%anchor, body%zone%is_slip_fixed), solution%force, &
-            solution%status), load_case%friction, load_case%slip_bound, body%zone%is_shear_fixed, &
-            law_scales_t(limit*result%certificate%length_scale, limit*result%certificate%force_scale))
-      end associate
-   end subroutine check_law
+      if (all(stated == solution%status)) return
+      m = size(stated)
+      call check_statuses(faults, path, .false., state_of(loads%gap_of(acting) - solution%displacement(:m), &
+         merge(0.0_dp, solution%displacement(m + 1:) - acting%anchor, body%zone%is_slip_fixed), solution%force, &
+         stated), loads%friction_of(acting), loads%base%slip_bound, body%zone%is_shear_fixed, scales)
+      solution%status = stated
+   end subroutine follow_statuses
+
+   !> Lengths and forces that count as zero in a study: the limit of the certificate times its largest force, shared by
+   !> the points, and the displacement that it causes.
+   pure type(law_scales_t) function scales_of(tolerance, normal_force, stiffness) result(scales)
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      real(dp), intent(in) :: normal_force !! largest sum of the normal forces [F]
+      real(dp), intent(in) :: stiffness(:) !! stiffness of the points, normal and tangential (n_rows) [F/L]
+
+      scales%force = certificate_limit(tolerance)*normal_force/max(1, size(stiffness))
+      scales%length = certificate_limit(tolerance)*normal_force/max(sum(stiffness), tiny(1.0_dp))
+   end function scales_of
 
    !> Checks the files of a reduced problem.
    subroutine verify_reduced(case)

@@ -1,52 +1,46 @@
-!> Verification of the files of a history with its deck and with each other: every step is solved again, from the
-!> anchors of the step before to the time in its row. Rows, states, contact points and grids are made again from these
-!> steps; the files of the last step are restored and verified on the full model like those of a case. If the history
-!> ended early, the step without equilibrium is tried again.
-!>
-!> Where the contact law has several answers, another factorization or machine may find another one than the
-!> files state: the status of a point on a bound of the law, and the position of a body that no contact force holds.
-!> There the files are followed.
+!> Verification of the files of a history with its deck and with each other: all steps are taken again, and what a run
+!> writes of each is compared with what was written: rows, contact points, states, cycles and grids. The files of the
+!> last step are restored and verified on the full model like those of a case. A history that ended early must end there
+!> again.
 module amontons_verify_history
    use amontons_body, only: body_t
    use amontons_document, only: read_status_runs
    use amontons_error, only: error_t, fault_list_t
-   use amontons_file_check, only: agree, compare_collection, compare_line, csv_table_t, first_disagreement, &
-      read_csv_table, verified_case_t
-   use amontons_history, only: is_shown
-   use amontons_history_files, only: a_force, a_length, an_energy, history_table_t, history_tables, &
-      n_kinds, number_alone, of_grids, of_states, table_rows
-   use amontons_history_model, only: history_model_t, instant_t, step_state_t, take_step
+   use amontons_file_check, only: agree, compare_collection, compare_line, csv_table_t, read_csv_table, verified_case_t
+   use amontons_history_files, only: a_force, a_length, a_moment, history_files_t, history_tables, n_kinds, &
+      number_alone, of_grids, table_rows
+   use amontons_history_model, only: history_model_t
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
-      of_identities, of_indicator, of_violation, prepare_history, start_history, worst_names
+      prepare_history, start_history, take_steps, worst_names
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries
    use amontons_quantity, only: largest_t
-   use amontons_result, only: certificate_limit, outcome_no_equilibrium, result_t
-   use amontons_result_warnings, only: end_of_set
+   use amontons_result, only: outcome_no_equilibrium, result_t
    use amontons_solve_case, only: cache_t, take_no_equilibrium
-   use amontons_text, only: newline, read_reals, to_text
-   use amontons_time_stepping, only: new_time_stepping, time_stepping_t
-   use amontons_verify_case, only: check_grids, check_statuses, law_scales_t, state_of, verify_answer, verify_result
+   use amontons_study, only: study_monitor_t
+   use amontons_text, only: newline, read_integer, read_real, to_text
+   use amontons_time_stepping, only: time_stepping_t
+   use amontons_verify_case, only: check_grids, follow_statuses, law_scales_t, scales_of, verify_answer, verify_result
    implicit none (type, external)
    private
 
    public :: verify_history
 
-   !> A table with the number of its rows that are compared.
-   type, extends(history_table_t) :: stated_table_t
-      type(csv_table_t) :: csv !! its rows
-      real(dp) :: largest(n_kinds) = 0.0_dp !! the largest number of each kind
-      integer :: n_compared = 0 !! number of rows compared
-   end type stated_table_t
-
-   !> A history whose steps are taken again, with its tables.
-   type :: retrace_t
-      type(history_model_t) :: model !! the history
-      type(history_result_t) :: result !! the steps so far
-      type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
-      type(largest_t) :: indicator !! largest energy error of a step over its energies, of the rows
+   !> The files of a history that was solved before: they are compared with its steps instead of written.
+   type, extends(history_files_t) :: history_check_t
+      character(:), allocatable :: stem !! directory and name of the case
+      type(csv_table_t), allocatable :: stated(:) !! the rows of each table; none of that of the grids
+      real(dp), allocatable :: largest(:, :) !! the largest number of each kind in each table (n_kinds, tables)
+      integer, allocatable :: n_compared(:) !! number of rows compared of each table
+      type(law_scales_t) :: scales !! lengths and forces that count as zero
+      type(fault_list_t) :: faults !! what does not agree
       character(:), allocatable :: entries !! entries of the collection of grids so far
-   end type retrace_t
+   contains
+      procedure :: add_fields => history_check_add_fields
+      procedure :: add_step => history_check_add_step
+      procedure :: finish_tables => history_check_finish_tables
+      procedure :: is_due => history_check_is_due
+   end type history_check_t
 
 contains
 
@@ -55,389 +49,198 @@ contains
    subroutine verify_history(case, cache)
       type(verified_case_t), intent(inout) :: case !! the history; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the last body, replaced if the history needs another
-      type(retrace_t) :: again
+      type(history_model_t) :: model
+      type(history_result_t) :: result
+      type(history_check_t) :: check
+      type(study_monitor_t) :: monitor
       type(result_t) :: step
       type(error_t), allocatable :: error
-      integer :: n_faults, n_iterations, stated
+      integer :: k, stated
       real(dp), allocatable :: start(:)
       logical :: is_done
 
-      call prepare_history(cache, case%solved, again%model, again%result%last, error)
-      if (.not. allocated(error)) call start_history(again%result, cache, again%model, start, error)
-      call take_no_equilibrium(again%result%last, error)
-      associate (stepping => again%result%stepping, last => again%result%last)
-         if (len(case%value('', 'message')) > 0 .and. .not. (allocated(error) .or. allocated(last%answer))) then
-            call stepping%advance(again%model, cache%body, cache%problem)
-            call again%result%record_end()
+      call prepare_history(cache, case%solved, model, result%last, error)
+      if (.not. allocated(error)) call start_history(result, cache, model, start, error)
+      call take_no_equilibrium(result%last, error)
+      associate (last => result%last, stepping => result%stepping)
+         if (.not. (allocated(error) .or. allocated(last%answer))) then
+            call new_history_check(check, case, model, cache, size(stepping%record%saved_numbers()))
+            if (check%faults%n == 0) call take_steps(cache, model, check, monitor, result, error)
+            if (check%faults%n == 0) call check%finish_tables(stepping%n_steps)
+            call case%faults%append(check%faults)
+            if (check%faults%n > 0) return
+            call result%record_end()
          end if
          call verify_answer(case, cache, last, error, is_done)
          if (is_done) return
-         n_faults = case%faults%n
-         again%entries = ''
-         call read_tables(case, again, cache)
-         if (case%faults%n == n_faults) call repeat_steps(case, again, cache)
-         if (case%faults%n > n_faults) return
-         call again%result%add_warnings(cache%body)
-         call new_step_result(step, cache, again%model, stepping, error)
+         call new_step_result(step, cache, model, stepping, error)
          ! not raised: the numbers of the step were finite
          if (allocated(error)) return
-         call again%result%record_certificate(step%certificate%largest())
+         call result%record_certificate(step%certificate%largest())
          last%load_case = step%load_case
          last%slip_record = step%slip_record
-         n_iterations = stepping%n_iterations
-         call try_next_step(case, again, cache)
-         call again%result%record_end()
          ! Takes what only the run knew from the summary, and numbers of the size of rounding, which are others on
          ! another machine, as far as they can be true.
-         associate (result => again%result, stepping => again%result%stepping)
-            call adopt_stated_worst(case, of_identities, stepping%n_steps, result%worst(of_identities))
-            result%worst(of_indicator) = again%indicator
-            call adopt_stated_worst(case, of_violation, stepping%n_steps, result%worst(of_violation))
-            stated = nint(case%number('load_history', 'steps_done_earlier'))
-            if (stated > 0 .and. stated <= stepping%n_steps) result%n_resumed = stated
-            ! The iterations of steps that were given up are in no row.
-            stated = nint(case%number('load_history', 'iterations'))
-            if (stepping%n_rejected > 0 .or. len(stepping%fault) > 0) stepping%n_iterations = max(stated, n_iterations)
-         end associate
-         call add_history_results(again%result, again%model, cache%body)
-         call describe_history(again%result, case%config)
+         do k = 1, size(worst_names)
+            call adopt_stated_worst(case, k, stepping%n_steps, result%worst(k))
+         end do
+         stated = nint(case%number('load_history', 'steps_done_earlier'))
+         if (stated > 0 .and. stated <= stepping%n_steps) result%n_resumed = stated
+         call add_history_results(result, model, cache%body)
+         call describe_history(result, case%config)
          call verify_result(case, cache%body, last)
          if (.not. last%is_complete) case%is_certified = case%is_certified .and. last%outcome == outcome_no_equilibrium
       end associate
    end subroutine verify_history
 
-   !> Reads the tables of a history, and finds the scales of their numbers.
-   subroutine read_tables(case, again, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! the history where it begins; gains the tables
+   !> Reads the tables of a history, and finds the scales of their numbers. Without a first step there are none.
+   subroutine new_history_check(check, case, model, cache, n_noted)
+      type(history_check_t), intent(out) :: check !! the tables
+      type(verified_case_t), intent(in) :: case !! the history
+      type(history_model_t), intent(in) :: model !! the history
       type(cache_t), intent(in) :: cache !! the body
-      type(history_table_t), allocatable :: tables(:)
-      character(:), allocatable :: fault, unread
+      integer, intent(in) :: n_noted !! how many numbers a state notes of the cycle under way
+      character(:), allocatable :: fault, text
       real(dp) :: value, stiffness
-      integer :: i, k, row
+      integer :: i, k, row, first, length
+      logical :: is_number
 
-      call history_tables(tables, again%model, cache%body, size(again%result%stepping%record%saved_numbers()))
-      allocate (again%tables(size(tables)))
-      do i = 1, size(tables)
-         associate (table => again%tables(i))
-            table%history_table_t = tables(i)
+      check%stem = case%stem
+      check%name = case%config%name
+      check%folder = check%name//'.history/'
+      check%units = case%config%units
+      check%entries = ''
+      call history_tables(check%tables, model, cache%body, n_noted)
+      allocate (check%stated(size(check%tables)))
+      check%n_compared = spread(0, 1, size(check%tables))
+      allocate (check%largest(n_kinds, size(check%tables)), source=0.0_dp)
+      check%largest(number_alone, :) = 1.0_dp
+      if (len(case%value('', 'message')) > 0) return
+      stiffness = sum(cache%problem%matrix%augmentation)
+      do i = 1, size(check%tables)
+         associate (table => check%tables(i), largest => check%largest(:, i))
             if (table%content == of_grids) cycle
-            call read_csv_table(table%csv, case%stem//table%ending, table%header, size(table%kinds), fault)
-            table%header = table%header(:len(table%header) - 1)
-            call case%fault(table%ending, fault)
-            if (len(fault) == 0) then
-               table%largest(number_alone) = 1.0_dp
-               unread = ''
-               do row = 1, table%csv%n_rows
-                  do k = 1, size(table%kinds)
-                     if (table%kinds(k) == number_alone) cycle
-                     ! A field that is not a number differs from the computed one.
-                     call table%csv%get_number(row, k, value, unread)
-                     table%largest(table%kinds(k)) = max(table%largest(table%kinds(k)), abs(value))
-                  end do
+            call read_csv_table(check%stated(i), case%stem//table%ending, table%header, size(table%kinds), fault)
+            if (len(fault) > 0) call check%faults%add(case%stem//table%ending, fault)
+            if (len(fault) > 0) cycle
+            do row = 1, check%stated(i)%n_rows
+               text = check%stated(i)%row(row)//','
+               first = 1
+               do k = 1, size(table%kinds)
+                  length = index(text(first:), ',') - 1
+                  ! A field that is not a number differs from the computed one.
+                  call read_real(text(first:first + length - 1), value, is_number)
+                  if (is_number .and. table%kinds(k) /= number_alone) largest(table%kinds(k)) = &
+                     max(largest(table%kinds(k)), abs(value))
+                  first = first + length + 1
                end do
-               stiffness = sum(cache%problem%matrix%augmentation)
-               if (stiffness > 0.0_dp) table%largest(a_length) = max(table%largest(a_length), &
-                  table%largest(a_force)/stiffness)
-            end if
+            end do
+            ! Forces may balance each other.
+            largest(a_moment) = max(largest(a_moment), largest(a_force)*model%solver%size_of_body)
+            if (stiffness > 0.0_dp) largest(a_length) = max(largest(a_length), largest(a_force)/stiffness)
          end associate
       end do
-   end subroutine read_tables
+      check%scales = scales_of(model%solver%method%tolerance, check%largest(a_force, 1), &
+         cache%problem%matrix%augmentation)
+   end subroutine new_history_check
 
-   !> Takes the steps again, row by row, up to the first one that does not agree.
-   subroutine repeat_steps(case, again, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! the history where it begins; gains the steps
-      type(cache_t), intent(inout) :: cache !! the body
-      type(result_t) :: step
-      type(error_t), allocatable :: error
-      integer :: row, i, n_faults
-      type(step_state_t) :: next
-      character(:), allocatable :: fault
-      real(dp) :: numbers(4)
-      logical :: leads_there
-
-      n_faults = case%faults%n
-      do row = 1, again%tables(1)%csv%n_rows
-         ! Takes a step to the time that its row states, and compares the row.
-         fault = ''
-         associate (steps => again%tables(1), times => again%model%history%times, stepping => again%result%stepping)
-            call steps%csv%get_number(row, 2, numbers(1), fault)
-            call steps%csv%get_number(row, steps%csv%column('residual'), numbers(2), fault)
-            call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
-            call steps%csv%get_number(row, steps%csv%column('step_indicator'), numbers(4), fault)
-            if (len(fault) == 0 .and. .not. (numbers(1) >= stepping%state%instant%time .and. &
-               numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
-            if (len(fault) == 0 .and. .not. numbers(2) <= again%model%solver%method%tolerance) fault = &
-               'the residual is above the tolerance'
-            if (len(fault) == 0) then
-               call stepping%shorten_to(again%model%history, numbers(1), leads_there)
-               if (leads_there) then
-                  call solve_as_stated(next, fault, again, row, cache)
-               else
-                  fault = 'no step of this history leads to the time '//to_text(numbers(1))
-               end if
-            end if
-            if (len(fault) == 0) then
-               ! Iterations and residual of the run are recorded, not computed again.
-               next%solution%residual = numbers(2)
-               next%solution%n_iterations = nint(numbers(3))
-               stepping%n_iterations = stepping%n_iterations + next%solution%n_iterations
-               call stepping%accept(again%model, next)
-               call again%result%record_step(cache%body, again%model)
-               call again%indicator%update(numbers(4), stepping%n_steps)
-               call compare_rows(case, steps, table_rows(steps%history_table_t, again%model, cache%body, stepping), row)
-            end if
-            call case%fault(steps%ending//':'//to_text(row + 1), fault)
-         end associate
-         do i = 2, size(again%tables)
-            if (case%faults%n > n_faults) return
-            select case (again%tables(i)%content)
-            case (of_states)
-               call compare_state(case, again, i, cache)
-            case (of_grids)
-               call compare_fields(case, again, row, cache)
-            case default
-               call compare_rows(case, again%tables(i), table_rows(again%tables(i)%history_table_t, again%model, &
-                  cache%body, again%result%stepping), row)
-            end select
-         end do
-         if (case%faults%n > n_faults) return
-         associate (result => again%result, number => again%result%stepping%n_steps)
-            ! The run certified this step, like those with grids.
-            if (result%warned(end_of_set)%last == number .and. &
-               .not. is_shown(number, again%model%history%fields_every)) then
-               call new_step_result(step, cache, again%model, result%stepping, error)
-               ! not raised: the numbers of the step were finite
-               if (allocated(error)) return
-               call again%result%record_certificate(step%certificate%largest())
-            end if
-         end associate
-      end do
-      ! Compares the collections of grids, and reports rows of tables that belong to no step.
-      do i = 2, size(again%tables)
-         associate (table => again%tables(i))
-            if (table%content == of_grids) then
-               call compare_collection(case%faults, case%stem//table%ending, again%entries)
-            else if (table%n_compared < table%csv%n_rows) then
-               call case%fault(table%ending, 'there are more rows than the steps have')
-            end if
-         end associate
-      end do
-   end subroutine repeat_steps
-
-   !> Solves a step again, and follows its row where the law has several answers.
-   subroutine solve_as_stated(next, fault, again, row, cache)
-      type(step_state_t), intent(out) :: next !! the state at the end of the step
-      character(:), allocatable, intent(inout) :: fault !! gains why there is none
-      type(retrace_t), intent(inout) :: again !! the history, at the beginning of the step
-      integer, intent(in) :: row !! row of the step
-      type(cache_t), intent(inout) :: cache !! the body, its contact problem left as that of the step
-      type(instant_t) :: instant
-      type(error_t), allocatable :: error
-      real(dp) :: time, closing_loss
-      type(law_scales_t) :: scales
-      type(fault_list_t) :: faults
-      integer, allocatable :: status(:)
-      logical :: is_read
-
-      associate (csv => again%tables(1)%csv)
-         call csv%get_number(row, 2, time, fault)
-         call csv%get_number(row, csv%column('closing_loss'), closing_loss, fault)
-         if (len(fault) == 0) call again%model%enter_step(cache%body, cache%problem, again%result%stepping%state, error)
-         if (len(fault) == 0 .and. .not. allocated(error)) call again%model%at(cache%body, time, instant, error)
-         if (allocated(error)) fault = error%message
-         if (len(fault) > 0) return
-         call take_step(next, again%model, cache%body, cache%problem, again%result%stepping%state, instant)
-         if (len(next%reason) > 0) then
-            fault = next%reason
-         else if (.not. next%solution%is_converged) then
-            fault = 'the step does not converge again'
-         end if
-         if (len(fault) > 0 .or. cache%body%zone%n_points == 0) return
-         scales = scales_of(again, cache, next)
-         ! Takes the statuses of the row for those of the step if forces, gaps and slips of the step allow them.
-         allocate (status(cache%problem%n_points))
-         call read_status_runs(status, csv%field(row, csv%column('statuses')), is_read)
-         if (is_read) then
-            associate (solution => next%solution, problem => cache%problem)
-               call check_statuses(faults, '', .false., state_of(problem%gap - solution%displacement(:size(status)), &
-                  merge(0.0_dp, next%slip, cache%body%zone%is_slip_fixed), solution%force, status), &
-                  problem%friction, problem%slip_bound, cache%body%zone%is_shear_fixed, scales)
-               if (faults%n == 0) solution%status = status
-            end associate
-         end if
-         ! Takes over from the row how far a body that hovered had to go until it met its obstacle. The loads did half
-         ! as much more or less work on the way, the mean of none and all.
-         if (.not. hovers(again%result%stepping%state, cache%body, scales)) return
-         if (.not. (next%closing_loss > 0.0_dp .and. closing_loss > 0.0_dp)) return
-         next%load_work = next%load_work + 0.5_dp*(closing_loss - next%closing_loss)
-         next%indicator = next%indicator*(closing_loss/next%closing_loss)
-         next%closing_loss = closing_loss
-      end associate
-   end subroutine solve_as_stated
-
-   !> Lengths and forces that count as zero in a step: a share of the largest force of a point, or of the mean of the
-   !> largest force of the history; and of the largest displacement, or of that of all points under the largest force.
-   !> If the body hovers, every gap counts as zero.
-   pure type(law_scales_t) function scales_of(again, cache, state) result(scales)
-      type(retrace_t), intent(in) :: again !! the history
-      type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
-      type(step_state_t), intent(in) :: state !! the state at its end
-      real(dp) :: limit, largest_force
-
-      limit = certificate_limit(again%model%solver%method%tolerance)
-      largest_force = again%tables(1)%largest(a_force)
-      scales%force = limit*max(largest_force/cache%problem%n_points, maxval(abs(state%solution%force)))
-      scales%length = limit*max(largest_force/sum(cache%problem%matrix%augmentation), &
-         maxval(abs(state%solution%displacement)))
-      if (hovers(state, cache%body, scales)) scales%length = huge(scales%length)
-   end function scales_of
-
-   !> Whether a body that supports leave free has no normal force in a state. A given slip bound may hold it.
-   pure logical function hovers(state, body, scales)
-      type(step_state_t), intent(in) :: state !! the state
+   !> Compares the rows of a step; the history ends at the first step that does not agree.
+   subroutine history_check_add_step(self, model, body, stepping)
+      class(history_check_t), intent(inout) :: self !! the tables; gain the faults
+      type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(law_scales_t), intent(in) :: scales !! lengths and forces that count as zero
+      type(time_stepping_t), intent(inout) :: stepping
+         !! the time stepping at the end of the step; gains iterations and statuses of the row
+      integer :: status(body%zone%n_points), i, n, n_iterations
+      logical :: ok
 
-      hovers = any(body%motions%n_free > 0) .and. all(abs(state%solution%force(:body%zone%n_points)) <= scales%force)
-   end function hovers
+      n = self%n_compared(1) + 1
+      associate (steps => self%stated(1), solution => stepping%state%solution, &
+         path => self%stem//self%tables(1)%ending)
+         if (n > steps%n_rows) then
+            call self%faults%add(path, 'it ends before the history: a step to '// &
+               to_text(stepping%state%instant%time)//' is possible')
+         else
+            call read_integer(steps%field(n, steps%column('iterations')), n_iterations, ok)
+            if (ok) stepping%n_iterations = stepping%n_iterations + n_iterations - solution%n_iterations
+            if (ok) solution%n_iterations = n_iterations
+            call read_status_runs(status, steps%field(n, steps%column('statuses')), ok)
+            if (ok) call follow_statuses(self%faults, solution, path//':'//to_text(n + 1), status, body, &
+               model%solver%loads, stepping%state%instant, self%scales)
+            do i = 1, size(self%tables)
+               if (self%tables(i)%content /= of_grids) call compare_rows(self, i, &
+                  table_rows(self%tables(i), model, body, stepping))
+            end do
+         end if
+      end associate
+      if (self%faults%n > 0) stepping%is_ended = .true.
+   end subroutine history_check_add_step
 
    !> Compares the next rows of a table with the expected ones.
-   subroutine compare_rows(case, table, rows, row)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the fault
-      type(stated_table_t), intent(inout) :: table !! the table
+   subroutine compare_rows(check, number, rows)
+      type(history_check_t), intent(inout) :: check !! the tables; gain the fault
+      integer, intent(in) :: number !! number of the table
       character(*), intent(in) :: rows !! the expected lines of text
-      integer, intent(in) :: row !! row of the step
       character(:), allocatable :: fault
       integer :: first, last
       logical :: is_lost
 
-      first = 1
-      do while (first < len(rows))
-         last = first + index(rows(first:), newline) - 2
-         table%n_compared = table%n_compared + 1
-         if (table%n_compared > table%csv%n_rows) then
-            fault = 'rows of step '//to_text(row)//' are missing'
-         else
-            call compare_line(fault, table%csv%row(table%n_compared), rows(first:last), table%header, &
-               table%largest(table%kinds(:size(table%kinds) - 1)), 0.0_dp, is_lost)
-         end if
-         call case%fault(table%ending//':'//to_text(table%n_compared + 1), fault)
-         if (len(fault) > 0) return
-         first = last + 2
-      end do
+      associate (stated => check%stated(number), table => check%tables(number), n => check%n_compared(number))
+         first = 1
+         do while (first < len(rows))
+            last = first + index(rows(first:), newline) - 2
+            n = n + 1
+            if (n > stated%n_rows) then
+               fault = 'rows are missing'
+            else
+               call compare_line(fault, stated%row(n), rows(first:last), stated%header, &
+                  check%largest(table%kinds(:size(table%kinds) - 1), number), 0.0_dp, is_lost)
+            end if
+            if (len(fault) > 0) call check%faults%add(check%stem//table%ending//':'//to_text(n + 1), fault)
+            if (len(fault) > 0) return
+            first = last + 2
+         end do
+      end associate
    end subroutine compare_rows
 
-   !> Whether two states of a history agree to rounding.
-   pure logical function states_agree(found, computed, again, is_hovering)
-      type(step_state_t), intent(in) :: found !! a state as a file has it
-      type(step_state_t), intent(in) :: computed !! the state that was computed
-      type(retrace_t), intent(in) :: again !! the history, with the largest number of each kind among the steps
-      logical, intent(in) :: is_hovering !! whether the place of the body is open
-      real(dp) :: length
+   !> Compares the grids of a step with its result.
+   subroutine history_check_add_fields(self, body, number, time, result, error)
+      class(history_check_t), intent(inout) :: self !! the files; gain the faults and the entry of the grids
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the step
+      character(*), intent(in) :: time !! its time
+      type(result_t), intent(in) :: result !! its result
+      type(error_t), allocatable, intent(out) :: error !! never
 
-      length = max(again%tables(1)%largest(a_length), maxval(abs(computed%solution%displacement)))
-      associate (force => again%tables(1)%largest(a_force)/size(computed%worn), &
-         energy => again%tables(1)%largest(an_energy))
-         ! What touches without a force may be open.
-         states_agree = (is_hovering .or. (all(found%solution%status == computed%solution%status) .and. &
-            first_disagreement(found%solution%displacement, computed%solution%displacement, length) == 0)) .and. &
-            first_disagreement([found%solution%force, found%carried_force], &
-            [computed%solution%force, computed%carried_force], force) == 0 .and. &
-            first_disagreement(found%instant%anchor, computed%instant%anchor, length) == 0 .and. &
-            first_disagreement(found%accumulated_slip, computed%accumulated_slip, length) == 0 .and. &
-            first_disagreement(found%dissipation, computed%dissipation, energy) == 0 .and. &
-            first_disagreement(found%worn, computed%worn, force*length) == 0 .and. &
-            first_disagreement([found%wear_depth, found%instant%added_gap], [computed%wear_depth, &
-            computed%instant%added_gap], maxval(again%model%wear)*force*length) == 0 .and. &
-            first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy, &
-            found%carried_energy], [computed%load_work, computed%support_work, computed%obstacle_work, &
-            computed%strain_energy, computed%carried_energy], energy) == 0
+      call check_grids(self%faults, self%units, body, result, self%stem//'.history/'//to_text(number))
+      self%entries = self%entries//case_entries(time, self%folder//to_text(number))
+   end subroutine history_check_add_fields
+
+   !> Nothing is put on the disk.
+   logical function history_check_is_due(self) result(is_due)
+      class(history_check_t), intent(in) :: self !! the files
+
+      is_due = .false.
+      associate (unused => self)
       end associate
-   end function states_agree
+   end function history_check_is_due
 
-   !> Compares a state in NAME.states.csv with the state that was computed.
-   subroutine compare_state(case, again, number, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! the history, at the end of the step
-      integer, intent(in) :: number !! number of the table of states
-      type(cache_t), intent(inout) :: cache !! the body
-      type(time_stepping_t) :: found
-      type(error_t), allocatable :: error
-      ! Columns of what is counted or recorded: step, steps given up, iterations (known if none was), length, noted,
-      ! residual and iterations of the step.
-      integer, parameter :: exact(*) = [1, 2, 3, 4, 5, 12, 13]
-      real(dp), allocatable :: numbers(:), own(:)
-      logical :: is_same, is_hovering
-      integer :: first
+   !> Compares the collection of grids, and reports rows of tables that belong to no step.
+   subroutine history_check_finish_tables(self, n_steps)
+      class(history_check_t), intent(inout) :: self !! the files; gain the faults
+      integer, intent(in) :: n_steps !! number of steps
+      integer :: i
 
-      associate (stepping => again%result%stepping, table => again%tables(number))
-         if (.not. is_shown(stepping%n_steps, again%model%history%states_every)) return
-         table%n_compared = table%n_compared + 1
-         is_same = table%n_compared <= table%csv%n_rows
-         if (is_same) call read_reals(table%csv%row(table%n_compared), numbers, is_same)
-         if (is_same) then
-            call new_time_stepping(found, again%model, cache%body)
-            call found%restore(again%model, cache%body, cache%problem, numbers, error)
-            is_same = .not. allocated(error)
-         end if
-         if (is_same) then
-            own = stepping%numbers()
-            first = table%csv%column('status_1')
-            is_hovering = hovers(stepping%state, cache%body, scales_of(again, cache, stepping%state))
-            associate (status => found%state%solution%status)
-               is_same = all(abs(numbers(exact) - own(exact)) <= 0.0_dp .or. (exact == 3 .and. own(2) > 0.0_dp)) .and. &
-                  (is_hovering .or. all(abs(numbers(first:first + size(status) - 1) - status) <= 0.0_dp))
-            end associate
-         end if
-         if (is_same) is_same = states_agree(found%state, stepping%state, again, is_hovering) .and. &
-            first_disagreement(found%record%saved_numbers(), stepping%record%saved_numbers()) == 0
-         if (.not. is_same) call case%fault(table%ending//':'//to_text(table%n_compared + 1), &
-            'it is not the state of step '//to_text(stepping%n_steps))
-      end associate
-   end subroutine compare_state
-
-   !> Compares the grids of a step with its solution.
-   subroutine compare_fields(case, again, row, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the faults
-      type(retrace_t), intent(inout) :: again !! the history, at the end of the step; gains the entries
-      integer, intent(in) :: row !! row of the step
-      type(cache_t), intent(in) :: cache !! the body
-      type(result_t) :: step
-      type(error_t), allocatable :: error
-      character(:), allocatable :: folder
-
-      if (.not. is_shown(again%result%stepping%n_steps, again%model%history%fields_every)) return
-      step%wants_error_estimate = case%config%accuracy%wants_estimate()
-      call new_step_result(step, cache, again%model, again%result%stepping, error)
-      ! not raised: the numbers of the step were finite
-      if (allocated(error)) return
-      call again%result%record_certificate(step%certificate%largest())
-      associate (csv => again%tables(1)%csv)
-         folder = '.history/'//csv%field(row, 1)
-         call check_grids(case, cache%body, step, case%stem//folder)
-         again%entries = again%entries//case_entries(csv%field(row, 2), &
-            case%stem(index(case%stem, '/', back=.true.) + 1:)//folder)
-      end associate
-   end subroutine compare_fields
-
-   !> Tries a step after the last row: it must fail, unless all times are reached.
-   subroutine try_next_step(case, again, cache)
-      type(verified_case_t), intent(inout) :: case !! the history; gains the fault
-      type(retrace_t), intent(inout) :: again !! the history, at the end of the last step; gains why there is no other
-      type(cache_t), intent(inout) :: cache !! the body
-      real(dp) :: last_time
-
-      associate (stepping => again%result%stepping)
-         if (stepping%is_ended) return
-         last_time = stepping%state%instant%time
-         call stepping%advance(again%model, cache%body, cache%problem)
-         if (stepping%is_ended .and. stepping%state%instant%time <= last_time) return
-         call case%fault(again%tables(1)%ending, 'it ends before the history: a step to '// &
-            to_text(stepping%state%instant%time)//' is possible')
-      end associate
-   end subroutine try_next_step
+      do i = 1, merge(size(self%tables), 0, n_steps > 0)
+         associate (path => self%stem//self%tables(i)%ending)
+            if (self%tables(i)%content == of_grids) then
+               call compare_collection(self%faults, path, self%entries)
+            else if (self%n_compared(i) < self%stated(i)%n_rows) then
+               call self%faults%add(path, 'there are more rows than the steps have')
+            end if
+         end associate
+      end do
+   end subroutine history_check_finish_tables
 
    !> Takes the largest number of all steps from the summary, if it agrees within rounding.
    subroutine adopt_stated_worst(case, number, n_steps, worst)

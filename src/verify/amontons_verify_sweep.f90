@@ -1,37 +1,33 @@
 !> Verification of the files of a sweep with its deck and with each other: every case is solved again, from the neighbor
 !> that the run had it start from. Rows and grids are compared with these solutions, and the worst case is certified
 !> again; summary and listing are made from the numbers in the rows.
-!>
-!> A point on a bound of the contact law may have either status, and rounding decides which one is found: there the row
-!> is followed. The numbers of a case that did not converge are those of some iteration: only its lengths are verified.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_document, only: document_t, read_status_runs, status_runs
-   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t
-   use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_array, read_csv_table, &
-      verified_case_t
-   use amontons_key_results, only: lengths_t, new_lengths
+   use amontons_file_check, only: compare_collection, compare_line, csv_table_t, read_csv_table, verified_case_t
    use amontons_kinds, only: dp
+   use amontons_load_family, only: acting_t
    use amontons_manifest, only: case_entries
-   use amontons_result, only: certificate_limit, outcome_names, outcome_not_converged, outcome_numbers, &
-      outcome_solved, result_t
+   use amontons_result, only: outcome_names, outcome_not_converged, outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: add_conditioning, add_tallied_warnings, lacks_points
-   use amontons_solve_case, only: cache_t, condense_case, evaluate, take_no_equilibrium
+   use amontons_solve_case, only: cache_t, condense_case, take_no_equilibrium
+   use amontons_study, only: study_monitor_t
    use amontons_sweep_chunk, only: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, &
-      find_stored_numbers, new_case, new_chunk, prepare_sweep, read_warnings, solve_chunk, sweep_header, sweep_task_t
-   use amontons_sweep_study, only: n_documents, new_sweep_summary, sweep_documents, sweep_result_t
+      find_stored_numbers, new_chunk, prepare_sweep, read_warnings, solve_chunks, sweep_header, sweep_task_t
+   use amontons_sweep_study, only: evaluate_case, n_documents, new_sweep_summary, sweep_documents, sweep_result_t
    use amontons_system, only: file_name_t, list_directory
    use amontons_terminal, only: phase_solve
    use amontons_text, only: read_integer, to_text
-   use amontons_verify_case, only: check_grids, check_law, restore_displacement, verify_answer
-   use amontons_vtu, only: n_line_points
+   use amontons_verify_case, only: check_grids, follow_statuses, scales_of, verify_answer
    implicit none (type, external)
    private
 
    public :: verify_sweep
+
+   !> Place of the sum of the normal forces among the numbers of a case, behind three lengths.
+   integer, parameter :: normal_force = 4
 
    !> A case as stated in its row.
    type :: row_t
@@ -67,12 +63,9 @@ contains
          call take_no_equilibrium(certified, error)
          call verify_answer(case, cache, certified, error, is_done)
          if (is_done) return
-         certified%condition = case%number('', 'condition')
-         call add_conditioning(certified, cache%body)
          call read_rows(case, again, cache%body, fault)
          call case%fault('.sweep.csv', fault)
          if (len(fault) > 0) return
-         call add_tallied_warnings(certified%warnings, statistics%warned, statistics%n_cases, 'case', cache%body%zone)
          result%n_resumed = nint(case%number('sweep', 'done_earlier'))
          certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
          ! The error estimates by which the certified case was chosen are rounding errors, others on another machine.
@@ -80,9 +73,14 @@ contains
          if (statistics%residual%at > 0) call read_integer(case%value('certificate', 'case'), &
             statistics%force_error%at, ok)
          call solve_rows(case, again, cache)
-         if (statistics%residual%at > 0 .and. .not. allocated(certified%displacement)) call case%fault( &
-            '.summary.json', "certificate.case is '"// &
-            case%value('certificate', 'case')//"', which is not a converged case")
+         certified%condition = case%number('', 'condition')
+         if (allocated(certified%displacement)) then
+            call add_conditioning(certified, cache%body)
+         else if (statistics%residual%at > 0) then
+            call case%fault('.summary.json', "certificate.case is '"//case%value('certificate', 'case')// &
+               "', which is not a converged case")
+         end if
+         call add_tallied_warnings(certified%warnings, statistics%warned, statistics%n_cases, 'case', cache%body%zone)
          call check_surplus(case, again%entries)
          if (len(again%entries) > 0) call compare_collection(case%faults, case%stem//'.sweep.pvd', again%entries)
          call sweep_documents(documents, case%config, cache%body, result)
@@ -163,70 +161,64 @@ contains
       type(cache_t), intent(in) :: cache !! the body
       ! Number of chunks that are solved side by side: all their solutions are in memory.
       integer, parameter :: n_together = 8
-      type(contact_problem_t) :: own
-      type(contact_solution_t), allocatable :: solutions(:, :)
-      type(chunk_t), allocatable :: chunks(:)
-      integer :: k, n_before
+      type(study_monitor_t) :: monitor
+      type(chunk_t) :: chunks(n_together)
+      integer :: first, k, n
 
       again%entries = ''
-      n_before = 0
-      do while (n_before < again%table%n_rows)
-         allocate (chunks(min(n_together, (again%table%n_rows - n_before - 1)/chunk_length + 1)))
-         allocate (solutions(chunk_length, size(chunks)))
-         do k = 1, size(chunks)
-            call new_chunk(chunks(k), n_before + (k - 1)*chunk_length, again%table%n_rows)
+      do first = 0, again%table%n_rows - 1, n_together*chunk_length
+         n = min(n_together, (again%table%n_rows - first - 1)/chunk_length + 1)
+         do k = 1, n
+            call new_chunk(chunks(k), first + (k - 1)*chunk_length, again%table%n_rows)
+            chunks(k)%keeps_solutions = .true.
          end do
-         !$omp parallel default(none) if (size(chunks) > 1) shared(again, cache, chunks, solutions) private(own)
-         own = cache%problem
-         !$omp do schedule(dynamic, 1)
-         do k = 1, size(chunks)
-            call solve_chunk(again%task, cache%body, own, chunks(k), solutions(:, k))
-         end do
-         !$omp end do
-         !$omp end parallel
-         do k = 1, size(chunks)
+         call solve_chunks(again%task, cache%body, cache%problem, monitor, chunks(:n))
+         do k = 1, n
             if (chunks(k)%is_broken()) then
                call case%fault('.sweep.csv', chunks(k)%fault)
                return
             end if
-            call compare_chunk(case, again, cache%body, chunks(k), solutions(:, k))
+            call compare_chunk(case, again, cache, chunks(k))
          end do
-         n_before = chunks(size(chunks))%last
-         deallocate (chunks, solutions)
       end do
    end subroutine solve_rows
 
    !> Compares the rows of a chunk, and the grids of its cases.
-   subroutine compare_chunk(case, again, body, chunk, solutions)
+   subroutine compare_chunk(case, again, cache, chunk)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       type(retrace_t), intent(inout) :: again !! the sweep with its table; gains the certificate of the worst case
-      type(body_t), intent(in) :: body !! the body
-      type(chunk_t), intent(inout) :: chunk !! the chunk, solved
-      type(contact_solution_t), intent(inout) :: solutions(:) !! the solutions of its cases; gain the rows' statuses
+      type(cache_t), intent(in) :: cache !! the body
+      type(chunk_t), intent(inout) :: chunk !! the chunk, solved; its solutions gain the statuses of the rows
       type(row_t) :: rows(chunk%last - chunk%first + 1)
+      type(acting_t) :: acting
       character(:), allocatable :: fault
       integer :: i
-      logical :: differs, follows
+      logical :: follows, is_shown
 
-      follows = .false.
       fault = ''
-      do i = 1, size(rows)
-         associate (row => rows(i), solved => chunk%results(i))
-            call read_row(row, again, chunk%first + i - 1, body%zone%n_points, fault)
-            if (solved%outcome /= outcome_solved .or. row%result%outcome /= outcome_solved) cycle
-            differs = any(solutions(i)%status /= row%status)
-            solutions(i)%status = row%status
-            if (differs) solved%is_warned(2:3) = lacks_points(row%status)
-            if (differs .or. row%number == again%result%statistics%force_error%at .or. &
-               case%config%sweep%has_fields(row%number, row%number)) call check_case(case, again, body, row%number, &
-               solutions(i))
-            follows = follows .or. differs
-         end associate
-      end do
-      if (follows) call find_stored_numbers(again%task, body, chunk, solutions)
-      do i = 1, size(rows)
-         call compare_row(case, again, body, rows(i), chunk%results(i))
-      end do
+      follows = .false.
+      associate (loads => again%task%solver%loads, body => cache%body, statistics => again%result%statistics)
+         call loads%at_rest(acting)
+         do i = 1, size(rows)
+            associate (row => rows(i), solved => chunk%results(i), solution => chunk%solutions(i))
+               call read_row(row, again, chunk%first + i - 1, body%zone%n_points, fault)
+               if (solved%outcome /= outcome_solved .or. row%result%outcome /= outcome_solved) cycle
+               acting%factor(2:) = again%task%sweep%values(row%number)
+               follows = follows .or. any(row%status /= solution%status)
+               call follow_statuses(case%faults, solution, case%stem//'.sweep.csv:'//to_text(row%number + 1), &
+                  row%status, body, loads, acting, scales_of(case%config%method%tolerance, &
+                  statistics%extremes(normal_force, 2)%value, cache%problem%matrix%augmentation))
+               solved%is_warned(2:3) = lacks_points(row%status)
+               is_shown = case%config%sweep%has_fields(row%number, row%number)
+               if (is_shown .or. row%number == statistics%force_error%at) call check_case(case, again, body, &
+                  row%number, is_shown, solution)
+            end associate
+         end do
+         if (follows) call find_stored_numbers(again%task, body, chunk, chunk%solutions)
+         do i = 1, size(rows)
+            call compare_row(case, again, body, rows(i), chunk%results(i))
+         end do
+      end associate
    end subroutine compare_chunk
 
    !> Compares a row with the solution of its case.
@@ -238,19 +230,12 @@ contains
       type(case_result_t), intent(in) :: solved !! the result of its case, solved again
       real(dp), parameter :: many = 100.0_dp
       type(case_result_t) :: computed
-      type(lengths_t) :: lengths
       character(:), allocatable :: fault, text, runs
       logical :: is_lost
 
       computed = solved
       if (allocated(again%result%statistics%extremes)) computed%scale = max(computed%scale, &
          maxval(abs(again%result%statistics%extremes%value), dim=2))
-      if (solved%outcome == outcome_not_converged .and. row%result%outcome == outcome_not_converged .and. &
-         row%result%has_solution) then
-         computed = row%result
-         call new_lengths(lengths, body%zone, row%status)
-         computed%quantity(:3) = [lengths%open, lengths%slip, lengths%stick]
-      end if
       computed%residual = row%result%residual
       computed%n_iterations = row%result%n_iterations
       ! Two solutions to the tolerance may differ by more than rounding.
@@ -264,63 +249,34 @@ contains
       call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
    end subroutine compare_row
 
-   !> Evaluates the solution of a case on the full model: checks the statuses of its row, compares its grids, and takes
-   !> the certificate of the worst case.
-   subroutine check_case(case, again, body, number, solution)
+   !> Evaluates the solution of a case on the full model: compares its grids, and takes the certificate of the worst
+   !> case.
+   subroutine check_case(case, again, body, number, is_shown, solution)
       type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
       type(retrace_t), intent(inout) :: again !! the sweep; gains the entry of the grids, and the worst case
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: number !! number of the case
+      logical, intent(in) :: is_shown !! whether it has grids
       type(contact_solution_t), intent(in) :: solution !! its solution, with the statuses of its row
       type(result_t) :: result
-      character(:), allocatable :: fault, grid
+      type(error_t), allocatable :: error
 
-      result%method = case%config%method
-      result%wants_error_estimate = again%task%wants_error_estimate
-      result%solution = solution
-      call new_case(result%load_case, again%task, body, number)
-      call recover_with_travel(result%displacement, body, result%load_case, solution%displacement, solution%force)
-      grid = ''
-      if (case%config%sweep%has_fields(number, number)) then
-         grid = '.sweep/'//to_text(number)
-         again%entries = again%entries//case_entries(to_text(number), case%config%name//grid)
-         call restore_fields(result, body, case%stem//grid, fault)
-         call case%fault(grid//'.vtu', fault)
-         if (len(fault) > 0) return
+      call evaluate_case(result, again%task, body, number, solution, error)
+      if (allocated(error)) then
+         call case%fault('.sweep.csv:'//to_text(number + 1), error%message)
+         return
       end if
-      call evaluate(result, body)
-      call check_law(case%faults, body, result, case%stem//'.sweep.csv:'//to_text(number + 1), .false.)
-      if (len(grid) > 0) then
-         call check_grids(case, body, result, case%stem//grid)
-         if (.not. result%certificate%largest() <= certificate_limit(result%method%tolerance)) call case%fault(grid// &
-            '.vtu', 'equilibrium or contact law is violated by '//to_text(result%certificate%largest()))
-      end if
+      associate (grid => '.sweep/'//to_text(number))
+         if (is_shown) then
+            again%entries = again%entries//case_entries(to_text(number), case%config%name//grid)
+            call check_grids(case%faults, case%config%units, body, result, case%stem//grid)
+         end if
+      end associate
       if (number /= again%result%statistics%force_error%at) return
       again%result%certified%displacement = result%displacement
       again%result%certified%certificate = result%certificate
       if (allocated(result%error_estimate)) again%result%certified%error_estimate = result%error_estimate
    end subroutine check_case
-
-   !> Reads displacements, and contact forces from the stresses on the contact line.
-   subroutine restore_fields(result, body, stem, fault)
-      type(result_t), intent(inout) :: result !! the load case; gains what the grids state
-      type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: stem !! name of the grids without endings, with their directory
-      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      character(*), parameter :: stress_names(0:2) = [character(19) :: 'contact_pressure', 'contact_shear', &
-         'contact_shear_theta']
-      real(dp) :: stress(n_line_points(body%zone))
-      integer :: k
-
-      call restore_displacement(result, body, stem//'.vtu', fault)
-      do k = 0, body%zone%n_tangents
-         if (len(fault) > 0) return
-         call read_array(stem//'.contact.vtu', trim(stress_names(k)), 1, stress, fault)
-         associate (m => body%zone%n_points)
-            result%solution%force(k*m + 1:(k + 1)*m) = stress(:m)*body%zone%area
-         end associate
-      end do
-   end subroutine restore_fields
 
    !> Reports grids that do not belong to this sweep, for example from an interrupted one of the same name.
    subroutine check_surplus(case, entries)

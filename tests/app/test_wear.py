@@ -152,7 +152,7 @@ class Wear(HistoryTest):
                             key=lambda place: float(last[place]))
                 forged = [*last[:place], repr(1.001*float(last[place])), *last[place + 1:]]
                 states.write_text("".join([*lines[:-1], ",".join(forged)]), encoding="utf-8")
-                self.assertIn("it is not the state of step 61", self.run_program("--verify", "out", status=4).stderr)
+                self.assertIn(f"{names[place]} is ", self.run_program("--verify", "out", status=4).stderr)
 
     def test_steps_that_are_too_long_are_warned_of(self):
         deck = BLOCK.format(element="quad4", multipliers="nodal").replace("= 100.0", "= 1000.0") + \

@@ -35,7 +35,7 @@ module amontons_history_files
    !> Content of a table: the contact points of steps.
    integer, parameter :: of_points = 2
    !> Content of a table: the states at the end of steps.
-   integer, parameter, public :: of_states = 3
+   integer, parameter :: of_states = 3
    !> Content of a table: the grids of steps.
    integer, parameter, public :: of_grids = 4
    !> Content of a table: the cycles.
@@ -48,9 +48,9 @@ module amontons_history_files
    !> Kind of a column: displacements, slips, gaps.
    integer, parameter, public :: a_length = 3
    !> Kind of a column: energies and works.
-   integer, parameter, public :: an_energy = 4
+   integer, parameter :: an_energy = 4
    !> Kind of a column: moments.
-   integer, parameter :: a_moment = 5
+   integer, parameter, public :: a_moment = 5
    !> The first of the kinds of columns whose scale is their own largest number.
    integer, parameter :: own_scale = 6
    !> Number of kinds.
@@ -75,19 +75,19 @@ module amontons_history_files
 
    !> The files of a history, under temporary names until the history is reported.
    type :: history_files_t
-      private
       character(:), allocatable :: directory !! output directory, a slash behind it
       character(:), allocatable :: name !! name of the case
       character(:), allocatable :: folder !! folder of the grids in it, a slash behind it
-      type(checkpoint_t), public :: checkpoint !! the tables as they grow
+      type(checkpoint_t) :: checkpoint !! the tables as they grow
       type(history_table_t), allocatable :: tables(:) !! what they have, in the same order
       integer :: grids_table = 0 !! which of them lists the grids; 0 without grids
       character(:), allocatable :: units !! names of the units of the case
       type(manifest_t) :: grids !! the manifest of the grids
    contains
-      procedure, public :: add_fields => history_files_add_fields
-      procedure, public :: add_step => history_files_add_step
-      procedure, public :: finish => history_files_finish
+      procedure :: add_fields => history_files_add_fields
+      procedure :: add_step => history_files_add_step
+      procedure :: finish => history_files_finish
+      procedure :: is_due => history_files_is_due
    end type history_files_t
 
 contains
@@ -116,6 +116,8 @@ contains
       character(*), parameter :: state_labels(*) = [character(23) :: 'status', 'normal_force', 'tangential_force', &
          'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn', &
          'added_gap', 'wear_depth']
+      integer, parameter :: state_kinds(size(state_labels)) = [number_alone, a_force, a_force, a_length, a_length, &
+         a_length, a_length, an_energy, an_energy, own_scale + 7, own_scale + 7]
       ! Which of these a twisted body has around the axis, too.
       integer, parameter :: directed(*) = [3, 5, 6]
       type(step_state_t) :: rest
@@ -156,9 +158,11 @@ contains
                end do
                call tables(i)%add('status', number_alone)
             case (of_states)
-               call tables(i)%add('step,steps_given_up,iterations,length,noted,'//history%name// &
-                  ',work_loads,work_supports,work_obstacles,carried_force,carried_energy,residual,iterations_step', &
-                  number_alone)
+               call tables(i)%add('step,steps_given_up,iterations,length,noted,'//history%name, number_alone)
+               call tables(i)%add('work_loads,work_supports,work_obstacles', an_energy)
+               call tables(i)%add('carried_force', a_force)
+               call tables(i)%add('carried_energy', an_energy)
+               call tables(i)%add('residual,iterations_step', number_alone)
                do k = 1, size(body%lockable)
                   call tables(i)%add('lock_'//to_text(k), number_alone)
                end do
@@ -166,12 +170,12 @@ contains
                   do axis = 1, merge(body%zone%n_tangents, 1, any(k == directed))
                      do p = 1, body%zone%n_points
                         call tables(i)%add(trim(state_labels(k))//trim(merge('_theta', '      ', axis == 2))//'_'// &
-                           to_text(p), number_alone)
+                           to_text(p), state_kinds(k))
                      end do
                   end do
                end do
                do k = 1, n_noted
-                  call tables(i)%add('noted_'//to_text(k), number_alone)
+                  call tables(i)%add('noted_'//to_text(k), own_scale)
                end do
             case (of_cycles)
                call tables(i)%add('cycle,begin,end,steps', number_alone)
@@ -449,13 +453,20 @@ contains
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
+      type(time_stepping_t), intent(inout) :: stepping !! the time stepping at the end of the step; left as it is
       integer :: i
 
       do i = 1, size(self%tables)
          call self%checkpoint%add_rows(i, table_rows(self%tables(i), model, body, stepping))
       end do
    end subroutine history_files_add_step
+
+   !> Whether the rows should be put on the disk.
+   logical function history_files_is_due(self) result(is_due)
+      class(history_files_t), intent(in) :: self !! the files
+
+      is_due = self%checkpoint%is_due()
+   end function history_files_is_due
 
    !> Writes the grids of a step and adds them to the collection.
    subroutine history_files_add_fields(self, body, number, time, result, error)

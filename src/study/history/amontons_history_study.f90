@@ -32,7 +32,7 @@ module amontons_history_study
    private
 
    public :: add_history_results, describe_history, history_result_t, history_study_t, new_step_result, &
-      prepare_history, start_history
+      prepare_history, start_history, take_steps
 
    !> Number of saved numbers for each time that was reached.
    integer, parameter :: n_reached_numbers = 9
@@ -40,11 +40,11 @@ module amontons_history_study
    !> Index of a step's largest number: the residual of the contact problem.
    integer, parameter :: of_residual = 1
    !> Index of a step's largest number: the violation of the energy identities.
-   integer, parameter, public :: of_identities = 2
+   integer, parameter :: of_identities = 2
    !> Index of a step's largest number: its energy error over its energies.
-   integer, parameter, public :: of_indicator = 3
+   integer, parameter :: of_indicator = 3
    !> Index of a step's largest number: the violation of the certificate.
-   integer, parameter, public :: of_violation = 4
+   integer, parameter :: of_violation = 4
    !> Index of a step's largest number: the energy error of a step that cannot be made shorter, over its energies.
    integer, parameter :: of_jump = 5
    !> Index of a step's largest number: the share of a pressure that the wear of one step removes.
@@ -126,6 +126,7 @@ contains
          result%n_resumed = result%stepping%n_steps
       end if
       call take_steps(cache, model, files, monitor, result, error)
+      if (.not. allocated(error)) call save_progress(files, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
       ! The tables of changes are among the files that were read.
       do i = 1, size(config%history%steps)
@@ -233,7 +234,7 @@ contains
    subroutine take_steps(cache, model, files, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body
       type(history_model_t), intent(inout) :: model !! the history
-      type(history_files_t), intent(inout) :: files !! gain the steps
+      class(history_files_t), intent(inout) :: files !! gain the steps
       class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(history_result_t), intent(inout) :: result !! gains the steps and their extremes
       type(error_t), allocatable, intent(out) :: error !! fields cannot be written
@@ -248,12 +249,12 @@ contains
             call stepping%advance(model, cache%body, cache%problem)
             result%is_interrupted = monitor%is_stopped()
             if (stepping%n_steps == n_kept) exit
-            call result%record_step(cache%body, model)
             call files%add_step(model, cache%body, stepping)
+            call result%record_step(cache%body, model)
             call certify_step(cache, model, files, result, error)
             if (allocated(error)) return
             ! Reports and saves depend on time: a step may take microseconds, or seconds.
-            is_due = files%checkpoint%is_due()
+            is_due = files%is_due()
             if (is_due .or. modulo(stepping%n_steps, n_between_reports) == 0) call monitor%report(stepping%n_planned, &
                size(history%planned), 'steps')
             if (is_due) call save_progress(files, result, error)
@@ -261,7 +262,6 @@ contains
          end do
       end associate
       call result%add_warnings(cache%body)
-      call save_progress(files, result, error)
    end subroutine take_steps
 
    !> Updates the record of the steps with the last one: largest numbers, extremes and warnings.
@@ -310,7 +310,8 @@ contains
    end function state_peaks
 
    !> Adds the numbers of the whole history to the result of the last step: works, the largest accumulated slip, the
-   !> numbers of the last cycle, and the extremes of the steps.
+   !> numbers of the last cycle, and the extremes of the steps. Those of moments have the scale of forces that balance
+   !> each other.
    pure subroutine add_history_results(result, model, body)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the numbers
       type(history_model_t), intent(in) :: model !! the history
@@ -331,11 +332,21 @@ contains
             if (k == 1 .and. followed(i)%has_place) cycle
             list = [list, quantity_t(lower_case(trim(extreme_words(k)))//'_'//followed(i)%key, &
                trim(extreme_words(k))//' '//lower_case(followed(i)%label(:1))//followed(i)%label(2:), &
-               result%extremes(i, k), max(tiny(1.0_dp), maxval(abs(result%extremes), &
-               mask=spread(followed%dimension == followed(i)%dimension, 2, 2))), dimension=followed(i)%dimension)]
+               result%extremes(i, k), max(tiny(1.0_dp), largest_of(followed(i)%dimension), merge(largest_of('F') &
+               *model%solver%size_of_body, 0.0_dp, followed(i)%dimension == 'F L')), dimension=followed(i)%dimension)]
          end do
       end do
       call move_alloc(list, result%last%history_results)
+
+   contains
+
+      !> The largest number of one dimension.
+      pure real(dp) function largest_of(dimension) result(largest)
+         character(*), intent(in) :: dimension !! the dimension
+
+         largest = max(0.0_dp, maxval(abs(result%extremes), mask=spread(followed%dimension == dimension, 2, 2)))
+      end function largest_of
+
    end subroutine add_history_results
 
    !> The part of the energy error from the first step, at which loads act at once on the body at rest: shorter steps do
@@ -404,7 +415,7 @@ contains
    subroutine certify_step(cache, model, files, result, error)
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
-      type(history_files_t), intent(inout) :: files !! gain the grids
+      class(history_files_t), intent(inout) :: files !! gain the grids
       type(history_result_t), intent(inout) :: result !! gains the violation
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite, or the grids cannot be written
       type(result_t) :: step

@@ -39,8 +39,8 @@ module amontons_sweep_chunk
    private
 
    public :: append_row, case_keys, case_result_t, chunk_length, chunk_t, condense_task, find_stored_numbers, &
-      new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_cases, solve_chunk, &
-      solve_chunks, sweep_header, sweep_statistics_t, sweep_task_t
+      new_case, new_chunk, outcome_labels, prepare_sweep, ranked_quantities, read_warnings, solve_cases, solve_chunks, &
+      sweep_header, sweep_statistics_t, sweep_task_t
 
    !> Names of the outcomes in listings.
    character(14), parameter :: outcome_labels(size(outcome_names)) = [character(14) :: 'Converged', 'NOT CONVERGED', &
@@ -104,6 +104,8 @@ module amontons_sweep_chunk
       type(case_result_t) :: results(chunk_length) !! stored results of its cases
       character(:), allocatable :: fault !! the numerical failure of its last case without a solution
       integer :: fault_kind = 0 !! the kind of that error; 0 for none
+      logical :: keeps_solutions = .false. !! whether the solutions of its cases are asked for
+      type(contact_solution_t), allocatable :: solutions(:) !! these solutions (cases)
    contains
       procedure :: is_broken => chunk_is_broken
    end type chunk_t
@@ -453,7 +455,9 @@ contains
       allocate (solutions(chunk_length))
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
-         if (.not. monitor%is_stopped()) call solve_chunk(task, body, own, chunks(i), solutions)
+         if (monitor%is_stopped()) cycle
+         call solve_chunk(task, body, own, chunks(i), solutions)
+         if (chunks(i)%keeps_solutions) chunks(i)%solutions = solutions
       end do
       !$omp end do
       !$omp end parallel

@@ -42,7 +42,7 @@ module amontons_sweep_study
    implicit none (type, external)
    private
 
-   public :: n_documents, new_sweep_summary, sweep_documents, sweep_result_t, sweep_study_t
+   public :: evaluate_case, n_documents, new_sweep_summary, sweep_documents, sweep_result_t, sweep_study_t
 
    !> Message of summary and screen on a sweep without any equilibrium.
    character(*), parameter :: nothing_balances = &
