@@ -13,6 +13,7 @@ module amontons_key_results
    use amontons_body, only: body_t, of_contact
    use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, stick_point, tangential_norm
@@ -24,8 +25,8 @@ module amontons_key_results
    implicit none (type, external)
    private
 
-   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
-      new_lengths, resultants, set_results, wear_results
+   public :: all_von_mises, body_peaks, body_peaks_at_rest, contact_peaks, contact_results_t, interval_t, lengths_t, &
+      new_contact_results, new_lengths, resultants, wear_results
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t
@@ -59,7 +60,38 @@ module amontons_key_results
       procedure :: quantities => lengths_quantities
    end type lengths_t
 
+   !> The results at the contact points.
+   type :: contact_results_t
+      type(lengths_t) :: lengths !! lengths of the zones
+      type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line
+      type(interval_t), allocatable :: stuck(:) !! its parts that stick
+      type(quantity_t), allocatable :: peaks(:) !! largest values, from `contact_peaks`
+      type(quantity_t), allocatable :: sets(:) !! results of each contact set
+   end type contact_results_t
+
 contains
+
+   !> Computes the results at the contact points of a case, of a row of a sweep, or of a step.
+   pure subroutine new_contact_results(results, body, solution, bound, gap, anchor, motion)
+      type(contact_results_t), intent(out) :: results !! the results
+      type(body_t), intent(in) :: body !! the body
+      type(contact_solution_t), intent(in) :: solution !! displacements, forces and statuses of the points
+      real(dp), intent(in) :: bound(:) !! slip bounds g + phi lambda_N of the tangential forces (m) [F]
+      real(dp), intent(in) :: gap(:) !! gaps of the points without displacements, d (m) [L]
+      real(dp), intent(in), optional :: anchor(:) !! what slips of the step count from; default 0 (n_rows - m) [L]
+      real(dp), intent(in), optional :: motion(:) !! motion of the obstacles since rest; default none (n_rows - m) [L]
+      real(dp) :: slip(body%zone%n_rows - body%zone%n_points)
+
+      call new_lengths(results%lengths, body%zone, solution%status)
+      slip = solution%displacement(size(gap) + 1:)
+      if (present(anchor)) slip = slip - anchor
+      ! What supports prescribe counts as no slip: displacements of a solution lack it, those of a grid do not.
+      where (body%zone%is_slip_fixed) slip = 0.0_dp
+      call find_zones(results%closed, results%stuck, body, solution%force, solution%status, bound, &
+         [gap - solution%displacement(:size(gap)), slip], solution%displacement)
+      results%peaks = contact_peaks(body, solution, motion)
+      results%sets = set_results(body, solution%force, results%closed, results%stuck)
+   end subroutine new_contact_results
 
    !> Finds the intervals of the contact line that belong to a zone.
    pure subroutine find_intervals(intervals, zone, is_inside, trace)
@@ -347,21 +379,21 @@ contains
    !=   the axis
    !> The largest pressure, shear and slip of the contact points. The slip of open points, and of points whose
    !> tangential direction a support holds, is left out. A body without contact points has no such results.
-   pure function contact_peaks(body, slip, force, status, displacement) result(list)
+   pure function contact_peaks(body, solution, motion) result(list)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: slip(:) !! slip of the points (n_rows - m) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      integer, intent(in) :: status(:) !! statuses of the points (m)
-      real(dp), intent(in) :: displacement !! largest displacement that is known [L]
+      type(contact_solution_t), intent(in) :: solution !! displacements, forces and statuses of the points
+      real(dp), intent(in), optional :: motion(:) !! motion of the obstacles since rest; default none (n_rows - m) [L]
       type(quantity_t), allocatable :: list(:)
-      real(dp) :: area(size(status)), scale, extent
+      real(dp) :: area(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points), scale, extent
       integer :: i, m
 
-      m = size(status)
-      scale = displacement
+      m = body%zone%n_points
       allocate (list(merge(3, 0, m > 0)))
       if (m == 0) return
-      associate (zone => body%zone)
+      scale = maxval(abs(solution%displacement))
+      slip = solution%displacement(m + 1:)
+      if (present(motion)) slip = slip - motion
+      associate (zone => body%zone, force => solution%force, status => solution%status)
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
          list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
          list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &

@@ -20,7 +20,7 @@ module amontons_solve_case
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance, recover_with_travel
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
-   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results, wear_results
+   use amontons_key_results, only: body_peaks, contact_results_t, new_contact_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
@@ -340,14 +340,8 @@ contains
    subroutine evaluate(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
-      real(dp) :: slip(body%zone%n_rows - body%zone%n_points)
-      integer :: m
+      type(contact_results_t) :: at_points
 
-      m = body%zone%n_points
-      ! What supports prescribe counts as no slip: displacements of a solution lack it, those of a grid do not.
-      slip = result%solution%displacement(m + 1:)
-      if (allocated(result%load_case%anchor)) slip = slip - result%load_case%anchor
-      where (body%zone%is_slip_fixed) slip = 0.0_dp
       associate (solution => result%solution)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)
@@ -355,16 +349,14 @@ contains
             result%stress%force)
          ! They are not needed any more, and the following part of a run takes most memory.
          deallocate (result%stress%force)
-         call new_lengths(result%lengths, body%zone, solution%status)
-         call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
-            result%load_case%slip_bound + result%load_case%friction*solution%force(:m), &
-            [result%load_case%free_gap - solution%displacement(:m), slip], solution%displacement)
-         ! The slip since rest, as `contact_columns` has it.
-         slip = solution%displacement(m + 1:)
-         if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
-         result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
-            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
-            set_results(body, solution%force, result%closed, result%stuck)]
+         call new_contact_results(at_points, body, solution, result%load_case%slip_bound + result%load_case%friction &
+            *solution%force(:body%zone%n_points), result%load_case%free_gap, result%load_case%anchor, &
+            result%load_case%obstacle_motion)
+         result%lengths = at_points%lengths
+         call move_alloc(at_points%closed, result%closed)
+         call move_alloc(at_points%stuck, result%stuck)
+         result%key_results = [at_points%peaks, body_peaks(body%mesh, result%displacement, result%stress%node), &
+            at_points%sets]
          if (allocated(result%slip_record)) result%key_results = [result%key_results, wear_results(body, &
             result%load_case%contacts, result%slip_record(:, depth_worn))]
          ! The listing has the forces by name, the last ones, in a section of their own.

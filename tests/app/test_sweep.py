@@ -191,6 +191,20 @@ class Rows(SweepTest):
                 if not key.startswith("max_") or key[-2:] not in ("_x", "_y"):
                     self.assertAlmostEqual(float(row[key]), value, delta=SOLVED*max(1.0, abs(value)), msg=(i, key))
 
+    def test_rows_of_bodies_far_from_their_obstacle(self):
+        # Von Mises stresses of rows lost digits to a way of 500 sizes of the body, those of single cases did not.
+        groups = ("contact set = 'bottom'  friction = 0.5  point = 0.0, -1000.0",)
+        load = "load name = 'press'  set = 'top'  traction = 0.0, {}"
+        material = "young = 1e5  poisson = 0.3"
+        self.run_program("--quiet", self.write("single.nml", block(*groups, load.format(-1e-5), material=material)),
+                         self.write("sweep.nml", block(*groups, load.format(-1e-5),
+                                                       "sweep load = 'press'  factor = 1.0, 2.0",
+                                                       "output key_results = 'all'", material=material)))
+        row = self.table()[0][0]
+        expected = self.summary("single")["key_results"]
+        for key in ("max_von_mises", "max_displacement", "max_contact_pressure"):
+            self.assertAlmostEqual(float(row[key]), expected[key], delta=1e-9*expected[key], msg=key)
+
     def test_loads_of_one_name_are_multiplied_together(self):
         both = "load {}set = 'top'  pressure = {}", "load {}set = 'right'  traction = {}, 0.0"
         self.assert_rows(

@@ -278,7 +278,7 @@ contains
          if (stepping%is_jump) self%n_jumps = self%n_jumps + 1
          call self%worst%update([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
             merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
-         peaks = state_peaks(body, state)
+         peaks = contact_peaks(body, state%solution, state%instant%motion)
          numbers = [peaks%value, sum(state%solution%force(:m)), sum(state%solution%force(m + 1:2*m)), &
             model%probed(state%instant%factor, state%solution%displacement), state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
@@ -298,17 +298,6 @@ contains
       end associate
    end subroutine history_result_record_step
 
-   !> The largest pressure, shear and slip of all contact sets in a state. The slip is the one since rest, on the
-   !> obstacle.
-   pure function state_peaks(body, state) result(list)
-      type(body_t), intent(in) :: body !! the body
-      type(step_state_t), intent(in) :: state !! the state
-      type(quantity_t), allocatable :: list(:)
-
-      list = contact_peaks(body, state%solution%displacement(body%zone%n_points + 1:) - state%instant%motion, &
-         state%solution%force, state%solution%status, 0.0_dp)
-   end function state_peaks
-
    !> Adds the numbers of the whole history to the result of the last step: works, the largest accumulated slip, the
    !> numbers of the last cycle, and the extremes of the steps. Those of moments have the scale of forces that balance
    !> each other.
@@ -320,8 +309,10 @@ contains
       type(quantity_t), allocatable :: followed(:), list(:), energies(:)
       integer :: i, k
 
-      followed = [state_peaks(body, result%stepping%state), resultants(result%stepping%state%solution%force, &
-         body%zone%n_points), model%probe_names, model%named]
+      associate (state => result%stepping%state)
+         followed = [contact_peaks(body, state%solution, state%instant%motion), resultants(state%solution%force, &
+            body%zone%n_points), model%probe_names, model%named]
+      end associate
       energies = energies_of(result%stepping%state)
       list = [energies(:3), energies(5), quantity_t('max_slip_accumulated', 'Max. accumulated slip', max(0.0_dp, &
          maxval(result%stepping%state%accumulated_slip)), dimension='L'), cycle_results(model%history, result%cycles)]

@@ -14,10 +14,10 @@ module amontons_sweep_chunk
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_equilibrium, only: least_squares_amounts, recover_with_travel
    use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, numerical_failure
-   use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, interval_t, lengths_t, &
-      new_lengths, resultants, set_results
+   use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_results_t, new_contact_results, resultants
    use amontons_kinds, only: dp, int64
    use amontons_load_family, only: acting_t, add_part, check_shear, load_case_t, one_part, parting_t, &
       recover_displacements
@@ -27,8 +27,8 @@ module amontons_sweep_chunk
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form, &
       set_named_values
    use amontons_quantity, only: expanded, largest_t, longest_key, quantity_t, scales
-   use amontons_result, only: outcome_names, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
-      outcome_solved, result_t
+   use amontons_result, only: certificate_limit, outcome_names, outcome_no_equilibrium, outcome_not_converged, &
+      outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: case_warning_names, find_case_warnings, tally_t
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_stress_field, only: find_node_stresses, with_twist
@@ -131,26 +131,15 @@ contains
    !=   is `slip-`, `*` is `slip` of a twisted body; a bar separates contact sets
    !> The stored numbers of a case: lengths, sums of forces, key results of the contact points and, if they are asked
    !> for, of the body.
-   pure function case_quantities(body, solution, friction, slip_bound, free_gap, peaks) result(list)
+   pure function case_quantities(body, solution, at_points, peaks) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
-      real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
+      type(contact_results_t), intent(in) :: at_points !! its results at the contact points
       type(quantity_t), intent(in) :: peaks(:) !! `body_peaks` and forces by name, if the deck asks for them
       type(quantity_t), allocatable :: list(:)
-      type(interval_t), allocatable :: closed(:), stuck(:)
-      type(lengths_t) :: lengths
 
-      call new_lengths(lengths, body%zone, solution%status)
-      associate (gap => free_gap - solution%displacement(:size(solution%status)), &
-         slip => solution%displacement(size(solution%status) + 1:))
-         call find_zones(closed, stuck, body, solution%force, solution%status, &
-            slip_bound + friction*solution%force(:size(friction)), [gap, slip], solution%displacement)
-         list = [lengths%quantities(), resultants(solution%force, body%zone%n_points), contact_peaks(body, slip, &
-            solution%force, solution%status, maxval(abs(solution%displacement))), &
-            set_results(body, solution%force, closed, stuck), peaks]
-      end associate
+      list = [at_points%lengths%quantities(), resultants(solution%force, body%zone%n_points), at_points%peaks, &
+         at_points%sets, peaks]
    end function case_quantities
 
    !> The names of the stored numbers of a case, in the order of the columns of NAME.sweep.csv.
@@ -171,14 +160,16 @@ contains
       type(sweep_t), intent(in) :: sweep !! the sweep
       type(quantity_t), allocatable :: list(:), peaks(:)
       type(contact_solution_t) :: solution
+      type(contact_results_t) :: at_points
       real(dp) :: zeros(body%zone%n_points)
 
       call new_contact_solution(solution, body%zone%n_points, body%zone%n_tangents)
       zeros = 0.0_dp
+      call new_contact_results(at_points, body, solution, zeros, zeros)
       peaks = body_peaks_at_rest()
       if (.not. sweep%has_body_results) peaks = peaks(:0)
       if (sweep%has_forces) peaks = [peaks, named_quantities(body)]
-      list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
+      list = case_quantities(body, solution, at_points, peaks)
    end function ranked_quantities
 
    !> Whether a case of a sweep has no solution, so that its columns of results are empty.
@@ -545,6 +536,7 @@ contains
       type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
       type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
       type(quantity_t), allocatable :: peaks(:, :), named(:), list(:)
+      type(contact_results_t) :: at_points
       type(acting_t) :: acting
       integer :: i
 
@@ -561,8 +553,9 @@ contains
                if (task%sweep%has_forces) call set_named_values(named, body, task%forces%values(acting%factor, &
                   solutions(i)%displacement, solutions(i)%force), max(loads%largest_force(acting%factor), &
                   sum(abs(solutions(i)%force))), maxval(abs(solutions(i)%displacement)))
-               list = case_quantities(body, solutions(i), loads%friction_of(acting), loads%base%slip_bound, &
-                  loads%gap_of(acting), [peaks(:, i), named])
+               call new_contact_results(at_points, body, solutions(i), loads%base%slip_bound &
+                  + loads%friction_of(acting)*solutions(i)%force(:body%zone%n_points), loads%gap_of(acting))
+               list = case_quantities(body, solutions(i), at_points, [peaks(:, i), named])
                kept%scale = scales(list)
                list = expanded(list)
                kept%quantity = list%value
@@ -590,6 +583,8 @@ contains
       type(load_case_t) :: load_cases(n_together)
       type(acting_t) :: acting
       real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strains(:, :), nodal(:, :)
+      real(dp), allocatable :: whole(:, :)
+      logical :: is_far(n_together)
       type(materials_t) :: twist
       integer :: first, i, k, n
 
@@ -609,12 +604,19 @@ contains
             do k = 1, size(some)
                acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
                displacement(:, k) = solutions(some(k))%displacement
+               is_far(k) = loses_digits(displacement(:, k))
                call loads%load_case(body, acting, load_cases(k))
                if (.not. allocated(load_cases(k)%thermal_strain)) cycle
                if (.not. allocated(strains)) allocate (strains(size(load_cases(k)%thermal_strain), size(some)))
                strains(:, k) = load_cases(k)%thermal_strain
             end do
             call recover_displacements(field, body, load_cases(:size(some)), displacement)
+            do k = 1, size(some)
+               if (.not. is_far(k)) cycle
+               call recover_with_travel(whole, body, load_cases(k), solutions(some(k))%displacement, &
+                  solutions(some(k))%force)
+               field(:, :, k) = whole
+            end do
             call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field(:2, :, :), &
                strains)
             do k = 1, size(some)
@@ -630,6 +632,19 @@ contains
          deallocate (displacement, stress)
          if (allocated(strains)) deallocate (strains)
       end do
+
+   contains
+
+      !> Whether a motion as a rigid body is so long that rounding leaves strains fewer digits than the certificate asks
+      !> for. They are recovered one case at a time then, as those of a single case.
+      logical function loses_digits(v)
+         real(dp), intent(in) :: v(:) !! displacements of the contact points (n_rows) [L]
+
+         loses_digits = size(body%rigid_modes, 2) > 0
+         if (loses_digits) loses_digits = epsilon(v)*maxval(abs(v)) > certificate_limit(task%solver%method%tolerance) &
+            *maxval(abs(v - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, v))))
+      end function loses_digits
+
    end subroutine find_body_results
 
 end module amontons_sweep_chunk
