@@ -14,8 +14,8 @@ module amontons_sweep_chunk
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_equilibrium, only: least_squares_amounts, recover_with_travel
    use amontons_document, only: field, status_runs
+   use amontons_equilibrium, only: least_squares_amounts, recover_with_travel
    use amontons_error, only: error_t, numerical_failure
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_results_t, new_contact_results, resultants
    use amontons_kinds, only: dp, int64
