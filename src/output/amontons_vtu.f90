@@ -16,6 +16,7 @@ module amontons_vtu
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_result, only: result_t
+   use amontons_rounding, only: exceeds
    use amontons_text, only: newline, to_text, unit_of, xml_escaped
    implicit none (type, external)
    private
@@ -388,7 +389,6 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
-      real(dp), parameter :: same = 1.0e-9_dp
       real(dp) :: share, largest(body%mesh%n_nodes)
       integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
 
@@ -412,7 +412,7 @@ contains
          do p = 1, body%zone%n_points
             do k = rows%start(p), rows%start(p + 1) - 1
                share = norm2(rows%part(:, k))*body%zone%area(p)
-               if (share > (1.0_dp + same)*largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
+               if (exceeds(share, largest(rows%node(k)))) status(rows%node(k)) = result%solution%status(p)
                largest(rows%node(k)) = max(largest(rows%node(k)), share)
             end do
          end do

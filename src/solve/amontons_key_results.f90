@@ -21,6 +21,7 @@ module amontons_key_results
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
+   use amontons_rounding, only: exceeds
    use amontons_stress_field, only: von_mises
    implicit none (type, external)
    private
@@ -281,14 +282,12 @@ contains
    !> Number of leading values that have one sign and increase in magnitude.
    pure integer function n_growing(values) result(n)
       real(dp), intent(in) :: values(:) !! the numbers
-      ! Powers of numbers that differ by less may be equal.
-      real(dp), parameter :: clearly = 1.0_dp + 1.0e-9_dp
 
       n = 0
       do while (n < size(values))
          if (.not. values(n + 1)*values(1) > 0.0_dp) exit
          if (n > 0) then
-            if (.not. abs(values(n + 1)) > clearly*abs(values(n))) exit
+            if (.not. exceeds(abs(values(n + 1)), abs(values(n)))) exit
          end if
          n = n + 1
       end do

@@ -13,6 +13,7 @@ module amontons_model_warnings
    use amontons_mesh, only: find_set, number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing
+   use amontons_rounding, only: exceeds
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text
@@ -21,8 +22,8 @@ module amontons_model_warnings
 
    public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, mean_length, percent
 
-   !> Largest initial overlap without a warning, as a share of the body's size, with its rounding error [-].
-   real(dp), parameter :: large_overlap = 0.01_dp*(1.0_dp + 1.0e-6_dp)
+   !> Largest initial overlap without a warning, as a share of the body's size [-].
+   real(dp), parameter :: large_overlap = 0.01_dp
    !> Smallest friction coefficient with a warning [-].
    real(dp), parameter :: large_friction = 2.0_dp
 
@@ -191,7 +192,7 @@ contains
             short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
             '; forces and statuses may oscillate from cell to cell; make the cells larger')
          associate (overlap => maxval(-load_case%gap, mask=is_of_set))
-            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '// &
+            if (exceeds(overlap, large_overlap*size)) call warnings%add(name//'initial overlap of '// &
                warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")
          end associate
          call add_large_friction(warnings, name, maxval(load_case%friction, mask=is_of_set))
@@ -221,8 +222,6 @@ contains
       type(line_field_t), intent(in) :: field !! the quantity, with or without a table
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: set !! number of the contact set
-      ! Rounding error of a length.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: length
       integer :: p
 
@@ -232,7 +231,7 @@ contains
          if (zone%set(p) == set) length = max(length, maxval(zone%quadrature%arc_length(zone%quadrature%start(p): &
             zone%quadrature%start(p + 1) - 1)))
       end do
-      if (minval(field%table(1, :)) < (1.0_dp - rounding)*length .and. maxval(field%table(1, :)) > 0.0_dp) return
+      if (exceeds(length, minval(field%table(1, :))) .and. maxval(field%table(1, :)) > 0.0_dp) return
       call warnings%add(name//' has no station on the contact line, whose length is '// &
          warnings%number(length, 'L')//': it gives one value')
    end subroutine add_table_warning
@@ -297,9 +296,8 @@ contains
    pure subroutine add_pair_warnings(warnings, pair)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      ! Sides of the slave that are longer than the master's by more than half spoil the contact; a ratio of 3 to 2 that
-      ! coordinates have to rounding is not more.
-      real(dp), parameter :: coarse = 1.5_dp*(1.0_dp + 1.0e-6_dp)
+      ! Sides of the slave that are longer than the master's by more than half spoil the contact.
+      real(dp), parameter :: coarse = 1.5_dp
       character(:), allocatable :: name
       real(dp) :: lengths(2), depths(2)
 
@@ -309,7 +307,8 @@ contains
          warnings%number(pair%search, 'L'))
       call add_idle_sides(warnings, name, pair%idle_side)
       lengths = [mean_length(pair%slave), mean_length(pair%master)]
-      if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &
+      if (exceeds(lengths(1), coarse*lengths(2))) call warnings%add(name// &
+         'the slave is coarser than the master (sides '// &
          short_text(lengths(1))//' against '//warnings%number(lengths(2), 'L')//'): exchange both sets for a '// &
          'sharper contact')
       depths = [pair%slave%material(1)%thickness, pair%master%material(1)%thickness]

@@ -16,6 +16,7 @@ module amontons_result_warnings
    use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
+   use amontons_rounding, only: exceeds
    use amontons_text, only: counted, pair_text, to_text
    implicit none (type, external)
    private
@@ -55,9 +56,8 @@ module amontons_result_warnings
       procedure :: append => tally_append
    end type tally_t
 
-   !> Largest displacement, as a share of the body's size, and largest strain that are considered small, with their
-   !> rounding errors [-].
-   real(dp), parameter :: large_displacement = 0.05_dp*(1.0_dp + 1.0e-6_dp), large_strain = 0.02_dp*(1.0_dp + 1.0e-6_dp)
+   !> Largest displacement, as a share of the body's size, and largest strain that are considered small [-].
+   real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
 
 contains
 
@@ -330,10 +330,11 @@ contains
       m = body%zone%n_points
       is_raised = .false.
       if (m == 0) return
-      is_raised(1) = maxval(hypot(solution%displacement(:m), tangential_norm(solution%displacement(m + 1:), m))) &
-         > large_displacement*size_of_body
+      is_raised(1) = exceeds(maxval(hypot(solution%displacement(:m), &
+         tangential_norm(solution%displacement(m + 1:), m))), large_displacement*size_of_body)
       is_raised(2:3) = lacks_points(solution%status)
-      is_raised(5) = maxval(solution%force(:m)/body%zone%area) > large_strain*maxval(body%materials%list%young(1))
+      is_raised(5) = exceeds(maxval(solution%force(:m)/body%zone%area), &
+         large_strain*maxval(body%materials%list%young(1)))
       reached = body%free_boundary%reached_ends(contacts, body%mesh%coordinates, gap, solution%status)
       is_raised(end_of_set) = size(reached) > 0
       if (m <= 2 .or. any(is_raised(2:3))) return
@@ -395,7 +396,7 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '// &
+      if (exceeds(largest, large_displacement*body_size(body))) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
@@ -409,7 +410,7 @@ contains
             end associate
          end do
       end if
-      if (strain > large_strain) call warnings%add('strain of '//percent(strain)//' at '// &
+      if (exceeds(strain, large_strain)) call warnings%add('strain of '//percent(strain)//' at '// &
          warnings%place(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '// &
          percent(large_strain)//')')
    end subroutine add_size_warnings
@@ -420,8 +421,6 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: strain !! its size, over the distance [-]
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
-      ! Of strains that differ by rounding alone the first is taken, whatever the compiler.
-      real(dp), parameter :: clearly = 1.0_dp + 1.0e-6_dp
       real(dp), dimension(2, max_corners) :: x, u
       real(dp) :: distance(2), elongation
       integer :: element, i, k, n, node
@@ -438,7 +437,7 @@ contains
                distance = x(:, i) - x(:, k)
                ! Times the distance, whose square an element's area has in it, too.
                elongation = abs((u(1, i) - u(1, k))*distance(1) + (u(2, i) - u(2, k))*distance(2))
-               if (.not. elongation > clearly*strain*(distance(1)**2 + distance(2)**2)) cycle
+               if (.not. exceeds(elongation, strain*(distance(1)**2 + distance(2)**2))) cycle
                strain = elongation/(distance(1)**2 + distance(2)**2)
                at = node
             end do

@@ -27,6 +27,7 @@ module amontons_body
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: displacement_of_nodes, new_rigid_motions, rigid_motions_t
+   use amontons_rounding, only: first_largest
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -883,7 +884,6 @@ contains
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)
       character(:), allocatable :: text
-      real(dp), parameter :: as_much = 1.0_dp - 1.0e-6_dp
       real(dp) :: amount(size(motions))
       integer :: first(size(motions) + 1), i
 
@@ -892,7 +892,7 @@ contains
          first(i + 1) = first(i) + motions(i)%n_free
          amount(i) = norm2(amounts(first(i):first(i + 1) - 1))
       end do
-      i = max(1, findloc(amount >= as_much*maxval(amount), .true., dim=1))
+      i = max(1, first_largest(amount))
       text = motions(i)%describe(amounts(first(i):first(i + 1) - 1))
    end function largest_motion
 

@@ -27,6 +27,7 @@ module amontons_history_model
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved
+   use amontons_rounding, only: exceeds
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_system, only: checksum_t
    use amontons_text, only: scientific, to_text
@@ -561,8 +562,6 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(instant_t), intent(in) :: instant !! loads, obstacles and friction at the time among the numbers
       type(error_t), allocatable, intent(out) :: error !! they are those of another body
-      ! Of a bound, as far as forces that a method left or a file rounded reach it.
-      real(dp), parameter :: nearly = 1.0_dp - 1.0e-6_dp
       ! In an ill-conditioned body rounding may leave more than the limit of the certificate.
       real(dp), parameter :: least_limit = 1.0e-6_dp
       type(archive_t) :: archive
@@ -600,7 +599,7 @@ contains
       associate (force => state%solution%force, status => state%solution%status)
          status = merge(max(open_point, min(merge(slip_minus, slip_point, &
             body%zone%n_tangents == 1), status)), problem%status(state%solution%displacement, force), &
-            tangential_norm(force(m + 1:), m) >= nearly*problem%bound(force(:m)))
+            .not. exceeds(problem%bound(force(:m)), tangential_norm(force(m + 1:), m)))
       end associate
       call complete(state, model, problem)
    end subroutine restore_step_state

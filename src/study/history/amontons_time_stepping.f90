@@ -18,6 +18,7 @@ module amontons_time_stepping
       take_step
    use amontons_kinds, only: dp
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
+   use amontons_rounding, only: first_largest
    use amontons_surface_stress, only: surface_stress_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -340,8 +341,6 @@ contains
    pure function fretting_parameters(self) result(parameters)
       class(fretting_t), intent(in) :: self !! the cycle so far
       real(dp) :: parameters(size(self%extreme, 2), n_parameters)
-      ! Planes whose values differ by rounding are the same; the first of them has the smallest angle.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: on_planes(n_planes)
       integer :: p, plane
 
@@ -352,7 +351,8 @@ contains
             parameters(p, 3) = max(0.0_dp, largest(2))*parameters(p, 2)
             on_planes = max(0.0_dp, largest(5:4 + n_planes))*0.5_dp*(largest(5 + n_planes:4 + 2*n_planes) &
                + largest(5 + 2*n_planes:))
-            plane = findloc(on_planes >= (1.0_dp - rounding)*maxval(on_planes), .true., dim=1)
+            ! The first of equal ones has the smallest angle.
+            plane = first_largest(on_planes)
             parameters(p, 4:5) = [on_planes(plane), plane_angle(plane)]
          end associate
       end do
