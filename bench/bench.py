@@ -210,23 +210,25 @@ def print_pairs(program, work, sizes, n_trials=5):
 
 
 def print_peers(program, work, sizes):
-    """One case, whole commands, each with one thread."""
+    """One case, whole commands, each with one thread, and the friction of the floor that each finds."""
     peers = {"GetFEM": ("python3-getfem", "getfem_bar.py"), "CalculiX": ("calculix-ccx", "calculix_bar.py")}
     present = {name: script for name, (package, script) in peers.items() if version_of(package)}
     rows = []
     for n in sizes:
         deck = long_bar_decks(work / f"bar_{n}", (n, n))[0]
         ours = best_of(3, [program, "--quiet", "--threads", "1", "--output", work / f"bar_{n}", deck])["cpu"]
-        row = [str(n), seconds(ours)]
+        found = json.loads((work / f"bar_{n}" / "long_bar_1.summary.json").read_text())["resultants"]
+        row = [str(n), seconds(ours), f"{found['tangential_force']:.6f}"]
         for name in peers:
             if name in present:
-                theirs = run([PYTHON, BENCH / present[name], n], threads=1)[1]["cpu"]
-                row += [seconds(theirs), f"{theirs / ours:.0f}"]
+                output, used = run([PYTHON, BENCH / present[name], n], threads=1)
+                row += [seconds(used["cpu"]), f"{used['cpu'] / ours:.0f}", re.search(r"friction (\S+)", output)[1]]
             else:
-                row += ["not installed", "-"]
+                row += ["not installed", "-", "-"]
         rows.append(row)
-    header = ["n", "Amontons s"] + [word for name in peers for word in (f"{name} s", "times")]
-    table("Row 1 on n x n cells, processor time of the whole command on one thread", header, rows)
+    header = ["n", "Amontons s", "friction"] + [word for name in peers for word in (f"{name} s", "times", "friction")]
+    table("Row 1 on n x n cells, processor time of the whole command on one thread, and friction of the floor", header,
+          rows)
 
 
 def print_reduced(program, work, sizes, rates):

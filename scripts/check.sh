@@ -9,7 +9,7 @@ scripts/setup.sh build check
 scripts/dev/tools.sh
 
 mapfile -t fortran < <(find src tests -name '*.f90' -o -name '*.f90.in' -o -name '*.pf' | sort)
-mapfile -t shell < <(grep -rlE '^#!.*\b(ba)?sh\b' .ci scripts tests | sort; echo doc/amontons.bash)
+mapfile -t shell < <(grep -rlE '^#!.*\b(ba)?sh\b' .ci findings scripts tests | sort; echo doc/amontons.bash)
 
 # Two things stay as the author put them: continuation lines, and a `!!` that hangs under its declaration.
 findent_changes_nothing() {

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci"]
+FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci", "findings"]
 MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 900, 150
 FORTRAN = (".f90", ".f90.in", ".pf")
 FACADE = ("amontons.f90", "amontons_decks.f90")

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BOOTSTRAP = Path("/usr/share/javascript/bootstrap5")
 # The order in which one reads; pages that are not named here follow.
 ORDER = ["README", "guide", "decks", "output", "limits", "theory", "methods", "library", "verification", "performance",
-         "architecture"]
+         "peers", "architecture"]
 STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }
 nav { flex: 0 0 15rem; box-sizing: border-box; padding: 1.5rem 1rem; background: #f4f6f8 }
