@@ -293,7 +293,7 @@ contains
          associate (list => self%materials%list)
             numbers = reshape([(list(i)%thickness, list(i)%lambda, list(i)%mu, list(i)%law, i=1, size(list))], &
                [3 + size(list(1)%law), size(list)])
-            is = merge(1, 0, reshape([list%has_mean_dilatation, list%is_plane_stress, list%is_axisymmetric], &
+            is = merge(1, 0, reshape([list%is_b_bar, list%is_plane_stress, list%is_axisymmetric], &
                [size(list), 3]))
          end associate
       end if
@@ -307,7 +307,7 @@ contains
             material%lambda = numbers(2, i)
             material%mu = numbers(3, i)
             material%law = reshape(numbers(4:, i), shape(material%law))
-            material%has_mean_dilatation = is(i, 1) > 0
+            material%is_b_bar = is(i, 1) > 0
             material%is_plane_stress = is(i, 2) > 0
             material%is_axisymmetric = is(i, 3) > 0
          end associate

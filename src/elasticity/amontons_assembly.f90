@@ -2,9 +2,9 @@
 !> strains; and magnitudes of the terms that add up to internal forces.
 module amontons_assembly
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
-   use amontons_elasticity, only: element_geometry_t, element_stiffness, element_stress, new_element_geometry, &
-      set_thermal_strain
-   use amontons_element, only: max_nodes
+   use amontons_elasticity, only: element_geometry_t, element_stiffness, find_elastic_strains, find_nodal_forces, &
+      new_element_geometry, set_element_load
+   use amontons_element, only: max_nodes, max_points
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
@@ -13,7 +13,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: around_axis, assemble_stiffness, from_unknowns, spring_forces, sum_uncanceled_terms, thermal_work, &
+   public :: around_axis, assemble_stiffness, from_unknowns, spring_forces, sum_uncanceled_terms, inner_work, &
       to_unknowns
 
 contains
@@ -168,31 +168,36 @@ contains
       call stiffness%add_element(reshape(dof_map%dof(first:last, own), shape(turned(1, :))), turned)
    end subroutine add_block
 
-   !> The integral of stress times thermal strain over the body: the difference between the work of the stresses on the
-   !> total strains and that on the elastic strains [F L].
-   pure real(dp) function thermal_work(mesh, materials, displacement, thermal_strain) result(work)
+   !> The difference between the work of the stresses on the strains that displacements of the nodes make and that on
+   !> the elastic strains: the integral of stress times thermal strain, less the work of body forces on the bubbles that
+   !> they move themselves [F L].
+   pure real(dp) function inner_work(mesh, materials, displacement, element_load) result(work)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      real(dp), intent(in) :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads` [-], [L]
       type(element_geometry_t) :: geometry
-      real(dp) :: stress(4)
+      real(dp) :: stress(4, max_points), forces(2, max_nodes)
       integer :: element, point
 
       work = 0.0_dp
       do element = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(element)))
             call new_element_geometry(geometry, mesh, element, material)
-            call set_thermal_strain(geometry, thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+            call set_element_load(geometry, material, mesh, element, element_load)
+            call find_elastic_strains(geometry, material, displacement, stress)
             do point = 1, geometry%n_points
-               stress = element_stress(geometry, material, displacement, point)
+               stress(:, point) = material%stress(stress(:, point))
                work = work + geometry%volume(point)*geometry%thermal_strain(point) &
-                  *dot_product(stress, material%expansion_form())
+                  *dot_product(stress(:, point), material%expansion_form())
             end do
+            if (geometry%n_functions == geometry%n_nodes) cycle
+            call find_nodal_forces(forces, geometry, material, stress)
+            work = work - dot_product(geometry%loaded_bubble, forces(:, geometry%n_functions))
          end associate
       end do
-   end function thermal_work
+   end function inner_work
 
    !> Computes the nodal forces that would result if no two terms of stiffness times displacement canceled; the rounding
    !> errors of the internal forces are a small share of them. The forces of an element without strain are as small a

@@ -3,36 +3,43 @@
 !> The four-node quadrilateral of a plane body has procedures of its own that work on its four quadrature points side by
 !> side, in a quarter of the time: fine meshes have hundreds of thousands of them.
 module amontons_elasticity
-   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quad4, quadrature_point, &
-      shape_functions, tri3
+   use amontons_dilatation, only: condense_inner, max_modes, mode_values, new_modes, projection_t
+   use amontons_element, only: bubble_function, has_bubble, max_nodes, max_points, n_element_nodes, n_element_points, &
+      quad4, quadrature_point, shape_functions, tri3, tri6
    use amontons_kinds, only: dp
    use amontons_material, only: isotropic_law, material_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
-   public :: add_point_forces, element_geometry_t, element_stiffness, element_stress, find_elastic_strains, &
-      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, set_thermal_strain
+   public :: element_geometry_t, element_stiffness, find_elastic_strains, find_nodal_forces, &
+      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, set_element_load
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
       ! What belongs to the reference element alone serves the next element of its kind too.
       integer, private :: kind = 0 !! kind of element
       integer :: n_points = 0 !! number of quadrature points
-      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
+      real(dp) :: values(max_nodes, max_points)
+         !! shape functions (node, point), that of the bubble behind those of the nodes [-]
       real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
       real(dp), private :: weight(max_points) !! weights of the quadrature [-]
       real(dp) :: thermal_strain(max_points) = 0.0_dp
-         !! strain of free thermal expansion at the points, from `set_thermal_strain`; the next element keeps it [-]
+         !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it [-]
+      real(dp) :: loaded_bubble(2) = 0.0_dp
+         !! displacement of the bubble by heat and body forces where the nodes are at rest, from there, too [L]
       ! No defaults here: setting them would take as long as all the rest, once for each element.
       integer :: n_nodes !! number of nodes
+      integer :: n_functions !! number of shape functions: one more than nodes in an element with a bubble
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
       real(dp) :: gradient(2, max_nodes, max_points)
          !! gradients of the functions (x and y, node, point); of a twist see `materials_twist_part` [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
-      logical :: has_mean_dilatation !! whether the change of volume is that of the whole element: B-bar
-      real(dp) :: mean_dilatation(2, max_nodes) !! then its mean over the element by displacement (x and y, node) [1/L]
+      integer :: n_modes
+         !! number of polynomials that the dilatation is projected to: 1 (the mean), 3 (1, x, y), or 0 for all of it
+      real(dp), private :: mode(max_modes, max_points) !! their values at the points [L^-3/2]
+      type(projection_t) :: projection !! then the projection, and the bubble
    end type element_geometry_t
 
    ! Shares that the points, in the order of the corners, have of values at the first side and at the last one.
@@ -66,8 +73,8 @@ contains
          !! the shape functions at the quadrature points; on entry anything, best those of an element of the same kind
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       integer, intent(in) :: element !! number of the element
-      type(material_t), intent(in) :: material !! its material, for the depth
-      integer, intent(in), optional :: n_points !! number of quadrature points; default: `n_element_points`
+      type(material_t), intent(in) :: material !! its material, for depth and dilatation
+      integer, intent(in), optional :: n_points !! number of quadrature points; default: those of its stiffness
       real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
       integer :: i, first, point
 
@@ -75,9 +82,13 @@ contains
          if (present(n_points)) then
             call choose_reference(geometry, kind, n_points)
          else
-            call choose_reference(geometry, kind, n_element_points(kind, material%is_axisymmetric))
+            call choose_reference(geometry, kind, n_stiffness_points(kind, material))
          end if
       end associate
+      geometry%n_modes = 0
+      if (material%is_b_bar .and. geometry%kind /= tri3) geometry%n_modes = merge(1, max_modes, geometry%kind == quad4)
+      geometry%n_functions = geometry%n_nodes
+      if (geometry%n_modes > 0 .and. has_bubble(geometry%kind)) geometry%n_functions = geometry%n_nodes + 1
       first = mesh%node_start(element)
       do i = 1, geometry%n_nodes
          geometry%node(i) = mesh%node(first + i - 1)
@@ -99,7 +110,7 @@ contains
             determinant = dx(1)*dy(2) - dx(2)*dy(1)
             dx = dx/determinant
             dy = dy/determinant
-            do i = 1, geometry%n_nodes
+            do i = 1, geometry%n_functions
                associate (derivative => geometry%derivatives(:, i, point))
                   geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
                   geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
@@ -126,52 +137,94 @@ contains
             end do
          end do
       end if
-      geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
-      if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
+      if (geometry%n_modes > 0) call project_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
 
-   !> Replaces the dilatation of each unit displacement by its mean over the element, with the quadrature points of
-   !> its stiffness: in a body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong
+   !> Number of quadrature points of the stiffness: those of degree 4 in a triangle with a bubble, whose gradient is
+   !> quadratic.
+   elemental integer function n_stiffness_points(kind, material) result(n_points)
+      integer, intent(in) :: kind !! kind of element
+      type(material_t), intent(in) :: material !! its material
+
+      n_points = n_element_points(kind, material%is_axisymmetric .or. (material%is_b_bar .and. kind == tri6))
+   end function n_stiffness_points
+
+   !> Projects the dilatation of each unit displacement to the modes, and condenses the bubble. The integrals are those
+   !> of the quadrature points of the stiffness: other points give other ones, and near a Poisson's ratio of 0.5 a wrong
    !> pressure.
-   pure recursive subroutine average_dilatation(geometry, mesh, element, material)
-      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the means
+   pure recursive subroutine project_dilatation(geometry, mesh, element, material)
+      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains modes and bubble
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
       type(element_geometry_t), allocatable :: standard
-      integer :: point
+      real(dp) :: inner(2, 2*max_nodes), law(4, 4), share
+      integer :: i, m, point
 
-      if (geometry%n_points /= n_element_points(geometry%kind, material%is_axisymmetric)) then
-         allocate (standard)
-         call new_element_geometry(standard, mesh, element, material)
-         geometry%mean_dilatation = standard%mean_dilatation
-         return
-      end if
-      geometry%mean_dilatation = 0.0_dp
-      associate (n => geometry%n_nodes, mean => geometry%mean_dilatation)
-         do point = 1, geometry%n_points
-            associate (volume => geometry%volume(point))
-               mean(:, :n) = mean(:, :n) + volume*geometry%gradient(:, :n, point)
-               if (material%is_axisymmetric) mean(1, :n) = mean(1, :n) &
-                  + volume*geometry%values(:n, point)/geometry%position(1, point)
-            end associate
+      associate (n => geometry%n_functions, n_points => geometry%n_points, modes => geometry%n_modes, &
+         projection => geometry%projection)
+         if (n_points /= n_stiffness_points(geometry%kind, material)) then
+            allocate (standard)
+            call new_element_geometry(standard, mesh, element, material)
+            geometry%projection = standard%projection
+         else
+            call new_modes(projection%center, projection%factor(:modes, :modes), geometry%position(:, :n_points), &
+               geometry%volume(:n_points))
+         end if
+         do point = 1, n_points
+            geometry%mode(:modes, point) = mode_values(projection%center, projection%factor(:modes, :modes), &
+               geometry%position(:, point))
          end do
-         mean(:, :n) = mean(:, :n)/sum(geometry%volume(:geometry%n_points))
+         if (allocated(standard)) return
+         projection%dilatation(:, :n, :modes) = 0.0_dp
+         projection%share(:n, :modes) = 0.0_dp
+         do m = 1, modes
+            do point = 1, n_points
+               share = geometry%volume(point)*geometry%mode(m, point)
+               do i = 1, n
+                  projection%dilatation(:, i, m) = projection%dilatation(:, i, m) + share*geometry%gradient(:, i, point)
+                  projection%share(i, m) = projection%share(i, m) + share*geometry%values(i, point)
+                  if (material%is_axisymmetric) projection%dilatation(1, i, m) = projection%dilatation(1, i, m) &
+                     + share*geometry%values(i, point)/geometry%position(1, point)
+               end do
+            end do
+         end do
+         if (n == geometry%n_nodes) return
+         law = element_law(geometry, material)
+         do i = 1, n
+            call find_block(inner(:, 2*i - 1:2*i), geometry, material, law, n, i)
+         end do
+         projection%stiffness = inner(:, 2*n - 1:2*n)
+         call condense_inner(projection%bubble(:, :2*n - 2), projection%compliance, inner(:, :2*n))
       end associate
-   end subroutine average_dilatation
+   end subroutine project_dilatation
 
-   !> Sets the thermal strain at the quadrature points from that at the nodes. With a mean dilatation its volume change,
-   !> too, is replaced by the mean over the element.
-   pure subroutine set_thermal_strain(geometry, at_nodes)
-      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the thermal strain
-      real(dp), intent(in) :: at_nodes(:) !! strain of free thermal expansion at the element's nodes (nodes) [-]
+   !> Sets what acts inside an element: its thermal strain at the quadrature points, from that at the nodes and
+   !> projected as the dilatation is, and the displacement of its bubble. The forces of heat on the bubble are those of
+   !> the pressure that keeps the volume, three times bulk modulus and strain.
+   pure subroutine set_element_load(geometry, material, mesh, element, load)
+      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains these
+      type(material_t), intent(in) :: material !! its material
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
+      real(dp), intent(in) :: load(:) !! what acts inside all elements, from `sum_element_loads` [-], [L]
+      real(dp) :: of_mode(max_modes)
+      integer :: first
 
-      associate (n => geometry%n_points)
-         geometry%thermal_strain(:n) = matmul(at_nodes, geometry%values(:geometry%n_nodes, :n))
-         if (geometry%has_mean_dilatation) geometry%thermal_strain(:n) = &
-            dot_product(geometry%thermal_strain(:n), geometry%volume(:n))/sum(geometry%volume(:n))
+      associate (n => geometry%n_points, m => geometry%n_modes, k => geometry%n_functions, &
+         at_nodes => load(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+         if (m == 0) then
+            geometry%thermal_strain(:n) = matmul(at_nodes, geometry%values(:geometry%n_nodes, :n))
+            return
+         end if
+         of_mode(:m) = matmul(at_nodes, geometry%projection%share(:geometry%n_nodes, :m))
+         geometry%thermal_strain(:n) = matmul(of_mode(:m), geometry%mode(:m, :n))
+         if (k == geometry%n_nodes) return
+         first = size(mesh%node) + 2*element - 1
+         geometry%loaded_bubble = load(first:first + 1) + 3.0_dp*material%bulk()*matmul( &
+            geometry%projection%compliance, matmul(geometry%projection%dilatation(:, k, :m), of_mode(:m)))
       end associate
-   end subroutine set_thermal_strain
+   end subroutine set_element_load
 
    !> Evaluates the shape functions of a kind of element at its quadrature points, unless the last element was of this
    !> kind.
@@ -190,53 +243,81 @@ contains
       do point = 1, n_points
          call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
          call shape_functions(kind, xi, geometry%values(:, point), geometry%derivatives(:, :, point))
+         if (has_bubble(kind)) call bubble_function(kind, xi, geometry%values(geometry%n_nodes + 1, point), &
+            geometry%derivatives(:, geometry%n_nodes + 1, point))
       end do
    end subroutine choose_reference
 
-   !> Stiffness of an element: sum over the points of volume times B_i^T D B_j, D the law and B the strains of unit
-   !> displacements. With a mean dilatation b, D is the law of the deviatoric stress, whose lambda is -2/3 mu, and the
-   !> pressure adds (lambda + 2/3 mu) volume b_i b_j^T.
+   !> Stiffness of an element. The bubble takes from that of the nodes what its own displacement relieves.
    pure subroutine element_stiffness(geometry, material, stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: xx, xy, yx, yy, bulk, law(4, 4), block(2, 2)
-      integer :: i, j, point
+      real(dp) :: block(2, 2), law(4, 4)
+      integer :: i, j
 
-      law = material%law
-      if (geometry%has_mean_dilatation) law = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
-      bulk = (material%lambda + 2.0_dp*material%mu/3.0_dp)*sum(geometry%volume(:geometry%n_points))
+      law = element_law(geometry, material)
       do j = 1, geometry%n_nodes
          do i = j, geometry%n_nodes
-            xx = 0.0_dp
-            xy = 0.0_dp
-            yx = 0.0_dp
-            yy = 0.0_dp
-            do point = 1, geometry%n_points
-               associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point), &
-                  volume => geometry%volume(point))
-                  xx = xx + volume*a(1)*b(1)
-                  xy = xy + volume*a(1)*b(2)
-                  yx = yx + volume*a(2)*b(1)
-                  yy = yy + volume*a(2)*b(2)
-               end associate
-            end do
-            block(1, 1) = law(1, 1)*xx + law(3, 3)*yy + law(3, 1)*(xy + yx)
-            block(2, 1) = law(2, 1)*yx + law(3, 3)*xy + law(3, 2)*yy + law(3, 1)*xx
-            block(1, 2) = law(2, 1)*xy + law(3, 3)*yx + law(3, 2)*yy + law(3, 1)*xx
-            block(2, 2) = law(2, 2)*yy + law(3, 3)*xx + law(3, 2)*(xy + yx)
-            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:, 4), i, j, block)
-            if (geometry%has_mean_dilatation) then
-               associate (a => geometry%mean_dilatation(:, i), b => geometry%mean_dilatation(:, j))
-                  block(:, 1) = block(:, 1) + bulk*(a*b(1))
-                  block(:, 2) = block(:, 2) + bulk*(a*b(2))
-               end associate
-            end if
+            call find_block(block, geometry, material, law, i, j)
+            associate (bubble => geometry%projection%bubble)
+               if (geometry%n_functions > geometry%n_nodes) block = block - matmul(transpose( &
+                  bubble(:, 2*i - 1:2*i)), matmul(geometry%projection%stiffness, bubble(:, 2*j - 1:2*j)))
+            end associate
             stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
             stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
          end do
       end do
    end subroutine element_stiffness
+
+   !> The law of the strains at a point: with a projected dilatation that of their deviator, whose lambda is -2/3 mu
+   !> [F/L^2].
+   pure function element_law(geometry, material) result(law)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp) :: law(4, 4)
+
+      law = material%law
+      if (geometry%n_modes > 0) law = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
+   end function element_law
+
+   !> Stiffness between two shape functions: sum over the points of volume times B_i^T D B_j, D the law and B the
+   !> strains of unit displacements. Each mode b of a projected dilatation adds the bulk modulus times b_i b_j^T.
+   pure subroutine find_block(block, geometry, material, law, i, j)
+      real(dp), intent(out) :: block(2, 2) !! the stiffness [F/L]
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: law(4, 4) !! its law, from `element_law` [F/L^2]
+      integer, intent(in) :: i !! function of the rows
+      integer, intent(in) :: j !! function of the columns
+      real(dp) :: xx, xy, yx, yy
+      integer :: m, point
+
+      xx = 0.0_dp
+      xy = 0.0_dp
+      yx = 0.0_dp
+      yy = 0.0_dp
+      do point = 1, geometry%n_points
+         associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point), &
+            volume => geometry%volume(point))
+            xx = xx + volume*a(1)*b(1)
+            xy = xy + volume*a(1)*b(2)
+            yx = yx + volume*a(2)*b(1)
+            yy = yy + volume*a(2)*b(2)
+         end associate
+      end do
+      block(1, 1) = law(1, 1)*xx + law(3, 3)*yy + law(3, 1)*(xy + yx)
+      block(2, 1) = law(2, 1)*yx + law(3, 3)*xy + law(3, 2)*yy + law(3, 1)*xx
+      block(1, 2) = law(2, 1)*xy + law(3, 3)*yx + law(3, 2)*yy + law(3, 1)*xx
+      block(2, 2) = law(2, 2)*yy + law(3, 3)*xx + law(3, 2)*(xy + yx)
+      if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:, 4), i, j, block)
+      do m = 1, geometry%n_modes
+         associate (a => geometry%projection%dilatation(:, i, m), b => geometry%projection%dilatation(:, j, m))
+            block(:, 1) = block(:, 1) + material%bulk()*(a*b(1))
+            block(:, 2) = block(:, 2) + material%bulk()*(a*b(2))
+         end associate
+      end do
+   end subroutine find_block
 
    !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
    pure subroutine add_hoop_stiffness(geometry, law, i, j, block)
@@ -263,17 +344,6 @@ contains
       block(1, 2) = block(1, 2) + law(2)*hoop_by_b(2) + law(3)*hoop_by_b(1)
    end subroutine add_hoop_stiffness
 
-   !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
-   pure function element_stress(geometry, material, displacement, point) result(stress)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      integer, intent(in) :: point !! number of the quadrature point
-      real(dp) :: stress(4)
-
-      stress = material%stress(strain_at(geometry, material, nodal_values(geometry, material, displacement), point))
-   end function element_stress
-
    !> Computes the elastic strains at all quadrature points.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
@@ -289,7 +359,7 @@ contains
       end do
    end subroutine find_elastic_strains
 
-   !> The displacements of the nodes of an element, followed by zeros; less those of the first node where these are a
+   !> The displacements of the nodes of an element and of its bubble; less those of the first node where these are a
    !> rigid motion: differences are exact where they are small [L].
    pure function nodal_values(geometry, material, displacement) result(u)
       type(element_geometry_t), intent(in) :: geometry !! the element's nodes
@@ -303,22 +373,26 @@ contains
       do i = 1, geometry%n_nodes
          u(:, i) = displacement(:2, geometry%node(i)) - rigid
       end do
+      associate (n => geometry%n_nodes)
+         if (geometry%n_functions > n) u(:, n + 1) = geometry%loaded_bubble &
+            + matmul(geometry%projection%bubble(:, :2*n), reshape(u(:, :n), [2*n]))
+      end associate
    end function nodal_values
 
    !> Elastic strain at a quadrature point, the total strain less the thermal one: xx, yy, the engineering shear 2 xy,
-   !> and zz or the hoop strain. Without thermal strain zz is 0 in the plane, except with a mean dilatation, where the
-   !> trace is the element's mean. In plane stress zz is set to 0 [-].
+   !> and zz or the hoop strain. Without thermal strain zz is 0 in the plane, except with a projected dilatation, which
+   !> is the trace then. In plane stress zz is set to 0 [-].
    pure function strain_at(geometry, material, u, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: u(2, max_nodes) !! displacements of its nodes [L]
+      real(dp), intent(in) :: u(2, max_nodes) !! displacements, from `nodal_values` [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(4)
-      real(dp) :: mean
-      integer :: i
+      real(dp) :: excess
+      integer :: i, m
 
       strain = 0.0_dp
-      do i = 1, geometry%n_nodes
+      do i = 1, geometry%n_functions
          associate (g => geometry%gradient(:, i, point))
             strain(1) = strain(1) + g(1)*u(1, i)
             strain(2) = strain(2) + g(2)*u(2, i)
@@ -326,45 +400,52 @@ contains
          end associate
       end do
       if (material%is_axisymmetric) then
-         do i = 1, geometry%n_nodes
+         do i = 1, geometry%n_functions
             strain(4) = strain(4) + geometry%values(i, point)*u(1, i)/geometry%position(1, point)
          end do
       end if
-      if (geometry%has_mean_dilatation) then
-         mean = 0.0_dp
-         do i = 1, geometry%n_nodes
-            mean = mean + dot_product(geometry%mean_dilatation(:, i), u(:, i))
+      if (geometry%n_modes > 0) then
+         excess = strain(1) + strain(2) + strain(4)
+         do m = 1, geometry%n_modes
+            do i = 1, geometry%n_functions
+               excess = excess - geometry%mode(m, point)*dot_product(geometry%projection%dilatation(:, i, m), u(:, i))
+            end do
          end do
-         mean = (mean - strain(1) - strain(2) - strain(4))/3.0_dp
-         strain(1:2) = strain(1:2) + mean
-         strain(4) = strain(4) + mean
+         strain([1, 2, 4]) = strain([1, 2, 4]) - excess/3.0_dp
       end if
       if (abs(geometry%thermal_strain(point)) > 0.0_dp) strain = strain &
          - geometry%thermal_strain(point)*material%expansion_form()
    end function strain_at
 
-   !> Adds the nodal forces of the stress at one quadrature point: volume times B^T stress.
-   pure subroutine add_point_forces(forces, geometry, material, stress, point)
-      real(dp), intent(inout) :: forces(2, max_nodes) !! nodal forces of the element [F]
+   !> Nodal forces of the stresses of an element: sum over the points of volume times B^T stress. A node moves the
+   !> bubble, and so bears its share of the force on that.
+   pure subroutine find_nodal_forces(forces, geometry, material, stress)
+      real(dp), intent(out) :: forces(2, max_nodes) !! nodal forces of the element, and the force on its bubble [F]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: stress(4) !! stress at the point, from `element_stress` [F/L^2]
-      integer, intent(in) :: point !! number of the quadrature point
+      real(dp), intent(in) :: stress(:, :) !! stresses at the points (4, points) [F/L^2]
       real(dp) :: s(4)
-      integer :: i
+      integer :: i, point
 
-      s = stress*geometry%volume(point)
-      do i = 1, geometry%n_nodes
-         associate (g => geometry%gradient(:, i, point))
-            forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
-            forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
-         end associate
+      forces = 0.0_dp
+      do point = 1, geometry%n_points
+         s = stress(:, point)*geometry%volume(point)
+         do i = 1, geometry%n_functions
+            associate (g => geometry%gradient(:, i, point))
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
+               forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
+            end associate
+         end do
+         if (.not. material%is_axisymmetric) cycle
+         do i = 1, geometry%n_functions
+            forces(1, i) = forces(1, i) + s(4)*geometry%values(i, point)/geometry%position(1, point)
+         end do
       end do
-      if (.not. material%is_axisymmetric) return
-      do i = 1, geometry%n_nodes
-         forces(1, i) = forces(1, i) + s(4)*geometry%values(i, point)/geometry%position(1, point)
-      end do
-   end subroutine add_point_forces
+      associate (n => geometry%n_nodes)
+         if (geometry%n_functions > n) forces(:, :n) = forces(:, :n) &
+            + reshape(matmul(forces(:, n + 1), geometry%projection%bubble(:, :2*n)), [2, n])
+      end associate
+   end subroutine find_nodal_forces
 
    !> Whether an element is a four-node quadrilateral of a plane body in the standard formulation, see
    !> `plane_quadrilateral_t`.
@@ -372,7 +453,7 @@ contains
       integer, intent(in) :: kind !! kind of element
       type(material_t), intent(in) :: material !! its material
 
-      is_plain_quadrilateral = kind == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation)
+      is_plain_quadrilateral = kind == quad4 .and. .not. (material%is_axisymmetric .or. material%is_b_bar)
    end function is_plain_quadrilateral
 
    !> Sets coordinates, gradients and volumes to those of an element.

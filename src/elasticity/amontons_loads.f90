@@ -2,17 +2,18 @@
 !> free thermal strain.
 module amontons_loads
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
+   use amontons_element, only: has_bubble
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t, on_axis
+   use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_point_forces, load_t, load_vector, new_load, spread_total_force, sum_thermal_strain
+   public :: add_point_forces, load_t, load_vector, new_load, spread_total_force, sum_element_loads
 
    !> Target of a load: the sides of a set.
    integer, parameter, public :: load_on_sides = 1
@@ -72,7 +73,7 @@ contains
       load%origin = ''
    end subroutine new_load
 
-   !> Nodal forces of all loads but those on motions; temperatures cause none here, see `sum_thermal_strain`.
+   !> Nodal forces of all loads but those on motions; temperatures cause none here, see `sum_element_loads`.
    subroutine load_vector(forces, mesh, materials, loads, error, uncanceled)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -209,7 +210,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! no such region, no density, or a force that turns the axis
       type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
-      real(dp) :: along(2), force(2), way(2)
+      real(dp) :: force(2)
       logical :: spins
       integer :: i, k, point
 
@@ -233,55 +234,101 @@ contains
          associate (material => materials%list(materials%of_element(elements(i))))
             call new_element_geometry(geometry, mesh, elements(i), material)
             do point = 1, geometry%n_points
-               ! The way from the axis of rotation, along which the centrifugal acceleration acts.
-               way = geometry%position(:, point) - load%center
-               if (material%is_axisymmetric) then
-                  way(2) = 0.0_dp
-               else if (any(abs(load%axis) > 0.0_dp)) then
-                  along = load%axis/norm2(load%axis)
-                  way = way - dot_product(way, along)*along
-               end if
-               force = geometry%volume(point)*(load%body_force + material%density*(load%gravity &
-                  + load%angular_speed**2*way))
+               force = geometry%volume(point)*force_density(load, material, geometry%position(:, point))
                do k = 1, geometry%n_nodes
                   forces(:2, geometry%node(k)) = forces(:2, geometry%node(k)) + geometry%values(k, point)*force
                end do
+            end do
+            if (geometry%n_functions == geometry%n_nodes) cycle
+            force = force_on_bubble(load, material, geometry)
+            do k = 1, geometry%n_nodes
+               forces(:2, geometry%node(k)) = forces(:2, geometry%node(k)) &
+                  + matmul(force, geometry%projection%bubble(:, 2*k - 1:2*k))
             end do
          end associate
       end do
    end subroutine add_body_force
 
-   !> Thermal strain of all loads together, stored by element, since loads and materials may differ from one element to
-   !> the next.
-   subroutine sum_thermal_strain(strain, mesh, materials, loads, error)
-      real(dp), allocatable, intent(out) :: strain(:)
-         !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`; not
-         !! allocated if no load is a temperature [-]
+   !> Force per volume at a place: body force, weight and centrifugal force [F/L^3].
+   pure function force_density(load, material, position) result(density)
+      type(load_t), intent(in) :: load !! the load
+      type(material_t), intent(in) :: material !! the material there
+      real(dp), intent(in) :: position(2) !! the place [L]
+      real(dp) :: density(2)
+      real(dp) :: along(2), way(2)
+
+      ! The way from the axis of rotation, along which the centrifugal acceleration acts.
+      way = position - load%center
+      if (material%is_axisymmetric) then
+         way(2) = 0.0_dp
+      else if (any(abs(load%axis) > 0.0_dp)) then
+         along = load%axis/norm2(load%axis)
+         way = way - dot_product(way, along)*along
+      end if
+      density = load%body_force + material%density*(load%gravity + load%angular_speed**2*way)
+   end function force_density
+
+   !> The part of a force per volume that acts on the bubble of an element [F].
+   pure function force_on_bubble(load, material, geometry) result(force)
+      type(load_t), intent(in) :: load !! the load
+      type(material_t), intent(in) :: material !! the material of the element
+      type(element_geometry_t), intent(in) :: geometry !! its shape functions, with a bubble
+      real(dp) :: force(2)
+      integer :: point
+
+      force = 0.0_dp
+      do point = 1, geometry%n_points
+         force = force + geometry%values(geometry%n_functions, point)*geometry%volume(point) &
+            *force_density(load, material, geometry%position(:, point))
+      end do
+   end function force_on_bubble
+
+   !> What all loads together do inside the elements with their nodes at rest: thermal strain, stored by element, since
+   !> loads and materials may differ from one element to the next, and the displacements of bubbles by body forces.
+   subroutine sum_element_loads(inside, mesh, materials, loads, error)
+      real(dp), allocatable, intent(out) :: inside(:)
+         !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`, then x and
+         !! y of the displacement of the bubble of each; not allocated without temperatures and bubbles that body forces
+         !! move [-], [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, with their coefficients
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error
          !! a load names a region that the mesh has not, or gives no temperature for a node
+      type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
       real(dp), allocatable :: at_nodes(:)
+      logical :: has_bubbles
       integer :: first, last, i, k
 
-      if (.not. any(loads%target == load_by_temperature)) return
-      allocate (strain(size(mesh%node)), source=0.0_dp)
+      has_bubbles = any(has_bubble(mesh%element_kind) .and. materials%list(materials%of_element)%is_b_bar)
+      if (.not. any(loads%target == load_by_temperature .or. (loads%target == load_on_region .and. has_bubbles))) return
+      allocate (inside(size(mesh%node) + 2*mesh%n_elements), source=0.0_dp)
       do i = 1, size(loads)
-         if (loads(i)%target /= load_by_temperature) cycle
+         if (all(loads(i)%target /= [load_by_temperature, load_on_region])) cycle
          call mesh%region_elements(loads(i)%region, elements, error)
-         if (.not. allocated(error)) call find_temperatures(at_nodes, mesh, loads(i), elements, error)
+         if (.not. allocated(error) .and. loads(i)%target == load_by_temperature) then
+            call find_temperatures(at_nodes, mesh, loads(i), elements, error)
+         end if
          if (allocated(error)) error%message = loads(i)%origin//error%message
          if (allocated(error)) return
          do k = 1, size(elements)
-            first = mesh%node_start(elements(k))
-            last = mesh%node_start(elements(k) + 1) - 1
-            strain(first:last) = strain(first:last) + at_nodes(mesh%node(first:last)) &
-               *materials%list(materials%of_element(elements(k)))%largest_expansion()
+            associate (material => materials%list(materials%of_element(elements(k))))
+               if (loads(i)%target == load_by_temperature) then
+                  first = mesh%node_start(elements(k))
+                  last = mesh%node_start(elements(k) + 1) - 1
+                  inside(first:last) = inside(first:last) &
+                     + at_nodes(mesh%node(first:last))*material%largest_expansion()
+               else if (has_bubbles) then
+                  call new_element_geometry(geometry, mesh, elements(k), material)
+                  last = size(mesh%node) + 2*elements(k)
+                  if (geometry%n_functions > geometry%n_nodes) inside(last - 1:last) = inside(last - 1:last) &
+                     + matmul(geometry%projection%compliance, force_on_bubble(loads(i), material, geometry))
+               end if
+            end associate
          end do
       end do
-   end subroutine sum_thermal_strain
+   end subroutine sum_element_loads
 
    !> Temperatures of a load at the nodes of its elements, from its table if it has one. A node of refinement that is
    !> not in the table gets the weighted mean of its parents.

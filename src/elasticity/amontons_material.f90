@@ -15,10 +15,11 @@ module amontons_material
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
 
-   !> Integration of the volume change in linear quadrilaterals, as a deck writes it: at every quadrature point, or by
-   !> its mean over the element (B-bar); the first word chooses the one that suits Poisson's ratio.
+   !> Integration of the volume change, as a deck writes it: at every quadrature point, or projected to few polynomials
+   !> in each element (B-bar); the first word chooses the one that suits Poisson's ratio.
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
-   !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
+   !> From this Poisson's ratio on the standard formulation locks, or has alternating pressures, in plane strain and in
+   !> bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
    !> A degree, in radians.
    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
@@ -39,7 +40,7 @@ module amontons_material
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
       character(12) :: hypothesis = 'plane strain' !! one of `hypothesis_names`
       character(8) :: formulation = 'auto' !! one of `formulation_names`
-      logical :: has_mean_dilatation = .false. !! whether linear quadrilaterals of it are of the B-bar formulation
+      logical :: is_b_bar = .false. !! whether its elements are of the B-bar formulation, but for linear triangles
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis, if the material is isotropic [F/L^2]
       real(dp) :: mu = 0.5_dp !! then the shear modulus [F/L^2]
@@ -53,6 +54,7 @@ module amontons_material
       logical :: is_twist = .false. !! whether it is what `twist_part` makes of a material
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
+      procedure :: bulk => material_bulk
       procedure :: choose_formulation => material_choose_formulation
       procedure :: depth => material_depth
       procedure :: derive => material_derive
@@ -189,6 +191,13 @@ contains
       end do
    end function isotropic_law
 
+   !> The bulk modulus of an isotropic material in plane strain or a body of revolution [F/L^2].
+   elemental real(dp) function material_bulk(self) result(bulk)
+      class(material_t), intent(in) :: self !! the material
+
+      bulk = self%lambda + 2.0_dp*self%mu/3.0_dp
+   end function material_bulk
+
    !> A compliance matrix in axes that are turned by an angle, counterclockwise [L^2/F].
    pure function turned_compliance(compliance, angle) result(turned)
       real(dp), intent(in) :: compliance(4, 4) !! the compliance [L^2/F]
@@ -207,16 +216,16 @@ contains
       turned = matmul(transpose(stress), matmul(compliance, stress))
    end function turned_compliance
 
-   !> Chooses the integration of the volume change in linear quadrilaterals. In plane stress there is no locking.
+   !> Chooses the integration of the volume change. In plane stress there is no locking.
    pure subroutine material_choose_formulation(self, formulation)
       class(material_t), intent(inout) :: self !! the material
       character(*), intent(in) :: formulation !! one of `formulation_names`
 
       self%formulation = formulation
-      self%has_mean_dilatation = formulation == 'b-bar' .or. (formulation == 'auto' .and. self%locks())
+      self%is_b_bar = formulation == 'b-bar' .or. (formulation == 'auto' .and. self%locks())
    end subroutine material_choose_formulation
 
-   !> Whether linear elements of the standard formulation lock with this material.
+   !> Whether the standard formulation fails with this material: linear elements lock, pressures of others alternate.
    elemental logical function material_locks(self) result(locks)
       class(material_t), intent(in) :: self !! the material
 
@@ -288,7 +297,7 @@ contains
       do i = 1, size(twist%list)
          associate (material => twist%list(i))
             material%is_twist = .true.
-            material%has_mean_dilatation = .false.
+            material%is_b_bar = .false.
             material%law = 0.0_dp
             material%compliance = 0.0_dp
             material%law(1, 1) = material%mu

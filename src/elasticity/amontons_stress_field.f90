@@ -11,8 +11,8 @@ module amontons_stress_field
    use amontons_assembly, only: around_axis, spring_forces
    use amontons_constraints, only: spring_side_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: add_point_forces, element_geometry_t, element_stress, find_elastic_strains, &
-      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_thermal_strain
+   use amontons_elasticity, only: element_geometry_t, find_elastic_strains, find_nodal_forces, &
+      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_element_load
    use amontons_element, only: element_names, is_triangle, max_corners, max_nodes, max_points, n_corners, &
       n_element_nodes, n_element_points, n_fine_points, n_sampling_points, node_coordinates, quad4, quadrature_point, &
       shape_functions, tri3
@@ -45,7 +45,7 @@ module amontons_stress_field
       integer :: n_nodes = 0 !! number of its nodes
       integer :: n_points = 0 !! number of its quadrature points
       integer :: node(max_nodes) = 0 !! its nodes
-      logical :: is_plain = .false. !! whether it is a plane quadrilateral without thermal strain
+      logical :: is_plain = .false. !! whether it is a plane quadrilateral with nothing acting inside
       type(plane_quadrilateral_t) :: plain !! then this
       type(element_geometry_t) :: geometry !! else its shape functions
       real(dp) :: strain(4, max_points) = 0.0_dp !! and the elastic strains at its points [-]
@@ -75,22 +75,22 @@ module amontons_stress_field
 contains
 
    !> Evaluates the stresses of a displacement field.
-   recursive subroutine new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
+   recursive subroutine new_stress_field(field, mesh, materials, coloring, displacement, element_load)
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      real(dp), allocatable :: node(:, :), strain(:, :)
+      real(dp), intent(in), optional :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads` [-], [L]
+      real(dp), allocatable :: node(:, :), inside(:, :)
       type(stress_field_t) :: twist
       type(materials_t) :: twist_materials
 
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes), &
          field%force(2, mesh%n_nodes), source=0.0_dp)
-      if (present(thermal_strain)) strain = reshape(thermal_strain, [size(thermal_strain), 1])
-      call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), strain, field)
+      if (present(element_load)) inside = reshape(element_load, [size(element_load), 1])
+      call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), inside, field)
       call move_alloc(node, field%node)
       if (size(displacement, 1) == 2) return
       call materials%twist_part(twist_materials)
@@ -117,60 +117,62 @@ contains
    end function with_twist
 
    !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
-   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
+   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, element_load)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_stress_field` [-]
+      real(dp), intent(in), optional :: element_load(:) !! as in `new_stress_field` [-]
       type(stress_field_t) :: field
 
-      call new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
+      call new_stress_field(field, mesh, materials, coloring, displacement, element_load)
       forces = field%force + spring_forces(mesh%n_nodes, springs, displacement)
    end subroutine internal_forces
 
    !> Evaluates the stresses at the nodes under several displacement fields; the shape functions of each element are
    !> computed once, and not at all where nothing is strained.
-   subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
+   subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, element_load, field_of_one)
       integer, intent(in) :: n_fields !! number of fields
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       real(dp), intent(out) :: node(4, mesh%n_nodes, n_fields) !! stress at each node (4, n_nodes, fields) [F/L^2]
       type(materials_t), intent(in) :: materials !! its materials
       type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), intent(in) :: displacement(2, mesh%n_nodes, n_fields) !! displacement of the nodes [L]
-      real(dp), intent(in), optional :: thermal_strain(:, :)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` (any, fields) [-]
+      real(dp), intent(in), optional :: element_load(:, :)
+         !! what acts inside the elements, from `sum_element_loads` (any, fields) [-], [L]
       type(stress_field_t), intent(inout), optional :: field_of_one
          !! gains means and nodal forces of the one displacement field; its arrays made, 0
       type(element_stress_t) :: own
-      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names), 2), at_nodes(4, max_nodes)
       integer, allocatable :: n_elements(:)
       integer :: color, element, field, i, k
 
       do k = 1, size(element_names)
-         to_nodes(:, :, k) = extrapolation(k, n_element_points(k, materials%list(1)%is_axisymmetric))
+         to_nodes(:, :, k, 1) = extrapolation(k, n_element_points(k, .false.))
+         to_nodes(:, :, k, 2) = extrapolation(k, n_element_points(k, .true.))
       end do
       node = 0.0_dp
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(own) if (mesh%n_elements >= worth_threads) &
          !$omp private(element, field, at_nodes, k) &
-         !$omp shared(n_fields, node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, &
+         !$omp shared(n_fields, node, mesh, materials, coloring, displacement, element_load, to_nodes, n_elements, &
          !$omp color, field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             do element = coloring%first(i), coloring%last(i)
                associate (material => materials%list(materials%of_element(element)), &
                   nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
                   n_elements(nodes) = n_elements(nodes) + 1
-                  if (.not. present(thermal_strain) .and. all(abs(displacement(:, nodes, :)) <= 0.0_dp)) cycle
-                  call set_element(own, mesh, element, material, present(thermal_strain))
+                  if (.not. present(element_load) .and. all(abs(displacement(:, nodes, :)) <= 0.0_dp)) cycle
+                  call set_element(own, mesh, element, material, present(element_load))
                   do field = 1, n_fields
-                     if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
-                        thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1, field))
+                     if (present(element_load)) call set_element_load(own%geometry, material, mesh, element, &
+                        element_load(:, field))
                      call compute_stresses(own, material, displacement(:, :, field))
-                     call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
+                     k = merge(1, 2, own%n_points == n_element_points(mesh%element_kind(element), .false.))
+                     call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element), k), at_nodes)
                      do k = 1, own%n_nodes
                         node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
                      end do
@@ -189,14 +191,14 @@ contains
    end subroutine find_node_stresses
 
    !> Sets nodes and geometry to those of an element.
-   pure subroutine set_element(own, mesh, element, material, is_heated)
+   pure subroutine set_element(own, mesh, element, material, is_loaded)
       type(element_stress_t), intent(inout) :: own !! the element
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! its number
       type(material_t), intent(in) :: material !! its material
-      logical, intent(in) :: is_heated !! whether it has a thermal strain
+      logical, intent(in) :: is_loaded !! whether something acts inside it
 
-      own%is_plain = is_plain_quadrilateral(mesh%element_kind(element), material) .and. .not. is_heated
+      own%is_plain = is_plain_quadrilateral(mesh%element_kind(element), material) .and. .not. is_loaded
       if (own%is_plain) then
          call own%plain%set_element(mesh, element)
          own%n_nodes = 4
@@ -245,10 +247,7 @@ contains
          else
             share(:n) = own%geometry%volume(:n)/sum(own%geometry%volume(:n))
             density(:n) = 0.5_dp*sum(own%strain(:, :n)*own%stress(:, :n), dim=1)
-            force = 0.0_dp
-            do point = 1, n
-               call add_point_forces(force, own%geometry, material, own%stress(:, point), point)
-            end do
+            call find_nodal_forces(force, own%geometry, material, own%stress)
          end if
          mean = 0.0_dp
          do point = 1, n
@@ -497,35 +496,35 @@ contains
 
    !> Prepares the recovery of the stresses of a displacement field: its stresses where they are most accurate, and the
    !> sides of known tractions, sorted by the patches of their two corners.
-   subroutine new_recovered_stress(recovered, patches, mesh, materials, tractions, displacement, thermal_strain)
+   subroutine new_recovered_stress(recovered, patches, mesh, materials, tractions, displacement, element_load)
       type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions on the sides of the boundary
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      real(dp), intent(in), optional :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads` [-], [L]
       type(element_geometry_t) :: geometry
+      real(dp) :: strain(4, max_points)
       integer, allocatable :: side(:)
       integer :: patch(2, size(tractions)), first, i, k, point
 
       allocate (recovered%sample(4, size(patches%samples%position, 2)))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(point) &
-      !$omp shared(recovered, patches, mesh, materials, displacement, thermal_strain)
+      !$omp firstprivate(geometry) private(point, strain) &
+      !$omp shared(recovered, patches, mesh, materials, displacement, element_load)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), before => patches%samples%start(i) - 1)
-            if (mesh%element_kind(i) == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation &
-               .or. present(thermal_strain))) then
+            if (is_plain_quadrilateral(mesh%element_kind(i), material) .and. .not. present(element_load)) then
                recovered%sample(:, before + 1) = center_stress(mesh, i, material, displacement)
                cycle
             end if
             call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
-            if (present(thermal_strain)) call set_thermal_strain(geometry, &
-               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+            if (present(element_load)) call set_element_load(geometry, material, mesh, i, element_load)
+            call find_elastic_strains(geometry, material, displacement, strain)
             do point = 1, geometry%n_points
-               recovered%sample(:, before + point) = element_stress(geometry, material, displacement, point)
+               recovered%sample(:, before + point) = material%stress(strain(:, point))
             end do
          end associate
       end do
@@ -562,24 +561,24 @@ contains
    end function center_stress
 
    !> Estimates the error of a displacement field.
-   subroutine new_error_estimate(estimate, mesh, materials, displacement, patches, recovered, thermal_strain)
+   subroutine new_error_estimate(estimate, mesh, materials, displacement, patches, recovered, element_load)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      real(dp), intent(in), optional :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads` [-], [L]
       real(dp), allocatable :: squares(:, :)
       real(dp) :: sums(2)
       integer :: block
 
       allocate (squares(2, mesh%n_elements))
       !$omp parallel do default(none) schedule(dynamic) if (mesh%n_elements >= worth_threads) &
-      !$omp shared(squares, mesh, materials, displacement, patches, recovered, thermal_strain)
+      !$omp shared(squares, mesh, materials, displacement, patches, recovered, element_load)
       do block = 1, size(patches%block_start) - 1
-         call estimate_block(squares, mesh, materials, displacement, patches, recovered, block, thermal_strain)
+         call estimate_block(squares, mesh, materials, displacement, patches, recovered, block, element_load)
       end do
       !$omp end parallel do
       sums = sum(squares, dim=2)
@@ -601,7 +600,7 @@ contains
    end subroutine error_estimate_add
 
    !> Estimates the error of a block of elements.
-   pure subroutine estimate_block(squares, mesh, materials, displacement, patches, recovered, block, thermal_strain)
+   pure subroutine estimate_block(squares, mesh, materials, displacement, patches, recovered, block, element_load)
       real(dp), intent(inout) :: squares(:, :)
          !! squares of the norms of error and stresses of all elements; gains those of the block (2, n_elements) [F L]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -610,7 +609,7 @@ contains
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
       integer, intent(in) :: block !! number of the block
-      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_error_estimate` [-]
+      real(dp), intent(in), optional :: element_load(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
       real(dp) :: of_patch(4, max_terms), weights(max_points, max_corners, size(element_names))
@@ -630,7 +629,7 @@ contains
       end associate
       do i = (block - 1)*block_size + 1, min(mesh%n_elements, block*block_size)
          associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
-            is_plain = .not. (material%is_axisymmetric .or. present(thermal_strain))
+            is_plain = .not. (material%is_axisymmetric .or. present(element_load))
             if (kind == tri3 .and. is_plain) then
                squares(:, i) = triangle_squared_norms(mesh, i, material, patches, coefficient, &
                   recovered%sample(:, patches%samples%start(i)), weights(:, :3, tri3))
@@ -638,8 +637,7 @@ contains
                squares(:, i) = plain_squared_norms(mesh, i, material, displacement, patches, coefficient)
             else
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
-               if (present(thermal_strain)) call set_thermal_strain(geometry, &
-                  thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+               if (present(element_load)) call set_element_load(geometry, material, mesh, i, element_load)
                squares(:, i) = element_squared_norms(geometry, mesh, i, material, displacement, patches, coefficient, &
                   weights(:, :n_corners(kind), kind))
             end if

@@ -346,7 +346,7 @@ contains
       call visitor%flag(key_t('twist', &
          "with `hypothesis = 'axisymmetric'`: whether the body may twist about its axis; the"// &
          ' same for all materials', default='`.false.`', also='torsion'), material%is_twisted)
-      call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
+      call visitor%word(key_t('formulation', "of all elements but `tri3`: `'b-bar'` is right where the material is"// &
          " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
          formulation_names)
       call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &

@@ -7,10 +7,10 @@ module amontons_element
    implicit none (type, external)
    private
 
-   public :: element_names, is_triangle, jacobian_degree, mapped_square, max_corners, max_nodes, max_points, &
-      n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, n_side_points, &
-      new_side_geometry, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, side_abscissa, &
-      side_geometry_t, side_nodes, side_shapes, side_weight, tri3, tri6
+   public :: bubble_function, element_names, has_bubble, is_triangle, jacobian_degree, mapped_square, max_corners, &
+      max_nodes, max_points, n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, &
+      n_side_points, new_side_geometry, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, &
+      side_abscissa, side_geometry_t, side_nodes, side_shapes, side_weight, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -85,6 +85,32 @@ contains
 
       is_triangle = kind == tri3 .or. kind == tri6
    end function is_triangle
+
+   !> Whether a kind of element has a bubble where its material is nearly incompressible: a quadratic one without a node
+   !> inside.
+   elemental logical function has_bubble(kind)
+      integer, intent(in) :: kind !! kind of element
+
+      has_bubble = kind == tri6 .or. kind == quad8
+   end function has_bubble
+
+   !> The function of the bubble: 0 on all sides, 1 in the middle.
+   pure subroutine bubble_function(kind, xi, value, derivative)
+      integer, intent(in) :: kind !! kind of element
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: value !! the function [-]
+      real(dp), intent(out) :: derivative(2) !! its derivatives by the reference coordinates [-]
+
+      if (is_triangle(kind)) then
+         associate (last => 1.0_dp - xi(1) - xi(2))
+            value = 27.0_dp*xi(1)*xi(2)*last
+            derivative = 27.0_dp*xi([2, 1])*(last - xi)
+         end associate
+      else
+         value = product(1.0_dp - xi**2)
+         derivative = -2.0_dp*xi*(1.0_dp - xi([2, 1])**2)
+      end if
+   end subroutine bubble_function
 
    !> Reference coordinates of a node (2) [-].
    pure function node_coordinates(kind, node) result(xi)

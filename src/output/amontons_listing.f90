@@ -11,7 +11,6 @@ module amontons_listing
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
    use amontons_document, only: document_t
-   use amontons_element, only: quad4
    use amontons_error, only: error_t, warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point
    use amontons_key_results, only: interval_t, resultants
@@ -129,8 +128,7 @@ contains
          labeled('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_schur)// &
          ' on the contact line')
       do i = 1, size(body%materials%list)
-         text = text//labeled('Material', material_text(body%materials%list(i), any(body%mesh%element_kind == quad4), &
-            units))
+         text = text//labeled('Material', material_text(body%materials%list(i), units))
       end do
       do i = 1, size(load_case%supports)
          if (load_case%supports(i)%is_driven()) then
@@ -169,9 +167,8 @@ contains
    end function model_text
 
    !> A material: hypothesis, constants, region.
-   pure function material_text(material, has_quad4, units) result(text)
+   pure function material_text(material, units) result(text)
       type(material_t), intent(in) :: material !! the material
-      logical, intent(in) :: has_quad4 !! whether the mesh has linear quadrilaterals
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
@@ -194,7 +191,7 @@ contains
       do i = 1, n
          if (any(abs(material%expansion) > 0.0_dp)) text = text//', expansion '//short_text(material%expansion(i))
       end do
-      if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
+      if (material%is_b_bar) text = text//', B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 

@@ -3,7 +3,7 @@ module amontons_model_warnings
    use amontons_body, only: body_t, bonds_of, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: element_names, quad4, tri3
+   use amontons_element, only: tri3
    use amontons_error, only: error_t, warning_list_t
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
@@ -123,34 +123,26 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      integer :: n_locking(2), element
-      character(:), allocatable :: remedy
+      logical :: locks(body%mesh%n_elements), is_triangle(body%mesh%n_elements)
+      character(:), allocatable :: material
 
-      ! Linear elements of a standard formulation lock.
-      n_locking = 0
-      do element = 1, body%mesh%n_elements
-         associate (material => body%materials%list(body%materials%of_element(element)), &
-            kind => body%mesh%element_kind(element))
-            if (.not. material%locks()) cycle
-            if (kind == tri3) n_locking(tri3) = n_locking(tri3) + 1
-            if (kind == quad4 .and. .not. material%has_mean_dilatation) n_locking(quad4) = n_locking(quad4) + 1
-         end associate
-      end do
-      if (sum(n_locking) /= 0) then
-         remedy = "use formulation = 'b-bar', or quad8"
-         if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
-         call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
-            trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
-            "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson(1)))// &
-            ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
-      end if
+      associate (list => body%materials%list, of_element => body%materials%of_element)
+         is_triangle = body%mesh%element_kind == tri3
+         locks = list(of_element)%locks() .and. (is_triangle .or. .not. list(of_element)%is_b_bar)
+         material = " of a nearly incompressible material (Poisson's ratio "//short_text(maxval(list%poisson(1)))//') '
+      end associate
+      if (any(locks .and. is_triangle)) call warnings%add(to_text(count(locks .and. is_triangle))// &
+         ' linear elements (tri3)'//material//'lock: stresses and forces are too large, by far near 0.5; '// &
+         'use tri6 or quadrilaterals')
+      if (any(locks .and. .not. is_triangle)) call warnings%add(to_text(count(locks .and. .not. is_triangle))// &
+         ' elements'//material//'are of the standard formulation: linear ones lock, and the stresses of quadratic '// &
+         "ones alternate; use formulation = 'b-bar'")
       associate (poisson => minval(body%materials%list%poisson(1)))
          if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
             '; negative ratios are rare')
       end associate
-      if (any(body%materials%list%formulation == 'b-bar') .and. all(body%mesh%element_kind /= quad4)) then
-         call warnings%add("formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
-      end if
+      if (any(body%materials%list%formulation == 'b-bar') .and. all(is_triangle)) call warnings%add( &
+         "formulation = 'b-bar' has no effect: all elements of the mesh are tri3")
       if (any(load_case%loads%target == load_by_temperature) .and. .not. &
          any(abs(body%materials%list%largest_expansion()) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')

@@ -24,7 +24,7 @@ module amontons_solve_case
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
-   use amontons_loads, only: load_t
+   use amontons_loads, only: load_by_temperature, load_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
@@ -327,7 +327,7 @@ contains
       ! displacements and heat are loads without nodal forces.
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
-         allocated(result%load_case%thermal_strain))) then
+         any(result%load_case%loads%target == load_by_temperature))) then
          call sum_uncanceled_terms(body%mesh, body%materials, result%displacement, abs(result%displacement), &
             uncanceled, strained_share)
          condition = max(condition, uncanceled/forces)
@@ -344,7 +344,7 @@ contains
 
       associate (solution => result%solution)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
-            result%load_case%thermal_strain)
+            result%load_case%element_load)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
             result%stress%force)
          ! They are not needed any more, and the following part of a run takes most memory.
@@ -449,9 +449,9 @@ contains
       call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
       call set_contact_tractions(tractions, body, load_case, force)
       call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, &
-         displacement(:2, :), load_case%thermal_strain)
+         displacement(:2, :), load_case%element_load)
       call new_error_estimate(estimate, body%mesh, body%materials, displacement(:2, :), tables%patches, recovered, &
-         load_case%thermal_strain)
+         load_case%element_load)
       if (size(displacement, 1) == 2) return
       ! Tractions around the axis are left to the fit.
       call body%materials%twist_part(twist)

@@ -87,3 +87,23 @@ def turned(mapping, angle):
         x, y = mapping(s, t)
         return hypot(x, y)*cos(atan2(y, x) + angle), hypot(x, y)*sin(atan2(y, x) + angle)
     return turn
+
+
+def distorted(cells, are_triangles, share=0.2):
+    """The mapping of so many by so many cells, or their triangles, to ones with straight sides in the unit square, each
+    corner inside moved by a share of a cell."""
+    def corner(i, j):
+        angle = 12.9898*i + 78.233*j if 0 < i < cells and 0 < j < cells else None
+        return (i/cells, j/cells) if angle is None else ((i + share*sin(angle))/cells, (j + share*cos(3*angle))/cells)
+
+    def move(s, t):
+        i, j = min(int(s*cells), cells - 1), min(int(t*cells), cells - 1)
+        a, b = s*cells - i, t*cells - j
+        shares = (1 - a)*(1 - b), a*(1 - b), a*b, (1 - a)*b
+        if are_triangles and (i + j) % 2 == 0:
+            shares = 1 - max(a, b), max(a - b, 0.0), min(a, b), max(b - a, 0.0)
+        elif are_triangles:
+            shares = max(1 - a - b, 0.0), min(a, 1 - b), max(a + b - 1, 0.0), min(1 - a, b)
+        corners = corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)
+        return tuple(sum(part*place[axis] for part, place in zip(shares, corners)) for axis in (0, 1))
+    return move

@@ -98,8 +98,9 @@ class Recipes(ProgramTest):
         for row in rows:
             fluid = float(row["factor_fluid"])
             exact = 10.0*0.01/(1 - 0.49**2) + 0.49/0.51*fluid
-            # Uniform stresses, which every element has to rounding.
-            self.assertAlmostEqual(float(row["max_contact_pressure"])/exact, 1.0, delta=1e-10)
+            # Uniform stresses, which every element has to rounding; a row that begins with a residual below 1e-10 is
+            # done, and a corner bears a sixth of a side.
+            self.assertAlmostEqual(float(row["max_contact_pressure"])/exact, 1.0, delta=6e-10)
             self.assertGreater(exact, fluid)
 
     def test_dovetail_slips_back_and_forth(self):

@@ -52,12 +52,12 @@ CASES = {
     "tri3": ((SUPPORT, PRESSURE, CONTACT),
              {"mesh": "size = 4.0, 2.0  cells = 8, 4  element = 'tri3'", "material": LOCKED},
              ["64 linear elements (tri3) of a nearly incompressible material (Poisson's ratio 0.4999) lock"]),
-    "quad4": ((SUPPORT, PRESSURE, CONTACT), {"material": LOCKED + "  formulation = 'standard'"},
-              ["32 linear elements (quad4) of a nearly incompressible material (Poisson's ratio 0.4999) lock"]),
+    "standard": ((SUPPORT, PRESSURE, CONTACT), {"material": LOCKED + "  formulation = 'standard'"},
+                 ["32 elements of a nearly incompressible material (Poisson's ratio 0.4999) are of the standard "]),
     "b_bar": ((SUPPORT, PRESSURE, CONTACT),
-              {"mesh": "size = 4.0, 2.0  cells = 8, 4  element = 'quad8'", "material":
+              {"mesh": "size = 4.0, 2.0  cells = 8, 4  element = 'tri3'", "material":
                "young = 100.0  poisson = 0.25  formulation = 'b-bar'"},
-              ["formulation = 'b-bar' has no effect: the mesh has no quad4 elements"]),
+              ["formulation = 'b-bar' has no effect: all elements of the mesh are tri3"]),
     "overlap": ((SUPPORT, PRESSURE, CONTACT + "  point = 0.0, 0.05"), {},
                 ["contact set 'bottom': initial overlap of 0.05, 1.25 % of the body's size"]),
     "friction": ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 2.5"), {},

@@ -4,8 +4,8 @@ module sample_bodies
    use amontons_condenser, only: cholesky_t
    use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
       spring_side_t, support_t
-   use amontons_elasticity, only: add_point_forces, element_geometry_t, element_stress
-   use amontons_element, only: max_nodes
+   use amontons_elasticity, only: element_geometry_t, find_elastic_strains, find_nodal_forces
+   use amontons_element, only: max_nodes, max_points
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
@@ -17,9 +17,9 @@ module sample_bodies
    implicit none (type, external)
    private
 
-   public :: along_normal, along_tangent, along_x, along_y, element_forces, make_springs, nodal_reactions, &
-      no_bonds, no_jumps, no_springs, sample_material, sample_materials, solve_body, solve_materials, springs_on_set, &
-      support_at_point, support_on_set, traction_on_set, uniform, weight_of
+   public :: along_normal, along_tangent, along_x, along_y, element_forces, element_stress, make_springs, no_bonds, &
+      no_jumps, no_springs, nodal_reactions, sample_material, sample_materials, solve_body, solve_materials, &
+      springs_on_set, support_at_point, support_on_set, traction_on_set, uniform, weight_of
 
    !> Components of a support: x, y, outward normal, tangent.
    integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
@@ -189,20 +189,31 @@ contains
       call internal_forces(forces, mesh, uniform(material, mesh), no_springs, coloring, displacement)
    end function nodal_reactions
 
-   !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
-   !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].
+   !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
+   pure function element_stress(geometry, material, displacement, point) result(stress)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
+      integer, intent(in) :: point !! number of the quadrature point
+      real(dp) :: stress(4), strain(4, max_points)
+
+      call find_elastic_strains(geometry, material, displacement, strain)
+      stress = material%stress(strain(:, point))
+   end function element_stress
+
+   !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a projected
+   !> dilatation is one of the modes, so that B does as well as B-bar (2, nodes) [F].
    pure function element_forces(geometry, material, displacement) result(forces)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp) :: forces(2, max_nodes)
+      real(dp) :: forces(2, max_nodes), stress(4, geometry%n_points)
       integer :: point
 
-      forces = 0.0_dp
       do point = 1, geometry%n_points
-         call add_point_forces(forces, geometry, material, element_stress(geometry, material, displacement, point), &
-            point)
+         stress(:, point) = element_stress(geometry, material, displacement, point)
       end do
+      call find_nodal_forces(forces, geometry, material, stress)
    end function element_forces
 
 end module sample_bodies

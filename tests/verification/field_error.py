@@ -12,12 +12,13 @@ GAUSS = ((-0.8611363115940526, 0.3478548451374538), (-0.3399810435848563, 0.6521
 
 
 class Elastic(NamedTuple):
-    """A material; `expansion(x, y)` is its free thermal strain."""
+    """A material; `expansion(x, y)` is its free thermal strain, `force(x, y)` a force per volume, moving bubbles."""
     young: float
     poisson: float
     hypothesis: str = "plane strain"
     b_bar: bool = False
     expansion: object = None
+    force: object = None
 
     def depth(self, x):
         """What an area of the plane is multiplied by."""
@@ -48,6 +49,7 @@ class Point(NamedTuple):
     displacement: tuple
     gradient: tuple  # u_x by x and by y, u_y by x and by y
     values: tuple  # of the shape functions
+    bubble: tuple = ()  # value of the function inside an element that has one, and its derivatives by x and by y
 
 
 def quadrature(path):
@@ -74,7 +76,9 @@ def point_of(entry, x, u):
                                   for functions in (values, by_r, by_s) for axis in (0, 1))
     det = xr*ys - xs*yr
     gradient = tuple(g/det for g in (uxr*ys - uxs*yr, uxs*xr - uxr*xs, uyr*ys - uys*yr, uys*xr - uyr*xs))
-    return Point(weight*det, (px, py), (ux, uy), gradient, values)
+    bubble = [(b, (br*ys - bs*yr)/det, (bs*xr - br*xs)/det)
+              for b, br, bs in zip(values[len(x):], by_r[len(x):], by_s[len(x):])]
+    return Point(weight*det, (px, py), (ux, uy), gradient, values, *bubble)
 
 
 def displacement_error(path, exact, depth=lambda x: 1.0):
@@ -100,8 +104,7 @@ def stress_error(path, exact, material):
                     for point in points]
             strains = [without_expansion(strain, e) for strain, e in zip(strains, free)]
         if material.b_bar:
-            mean = sum(area*sum(strain[:3]) for area, strain in zip(areas, strains))/sum(areas)
-            strains = [[e + (mean - sum(strain[:3]))/3 for e in strain[:3]] + [strain[3]] for strain in strains]
+            strains = b_bar_strains(strains, points, areas, material, 1 if len(x) == 4 else 3)
         for area, point, strain in zip(areas, points, strains):
             wanted = strain_of(gradient_of(exact, *point.place), exact(*point.place)[0], point.place[0], material)
             if material.expansion:
@@ -110,6 +113,49 @@ def stress_error(path, exact, material):
             error += area*material.squared_norm([s - t for s, t in zip(material.stress(strain), stress)])
             size += area*material.squared_norm(stress)
     return sqrt(error), sqrt(error/max(size, 1e-300))
+
+
+def b_bar_strains(strains, points, areas, material, n_modes):
+    """Elastic strains with the dilatation projected to 1, x, y over the element, and with those of its bubble."""
+    modes = []
+    for terms in list(zip(*((1.0, *point.place) for point in points)))[:n_modes]:
+        for mode in modes:
+            share = inner(areas, mode, terms)
+            terms = [term - share*value for term, value in zip(terms, mode)]
+        modes.append([term/sqrt(inner(areas, terms, terms)) for term in terms])
+    strains = projected(strains, modes, areas)
+    if not points[0].bubble:
+        return strains
+    moved = [projected([strain_of(((dx, dy, 0.0, 0.0), (0.0, 0.0, dx, dy))[axis], value*(axis == 0), point.place[0],
+                                  material) for point in points for value, dx, dy in (point.bubble,)], modes, areas)
+             for axis in (0, 1)]
+    forces = [material.force(*point.place) if material.force else (0.0, 0.0) for point in points]
+    rest = [sum(area*(force[axis]*point.bubble[0] - work(material.stress(strain), strain_by))
+                for area, point, force, strain, strain_by in zip(areas, points, forces, strains, moved[axis]))
+            for axis in (0, 1)]
+    xx, xy, yy = (sum(area*work(material.stress(one), other) for area, one, other in zip(areas, moved[i], moved[j]))
+                  for i, j in ((0, 0), (0, 1), (1, 1)))
+    ux, uy = (yy*rest[0] - xy*rest[1])/(xx*yy - xy**2), (xx*rest[1] - xy*rest[0])/(xx*yy - xy**2)
+    return [[e + ux*by_x + uy*by_y for e, by_x, by_y in zip(*entry)] for entry in zip(strains, *moved)]
+
+
+def inner(areas, one, other):
+    """The integral of a product."""
+    return sum(area*a*b for area, a, b in zip(areas, one, other))
+
+
+def projected(strains, modes, areas):
+    """Strains xx, yy, zz and shear angle, their trace projected to orthonormal modes."""
+    traces = [sum(strain[:3]) for strain in strains]
+    shares = [inner(areas, mode, traces) for mode in modes]
+    excess = [(sum(share*value for share, value in zip(shares, at)) - trace)/3
+              for trace, at in zip(traces, zip(*modes))]
+    return [[e + change for e in strain[:3]] + [strain[3]] for strain, change in zip(strains, excess)]
+
+
+def work(stress, strain):
+    """Stress times strain."""
+    return sum(s*e for s, e in zip(stress, strain))
 
 
 def strain_of(gradient, radial, radius, material):
@@ -140,6 +186,11 @@ def reference_points(element):
     table = []
     for weight, r, s in points:
         functions = shape(r, s, 2 if element == "tri6" else 1) if shape is triangle else shape(r, s)
+        if element == "tri6":
+            t = 1.0 - r - s
+            functions.append((r*s*t, s*(t - r), r*(t - s)))
+        if element == "quad8":
+            functions.append(((1.0 - r*r)*(1.0 - s*s), -2.0*r*(1.0 - s*s), -2.0*s*(1.0 - r*r)))
         table.append((weight, *zip(*functions)))
     return table
 

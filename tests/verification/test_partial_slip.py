@@ -16,14 +16,12 @@ whole displacement: the conditions of the static problem, which has one solution
 
 $P$ and $Q$ are those of the computed forces. $a$ is measured by the second moment of the pressure, $Pa^2/4$, and $c$
 by that of $\mu p - q$, which is a Hertzian pressure on $|x| < c$. Both have their own middles, less than $10^{-2}a$
-apart: the block tilts a little and is stretched on one side of the contact. Between corners and middles the nodal
-stresses of almost incompressible elements alternate; the mean shear of the cells follows the closed form, with its
-cusp at $c$, to less than 5 % in the $L_2$ norm on every mesh. The far sides are at $40a$, which changes $a$ itself by
+apart: the block tilts a little and is stretched on one side of the contact. The mean shear of the cells follows the
+closed form, with its cusp at $c$, to $0.35h$ in the $L_2$ norm. The far sides are at $40a$, which changes $a$ itself by
 some $10^{-4}$. $h$ is the width of a cell, $a$ is about 1. The elements are quadratic; $\nu = 0.499$, which leaves a
-coupling of $\beta = 10^{-3}$. The error of $c/a$ ends at some $2\cdot 10^{-4}$ for it; that of triangles is below
-$5\cdot 10^{-4}$ on every mesh. Tolerances: $a$ and $c/a$ 0.5 % on the finest mesh; the length of the
-[stick zone](output.md#zones-and-their-ends) between the nodes, whose two ends the nodes miss by up to $1.3h$ together,
-$0.2h$ on every mesh.
+coupling of $\beta = 10^{-3}$. The error of $c/a$ ends at some $10^{-4}$ for it. Tolerances: $a$ and $c/a$ 0.5 % on the
+finest mesh; the length of the [stick zone](output.md#zones-and-their-ends) between the nodes, whose two ends the nodes
+miss by up to $1.3h$ together, $0.25h$ on every mesh, half the distance of two nodes.
 """
 import math
 
@@ -39,19 +37,16 @@ class PartialSlip(Benchmark):
     """Stick zone and shear of a contact that slides in part."""
 
     def test_stick_zone_and_shear(self):
-        errors = ConvergenceTable("Convergence of the stick zone", ["c/a"], {"quad8": (1,), "quad9": (1,)})
+        errors = ConvergenceTable("Convergence of the stick zone", ["c/a"], dict.fromkeys(ELEMENTS, (1,)))
         values = ValueTable("On the finest mesh", ["quantity", "element"])
         zones = ValueTable("The length that sticks, with ends between the nodes", ["element", "h"])
         allowed = self.meshes(0.02, 0.005)
         for element in ELEMENTS:
             for h in self.meshes((1/8, 1/16), (1/8, 1/16, 1/32)):
                 a, hertz, ratio, exact, shear, length = self.measure(element, h)
-                zones.add(element, f"1/{1/h:g}", computed=length, reference=2*a*exact, allowed=0.2*h/(2*a*exact))
-                if element == "tri6":
-                    self.assertLess(abs(ratio/exact - 1), 5e-4, f"h = {h}")
-                else:
-                    errors.add(element, h, abs(ratio/exact - 1))
-                self.assertLess(shear, 0.05, f"{element}, h = {h}")
+                zones.add(element, f"1/{1/h:g}", computed=length, reference=2*a*exact, allowed=0.25*h/(2*a*exact))
+                errors.add(element, h, abs(ratio/exact - 1))
+                self.assertLess(shear, 0.35*h, f"{element}, h = {h}")
             values.add("a", element, computed=a, reference=hertz, allowed=allowed)
             values.add("c/a", element, computed=ratio, reference=exact, allowed=allowed)
         errors.close()

@@ -687,15 +687,15 @@ contains
    end function is_distributed
 
    !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
-   subroutine body_internal_forces(self, forces, displacement, thermal_strain)
+   subroutine body_internal_forces(self, forces, displacement, element_load)
       class(body_t), intent(in) :: self !! the body
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (components, n_nodes) [F]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      real(dp), intent(in), optional :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads` [-], [L]
 
       call forces_of_stress(forces, self%mesh, self%materials, self%springs, self%coloring, displacement, &
-         thermal_strain)
+         element_load)
    end subroutine body_internal_forces
 
    !> Refuses a body with a piece that neither supports nor contact points hold, or the loose end of a free preload, and

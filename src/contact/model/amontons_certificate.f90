@@ -2,7 +2,7 @@
 !> alone; and the sums of nodal forces and their work that it needs, computed in one pass.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: spring_forces, sum_uncanceled_terms, thermal_work
+   use amontons_assembly, only: inner_work, spring_forces, sum_uncanceled_terms
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
@@ -11,6 +11,7 @@ module amontons_certificate
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
+   use amontons_loads, only: load_by_temperature
    use amontons_named_forces, only: force_values, named_quantities, set_named_values
    use amontons_quantity, only: quantity_t, relative
    use amontons_rigid_motion, only: rigid_motions_t
@@ -106,7 +107,7 @@ contains
       if (present(of_stresses)) then
          internal = of_stresses + springs
       else
-         call body%internal_forces(internal, displacement, load_case%thermal_strain)
+         call body%internal_forces(internal, displacement, load_case%element_load)
       end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
       reaction = internal - load_case%force - contact
@@ -148,7 +149,7 @@ contains
          least_scale = max(least_scale, rounding_share*sum(load_case%uncanceled))
          do i = 1, size(body%motions)
             least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
-               contact, force_size, allocated(load_case%thermal_strain)))
+               contact, force_size, any(load_case%loads%target == load_by_temperature)))
          end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          call check_points(certificate, body, load_case, displacement, force)
@@ -177,8 +178,8 @@ contains
          end if
          certificate%equilibrium = relative(certificate%equilibrium, max(force_size, least_scale))
          certificate%strain_energy = 0.5_dp*sums%internal_work
-         if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
-            - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
+         if (allocated(load_case%element_load)) certificate%strain_energy = certificate%strain_energy &
+            - 0.5_dp*inner_work(body%mesh, body%materials, displacement, load_case%element_load)
          ! If a load acts on nodes that a support moves, both do work that causes no strain. Heat causes strain without
          ! work of forces. And loads that contact bears where they act leave their rounding errors to do work.
          work = max(sums%internal_size, certificate%strain_energy, sums%external_size, &

@@ -469,7 +469,7 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: imbalance(:), internal(:, :)
 
-      call body%internal_forces(internal, displacement, load_case%thermal_strain)
+      call body%internal_forces(internal, displacement, load_case%element_load)
       imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, &
          size(displacement, 1)) - internal, body%constraints, body%dof_map)
    end function imbalance

@@ -18,7 +18,7 @@ module amontons_load_family
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t, load_vector, spread_total_force, sum_thermal_strain
+   use amontons_loads, only: load_t, load_vector, spread_total_force, sum_element_loads
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
@@ -45,9 +45,8 @@ module amontons_load_family
       real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
       real(dp), allocatable :: prescribed(:, :)
          !! displacements that the supports prescribe, with what follows of them for slaves (components, n_nodes) [L]
-      real(dp), allocatable :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
-         !! without temperatures [-]
+      real(dp), allocatable :: element_load(:)
+         !! what acts inside the elements, from `sum_element_loads`; not allocated where nothing does [-], [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: extra_gap(:)
          !! part of the gap added by the deck, wear or the caller of a stepper (m) [L]
@@ -210,11 +209,11 @@ contains
       integer :: k
 
       call load_vector(load_case%force, body%mesh, body%materials, loads, error, load_case%uncanceled(1))
-      if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
+      if (.not. allocated(error)) call sum_element_loads(load_case%element_load, body%mesh, body%materials, loads, &
          error)
       if (allocated(error)) return
-      if (allocated(load_case%thermal_strain)) then
-         call body%internal_forces(of_heat, 0.0_dp*load_case%force, load_case%thermal_strain)
+      if (allocated(load_case%element_load)) then
+         call body%internal_forces(of_heat, 0.0_dp*load_case%force, load_case%element_load)
          load_case%uncanceled(2) = norm2(of_heat)
       end if
       load_case%driven = body%driven_forces(loads)
@@ -427,7 +426,7 @@ contains
       family%parting = parting
       family%base = load_case
       deallocate (family%base%force, family%base%prescribed)
-      if (allocated(load_case%thermal_strain)) deallocate (family%base%thermal_strain)
+      if (allocated(load_case%element_load)) deallocate (family%base%element_load)
       allocate (family%parts(parting%n_parts))
       allocate (family%load(body%zone%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
@@ -479,7 +478,7 @@ contains
          part%uncanceled = load_case%uncanceled
          part%driven = load_case%driven
          part%prescribed = load_case%prescribed
-         if (allocated(load_case%thermal_strain)) part%thermal_strain = load_case%thermal_strain
+         if (allocated(load_case%element_load)) part%element_load = load_case%element_load
          return
       end if
       allocate (loads(count(parting%load == number)))
@@ -490,8 +489,8 @@ contains
       end associate
       call apply_loads(part, body, loads, error)
       if (allocated(error)) return
-      if (allocated(load_case%thermal_strain) .and. .not. allocated(part%thermal_strain)) then
-         part%thermal_strain = 0.0_dp*load_case%thermal_strain
+      if (allocated(load_case%element_load) .and. .not. allocated(part%element_load)) then
+         part%element_load = 0.0_dp*load_case%element_load
       end if
       supports = load_case%supports
       do i = 1, size(supports)
@@ -515,16 +514,16 @@ contains
       do k = 1, size(self%parts)
          associate (part => self%parts(k))
             forces = part%force
-            if (any(abs(part%prescribed) > 0.0_dp) .or. allocated(part%thermal_strain)) then
-               call body%internal_forces(internal, part%prescribed, part%thermal_strain)
+            if (any(abs(part%prescribed) > 0.0_dp) .or. allocated(part%element_load)) then
+               call body%internal_forces(internal, part%prescribed, part%element_load)
                forces = forces - internal
             end if
             call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), part%condensed)
             self%load(:, k) = part%condensed%load
             self%largest(k) = maxval(abs(part%prescribed))
             ! Upper bound of the expansion of the body, by its highest temperature.
-            if (allocated(part%thermal_strain)) self%largest(k) = max(self%largest(k), &
-               maxval(abs(part%thermal_strain))*maxval(maxval(body%mesh%coordinates, dim=2) &
+            if (allocated(part%element_load)) self%largest(k) = max(self%largest(k), &
+               maxval(abs(part%element_load(:size(body%mesh%node))))*maxval(maxval(body%mesh%coordinates, dim=2) &
                - minval(body%mesh%coordinates, dim=2)))
             ! Tangential displacements include prescribed parts, as the anchors do: such a part, for example at one node
             ! of a cell, becomes a load.
@@ -651,8 +650,8 @@ contains
       load_case%driven = acting%factor(1)*self%parts(1)%driven
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
       load_case%condensed = self%parts(1)%condensed
-      if (allocated(self%parts(1)%thermal_strain)) load_case%thermal_strain = &
-         acting%factor(1)*self%parts(1)%thermal_strain
+      if (allocated(self%parts(1)%element_load)) load_case%element_load = &
+         acting%factor(1)*self%parts(1)%element_load
       do k = 2, size(self%parts)
          load_case%driven = load_case%driven + acting%factor(k)*self%parts(k)%driven
          if (self%has_force(k)) load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
@@ -660,8 +659,8 @@ contains
             + acting%factor(k)*self%parts(k)%prescribed
          if (allocated(load_case%condensed%load)) call load_case%condensed%add(acting%factor(k), &
             self%parts(k)%condensed)
-         if (allocated(load_case%thermal_strain)) load_case%thermal_strain = load_case%thermal_strain &
-            + acting%factor(k)*self%parts(k)%thermal_strain
+         if (allocated(load_case%element_load)) load_case%element_load = load_case%element_load &
+            + acting%factor(k)*self%parts(k)%element_load
       end do
       load_case%free_gap = self%gap_of(acting)
       load_case%friction = self%friction_of(acting)

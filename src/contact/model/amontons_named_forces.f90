@@ -301,7 +301,7 @@ contains
       do i = 1, size(parts)
          call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
          fields(:, :, i) = field
-         call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%element_load)
          loads(:, :, i) = parts(i)%force - field
       end do
    end subroutine find_responses

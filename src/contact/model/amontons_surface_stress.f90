@@ -187,14 +187,14 @@ contains
                   end do
                end associate
             end do
-            if (.not. allocated(parts(1)%thermal_strain)) cycle
+            if (.not. allocated(parts(1)%element_load)) cycle
             associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
                form = material%expansion_form()
                form(3) = dot_product(form(:3), [tangent**2, product(tangent)])
                do i = 1, size(parts)
                   expansion = 0.0_dp
                   do k = 1, count(side(:3) > 0)
-                     expansion = expansion + values(k)*parts(i)%thermal_strain(first - 1 &
+                     expansion = expansion + values(k)*parts(i)%element_load(first - 1 &
                         + findloc(body%mesh%node(first:last), side(k), dim=1))
                   end do
                   thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, form(3:))

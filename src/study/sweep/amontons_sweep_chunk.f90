@@ -606,9 +606,9 @@ contains
                displacement(:, k) = solutions(some(k))%displacement
                is_far(k) = loses_digits(displacement(:, k))
                call loads%load_case(body, acting, load_cases(k))
-               if (.not. allocated(load_cases(k)%thermal_strain)) cycle
-               if (.not. allocated(strains)) allocate (strains(size(load_cases(k)%thermal_strain), size(some)))
-               strains(:, k) = load_cases(k)%thermal_strain
+               if (.not. allocated(load_cases(k)%element_load)) cycle
+               if (.not. allocated(strains)) allocate (strains(size(load_cases(k)%element_load), size(some)))
+               strains(:, k) = load_cases(k)%element_load
             end do
             call recover_displacements(field, body, load_cases(:size(some)), displacement)
             do k = 1, size(some)
