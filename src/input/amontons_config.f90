@@ -236,7 +236,8 @@ contains
             if (.not. config%ties(i)%has_jump) call describe_tie(visitor, config%ties(i))
          end do
          call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
-         call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
+         call describe_history(visitor, config%history, config%loads, config%supports, config%contacts, &
+            any(config%materials%is_axisymmetric))
          call describe_accuracy(visitor, config%accuracy, .not. (config%sweep%is_given() .or. &
             config%history%has_start()))
       end if

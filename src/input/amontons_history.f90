@@ -98,7 +98,8 @@ module amontons_history
    type(key_t), parameter :: value_keys(n_value_keys) = [ &
       key_t('factor', 'what the loads of that name, or the displacements of the supports, are multiplied by: one'// &
       ' value for each of the `times`', also='value values'), &
-      key_t('shift_x', 'how far the obstacle has moved along x at each of the `times`', 'L', default='`0.0`'), &
+      key_t('shift_x', 'how far the obstacle has moved along x at each of the `times`; around an axis it widens', &
+      'L', default='`0.0`'), &
       key_t('shift_y', 'how far the obstacle has moved along y at each of the `times`', 'L', default='`0.0`'), &
       key_t('turn', 'the angle that the obstacle has turned by about `pivot` at each of the `times`,'// &
       ' counterclockwise', 'rad', default='`0.0`', also='angle rotation'), &
@@ -241,12 +242,13 @@ contains
    end function history_numbers
 
    !> Describes `&history` and all `&steps`.
-   subroutine describe_history(visitor, history, loads, supports, contacts)
+   subroutine describe_history(visitor, history, loads, supports, contacts, is_axisymmetric)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
       type(load_t), intent(in) :: loads(:) !! the loads of the deck
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      logical, intent(in) :: is_axisymmetric !! whether it is a body of revolution
       character(:), allocatable :: file
       integer :: i
       logical :: are_times_sound
@@ -286,6 +288,9 @@ contains
                   steps%table(2:, :) = steps%values
                end if
             end if
+            if (is_axisymmetric .and. steps%target == stepped_obstacle .and. allocated(steps%table)) &
+               call visitor%require(.not. any(abs(steps%table(4, :)) > 0.0_dp), '', &
+               'an obstacle around an axis cannot turn: it would become a cone; only shift_y moves it as a rigid body')
          end associate
          call check_name(visitor, history%steps(:i), loads, supports, contacts)
       end do
@@ -480,7 +485,8 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      character(55), parameter :: missing(4) = [character(55) :: 'no &load, force or moment has the name', &
+      character(61), parameter :: missing(4) = [character(61) :: &
+         'no &load, and no force or moment other than 0, has the name', &
          'no &support with a prescribed displacement has the name', &
          'no &contact with a rigid obstacle has the name or set', 'no &contact has the name or set']
       character(:), allocatable :: thing, names

@@ -2,7 +2,7 @@
 !> and reduced problems share: head, model, method and outcome, uniqueness and all solutions (with NAME.solutions.csv),
 !> verdict, times.
 module amontons_listing
-   use amontons_body, only: body_t
+   use amontons_body, only: body_t, find_rigid_modes, find_travel, largest_motion
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
    use amontons_constraints, only: support_t, supported_components
@@ -20,7 +20,7 @@ module amontons_listing
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
    use amontons_methods, only: method_options_t
-   use amontons_model_warnings, only: mean_length
+   use amontons_model_warnings, only: facing_lengths
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
@@ -44,9 +44,10 @@ module amontons_listing
 contains
 
    !> The line of the listing on whether the solution is proven to be unique.
-   pure function uniqueness_text(uniqueness, friction) result(text)
+   pure function uniqueness_text(uniqueness, friction, freedom) result(text)
       type(uniqueness_t), intent(in) :: uniqueness !! the bound
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the problem (m) [-]
+      character(*), intent(in) :: freedom !! motion that nothing holds without friction; empty for none
       character(:), allocatable :: text
       character(:), allocatable :: known
 
@@ -54,6 +55,7 @@ contains
       if (size(friction) == 0) return
       if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
          known = 'unique, since there is no Coulomb friction'
+         if (freedom /= '') known = known//', but for one motion or more: '//freedom//'; slips are counted without it'
       else if (.not. uniqueness%has_bound) then
          known = 'no bound is known'
       else if (uniqueness%is_for_any) then
@@ -66,6 +68,21 @@ contains
       if (.not. uniqueness%is_unique) known = 'not proven (friction '//short_text(maxval(friction))//'; '//known//')'
       text = labeled('Uniqueness', known)
    end function uniqueness_text
+
+   !> A rigid motion that leaves all closed points closed, as a text; empty if there is none.
+   function free_motion(body, status) result(text)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: status(:) !! status of each contact point (m)
+      character(:), allocatable :: text
+      real(dp), allocatable :: modes(:, :), travel(:, :), amounts(:, :)
+      integer :: i
+
+      text = ''
+      if (sum(body%motions%n_free) == 0) return
+      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.true.)
+      call find_travel(travel, amounts, modes(pack([(i, i=1, size(status))], status /= open_point), :))
+      if (size(amounts, 2) > 0) text = largest_motion(body%motions, amounts(:, 1))
+   end function free_motion
 
    !> The section of the listing that `--all-solutions` adds.
    pure function solutions_text(solutions, force) result(text)
@@ -275,14 +292,16 @@ contains
       if (contact%wear > 0.0_dp) text = text//', wear '//with_unit(short_text(contact%wear), units, 'L^2/F')
    end function contact_text
 
-   !> Mean lengths of the sides of slave and master, on which the choice of the roles should depend.
+   !> Mean lengths of the sides of slave and master where they meet, on which the choice of the roles should depend.
    pure function roles_text(pair, units) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
+      real(dp) :: lengths(2)
 
-      text = 'slave '//with_unit(short_text(mean_length(pair%slave)), units, 'L')//', master '// &
-         with_unit(short_text(mean_length(pair%master)), units, 'L')// &
+      lengths = facing_lengths(pair)
+      text = 'slave '//with_unit(short_text(lengths(1)), units, 'L')//', master '// &
+         with_unit(short_text(lengths(2)), units, 'L')// &
          ' on average; forces are resolved on the slave, which should be the finer one'
    end function roles_text
 
@@ -492,7 +511,8 @@ contains
          if (result%method_error >= 0.0_dp) text = labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          call add_outcome(listing, solution, result%method%tolerance, text)
-         text = uniqueness_text(result%uniqueness, merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed))
+         text = uniqueness_text(result%uniqueness, merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed), &
+            free_motion(body, solution%status))
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))

@@ -20,7 +20,7 @@ module amontons_model_warnings
    implicit none (type, external)
    private
 
-   public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, mean_length, percent
+   public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, facing_lengths, percent
 
    !> Largest initial overlap without a warning, as a share of the body's size [-].
    real(dp), parameter :: large_overlap = 0.01_dp
@@ -298,13 +298,12 @@ contains
          counted(size(pair%open_node), 'node')//' of the slave, without a master within '// &
          warnings%number(pair%search, 'L'))
       call add_idle_sides(warnings, name, pair%idle_side)
-      lengths = [mean_length(pair%slave), mean_length(pair%master)]
+      lengths = facing_lengths(pair)
       if (exceeds(lengths(1), coarse*lengths(2))) call warnings%add(name// &
          'the slave is coarser than the master (sides '// &
          short_text(lengths(1))//' against '//warnings%number(lengths(2), 'L')//'): exchange both sets for a '// &
          'sharper contact')
       depths = [pair%slave%material(1)%thickness, pair%master%material(1)%thickness]
-      if (.not. pair%slave%material(1)%is_plane_stress) return
       if (abs(depths(1) - depths(2)) > epsilon(1.0_dp)*depths(1)) call warnings%add(name//'the thicknesses differ ('// &
          short_text(depths(1))//', '//warnings%number(depths(2), 'L')//'): forces are matched, stresses '// &
          'are those of the slave')
@@ -349,11 +348,23 @@ contains
       end if
    end subroutine add_gap_warnings
 
-   !> Mean length of the sides of a surface [L].
-   pure real(dp) function mean_length(surface)
-      type(surface_t), intent(in) :: surface !! the surface
+   !> Mean lengths of the sides of slave and master that face each other (2) [L].
+   pure function facing_lengths(pair) result(lengths)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, with segments
+      real(dp) :: lengths(2)
 
-      mean_length = sum(norm2(surface%corner(:, 2, :) - surface%corner(:, 1, :), dim=1))/surface%n_sides
+      lengths = [mean_length(pair%slave, pair%segments%slave), mean_length(pair%master, pair%segments%master)]
+   end function facing_lengths
+
+   !> Mean length of some sides of a surface [L].
+   pure real(dp) function mean_length(surface, sides)
+      type(surface_t), intent(in) :: surface !! the surface
+      integer, intent(in) :: sides(:) !! numbers of the sides, each any number of times
+      logical :: is_met(surface%n_sides)
+
+      is_met = .false.
+      is_met(sides) = .true.
+      mean_length = sum(norm2(surface%corner(:, 2, :) - surface%corner(:, 1, :), dim=1), mask=is_met)/count(is_met)
    end function mean_length
 
    !> Largest distance of straight sides from the curve that they approximate: their length times the angle between the

@@ -120,11 +120,11 @@ REFUSED = [
      "one, and what it keeps of the first"),
     ("*DLOAD\neall, P3, 1.\n1, P2, 1.\n", "loads",
      "a load on 1 side inside the body, between two elements, cannot be used"),
-    ("*NODE\n99, 9., 9.\n*CLOAD\n6, 2, 1.\n99, 2, 1.\n", "loads", "a force on 1 node of no element" + REFERENCE),
-    ("*NODE\n99, 9., 9.\n*BOUNDARY\n99, 1\n", "supports", "a support of nodes of no element" + REFERENCE),
+    ("*NODE\n99, 9., 9.\n*CLOAD\n6, 2, 1.\n99, 2, 1.\n", "loads", "a load on 1 node of no element" + REFERENCE),
+    ("*NODE\n99, 9., 9.\n*BOUNDARY\n99, 1\n", "supports", "a support of 1 node of no element" + REFERENCE),
     ("*STEP\n*STEP, PERTURBATION\n*STEP\n", "loads' step = 2 '", "*STEP with PERTURBATION cannot be used"),
     ("*STEP\n*CLOAD\ntop, 2, 1.\n*STEP\n*CLOAD\n5, 2, 1.\n", "loads' step = 2 '",
-     "*CLOAD after another load of its kind on a part of the same set or body in an earlier step cannot be used; "
+     "*cload after another load of its kind on a part of the same set or body in an earlier step cannot be used; "
      "end that by OP=NEW"),
     ("*STEP\n*DLOAD\neall, BX, 1.\n*STEP\n*DLOAD\nright, BX, 1.\n", "loads' step = 2 '",
      "*dload after another load of its kind on a part of the same set or body in an earlier step cannot be used; "

@@ -38,7 +38,7 @@ module amontons_body
    private
 
    public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
-      largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
+      find_travel, largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
    real(dp), parameter :: poor_inf_sup = 0.3_dp

@@ -152,7 +152,8 @@ contains
       call new_boundary_line(line, body%mesh, contact%set, error, body%materials)
       if (allocated(error)) return
       if (all(follower(line%node) > 0)) then
-         call new_error(error, input_refused, 'every node of this contact set belongs to an earlier one')
+         call new_error(error, input_refused, 'every node of this contact set belongs to an earlier '// &
+            'one; a set meets one obstacle: split its curve where the other begins, or draw both as one polyline')
          return
       end if
       if (contact%partition%is_constant) then

@@ -32,7 +32,6 @@ module amontons_abaqus
       private
       integer :: n = 0 !! number of keywords
       integer :: n_named = 0 !! number of different keywords
-      character(:), allocatable :: keys !! the different keywords in small letters, each between line ends
       character(:), allocatable :: names !! these keywords as messages name them, each after ', '
       character(:), allocatable :: warned !! those that describe physics; they get a warning
       logical :: is_readable(size(use_names)) = .false. !! whether some of them could be read
@@ -251,19 +250,15 @@ contains
       character(:), allocatable :: name
       integer :: last, place
 
-      if (.not. allocated(self%keys)) then
-         self%keys = achar(10)
-         self%names = ''
-         self%warned = ''
-      end if
+      if (self%n == 0) self%names = ''
+      if (self%n == 0) self%warned = ''
       self%n = self%n + 1
-      if (index(self%keys, achar(10)//keyword//achar(10)) > 0 .or. self%n_named == most_named) return
-      self%n_named = self%n_named + 1
-      self%keys = self%keys//keyword//achar(10)
       last = index(line//',', ',') - 1
       ! What kind of step it is may matter, and of what the initial conditions are.
       if (keyword == 'step' .or. keyword == 'initialconditions') last = len(line)
       name = ', *'//capitals(printable(trim(line(:min(longest_shown, last)))))
+      if (index(self%names//',', name//',') > 0 .or. self%n_named == most_named) return
+      self%n_named = self%n_named + 1
       self%names = self%names//name
       place = findloc(model_keywords == keyword, .true., dim=1)
       if (place > 0) self%is_readable(model_uses(place)) = .true.

@@ -26,6 +26,8 @@ module amontons_abaqus_model
    integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4)]
    !> Target of a load that a later step has ended.
    integer, parameter :: no_load = 0
+   !> Temperature of a node to which the step gives none.
+   real(dp), parameter :: not_given = huge(1.0_dp)
    !> Largest number of fields of a data line; the temperatures of a shell follow that of its first point.
    integer, parameter :: most_fields = 9
    !> Number of constants of an orthotropic material: three moduli, ratios of Poisson and shear moduli.
@@ -60,10 +62,8 @@ contains
          call read_section(raw, input, line)
       case ('boundary')
          call read_boundary(raw, input, line)
-      case ('cload')
-         call read_cload(raw, input, line)
-      case ('dload', 'dsload')
-         call read_dload(raw, input, keyword, line)
+      case ('cload', 'dload', 'dsload')
+         call read_loads(raw, input, keyword, line)
       case ('temperature', 'initialconditions')
          call read_temperatures(raw, input, keyword, line, is_read)
       case ('step')
@@ -234,8 +234,9 @@ contains
       name = '*'//line(:index(line//',', ',') - 1)//': '
       associate (temperatures => raw%model%temperatures)
          if (keyword == 'temperature') temperatures%place = input%position - 1
-         if (is_new(line) .and. temperatures%n_steps < raw%model%n_steps) then
-            temperatures%is_given = .false.
+         call find_parameter(line, 'op', type, is_there)
+         if (lower_case(type) == 'new' .and. temperatures%n_steps < raw%model%n_steps) then
+            temperatures%of_node(2, :) = not_given
             temperatures%n_steps = raw%model%n_steps
          end if
          if (keyword /= 'temperature') temperatures%has_initial = .true.
@@ -252,30 +253,24 @@ contains
                node = temperatures%map%find(tags%item(i))
                if (node == 0) call input%refuse_line(name//'there is no node '//to_text(tags%item(i))//' above')
                if (allocated(input%error)) return
-               if (keyword == 'temperature') then
-                  temperatures%step(node) = value
-                  temperatures%is_given(node) = .true.
-               else
-                  temperatures%initial(node) = value
-               end if
+               temperatures%of_node(merge(2, 1, keyword == 'temperature'), node) = value
             end do
          end do
       end associate
    end subroutine read_temperatures
 
-   !> Allocates temperatures for the nodes read so far, with the initial value 0.
+   !> Makes room for the temperatures of the nodes read so far: 0 at first, and none in the step.
    pure subroutine expect_nodes(temperatures, tags)
       type(file_temperatures_t), intent(inout) :: temperatures !! the temperatures
       integer, intent(in) :: tags(:) !! numbers of the nodes in the file
       integer :: n
 
-      if (.not. allocated(temperatures%step)) allocate (temperatures%initial(0), temperatures%step(0), &
-         temperatures%is_given(0))
-      n = size(tags) - size(temperatures%step)
-      if (n == 0 .and. allocated(temperatures%map%tag)) return
-      temperatures%initial = [temperatures%initial, spread(0.0_dp, 1, n)]
-      temperatures%step = [temperatures%step, spread(0.0_dp, 1, n)]
-      temperatures%is_given = [temperatures%is_given, spread(.false., 1, n)]
+      n = 0
+      if (allocated(temperatures%map%tag)) n = size(temperatures%map%tag)
+      if (n == 0) allocate (temperatures%of_node(2, 0))
+      if (n == size(tags)) return
+      temperatures%of_node = reshape([temperatures%of_node, spread([0.0_dp, not_given], 2, size(tags) - n)], &
+         [2, size(tags)])
       call new_tag_map(temperatures%map, tags)
    end subroutine expect_nodes
 
@@ -333,7 +328,8 @@ contains
          load%target = load_by_temperature
          allocate (load%temperature_table(2, raw%node_tag%n))
          load%temperature_table(1, :) = raw%node_tag%items()
-         load%temperature_table(2, :) = merge(temperatures%step - temperatures%initial, 0.0_dp, temperatures%is_given)
+         load%temperature_table(2, :) = merge(temperatures%of_node(2, :) - temperatures%of_node(1, :), 0.0_dp, &
+            temperatures%of_node(2, :) < not_given)
          load%temperature_file = input%file
          call locate(input, temperatures%place, load%origin, label)
          call model%add_load(load)
@@ -389,11 +385,7 @@ contains
       real(dp) :: value
 
       call refuse_parameters(input, line)
-      if (is_new(line)) then
-         do i = 1, raw%model%n_earlier_supports
-            raw%model%supports(i)%is_held = .false.
-         end do
-      end if
+      call end_earlier(raw%model, line, '')
       call new_support(before, '')
       do
          call next_data_line(input, is_there)
@@ -433,45 +425,6 @@ contains
       end do
    end subroutine read_boundary
 
-   !> Reads forces on nodes: nodes, component, value.
-   pure subroutine read_cload(raw, input, line)
-      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: line !! the keyword line
-      character(longest_name) :: fields(most_fields)
-      character(:), allocatable :: label
-      type(load_t) :: load, before
-      integer :: component, n
-      real(dp) :: value
-      logical :: is_there, ok
-
-      call refuse_parameters(input, line)
-      if (is_new(line)) call end_loads(raw%model, '*CLOAD')
-      call new_load(before, '')
-      do
-         call next_data_line(input, is_there)
-         if (.not. is_there) exit
-         call new_load(load, '')
-         load%target = load_on_nodes
-         call locate(input, input%position, load%origin, label)
-         call take_fields(input, fields, n)
-         call read_integer(trim(fields(2)), component, ok)
-         if (.not. ok .or. component < 1 .or. component > 2) call input%refuse_line( &
-            "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'")
-         call take_number(input, fields(3), value)
-         if (allocated(input%error)) return
-         load%force(component) = value
-         load%name = '*CLOAD '//trim(fields(2))
-         call take_nodes(raw, input, '*CLOAD', fields(1), label, load%name == before%name .and. &
-            all(abs(load%force - before%force) <= 0.0_dp), before%set, load%set)
-         if (allocated(input%error)) return
-         call replace_earlier(raw, input, load%name, load%set, load%region)
-         if (load%set /= before%set) call raw%model%add_load(load)
-         before = load
-         if (load%set(1:1) /= '*') before%set = ''
-      end do
-   end subroutine read_cload
-
    !> Finds the nodes of a data line: those of a set, or one by its number. Such a node is put into a new set, or into
    !> the set of the line before if both have the same values.
    pure subroutine take_nodes(raw, input, keyword, field, label, is_same, set_before, set)
@@ -499,23 +452,25 @@ contains
       end if
    end subroutine take_nodes
 
-   !> Reads distributed loads: elements or a surface, kind, value. A set is made of the sides under pressure.
-   pure subroutine read_dload(raw, input, keyword, line)
+   !> Reads loads: nodes, elements or a surface; component or kind; values. Nodes of consecutive lines with the same force,
+   !> and sides with the same pressure, are one set.
+   pure subroutine read_loads(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: keyword !! 'cload', 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
-      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
+      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4'], components(2) = ['1 ', '2 ']
       character(longest_name) :: fields(most_fields)
       character(:), allocatable :: label
       type(load_t) :: load, before
-      real(dp) :: values(most_fields - 2)
-      integer :: group, i, n, side
-      logical :: is_there
+      real(dp) :: last, values(most_fields - 2)
+      integer :: component, group, i, n, side
+      logical :: is_same, is_there
 
       call refuse_parameters(input, line)
-      if (is_new(line)) call end_loads(raw%model, '*'//keyword)
+      call end_earlier(raw%model, line, '*'//keyword//' ')
       call new_load(before, '')
+      last = 0.0_dp
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -526,17 +481,27 @@ contains
             call take_number(input, fields(i + 2), values(i))
          end do
          if (allocated(input%error)) return
-         load%pressure = values(1)
-         load%name = '*'//keyword//' '//lower_case(trim(fields(2)))
          group = set_of_field(raw, trim(fields(1)))
          side = findloc(side_labels == lower_case(fields(2)), .true., dim=1)
-         if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
+         load%name = '*'//keyword//' '//lower_case(trim(fields(2)))
+         if (keyword == 'dload' .and. side > 0) load%name = '*dload p'
+         is_same = load%name == before%name .and. before%set /= '' .and. abs(values(1) - last) <= 0.0_dp
+         if (keyword == 'cload') then
+            load%target = load_on_nodes
+            component = findloc(components == fields(2), .true., dim=1)
+            if (component == 0) then
+               call input%refuse_line("*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'")
+               return
+            end if
+            load%force(component) = values(1)
+            call take_nodes(raw, input, '*CLOAD', fields(1), label, is_same, before%set, load%set)
+         else if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
+            load%pressure = values(1)
             load%set = raw%groups(group)%name
          else if (keyword == 'dload' .and. side > 0) then
-            ! Sides of consecutive lines are one set if they have the same pressure.
-            load%name = '*dload p'
+            load%pressure = values(1)
             load%set = '*DLOAD:'//label
-            if (before%set /= '' .and. abs(load%pressure - before%pressure) <= 0.0_dp) load%set = before%set
+            if (is_same) load%set = before%set
             call take_sides(raw, input, trim(fields(1)), side, load%set)
          else
             call interpret_dload(raw, input, keyword, group, fields, values, load)
@@ -545,9 +510,10 @@ contains
          call replace_earlier(raw, input, load%name, load%set, load%region)
          if (load%set == '' .or. load%set /= before%set) call raw%model%add_load(load)
          before = load
-         if (load%name /= '*dload p') before%set = ''
+         last = values(1)
+         if (index(load%set, '*') /= 1) before%set = ''
       end do
-   end subroutine read_dload
+   end subroutine read_loads
 
    !> Adds a side of an element, or of each element of a set, to a set of sides.
    pure subroutine take_sides(raw, input, field, side, set)
@@ -567,25 +533,24 @@ contains
       call raw%groups(group)%side%append_all(spread(side, 1, elements%n))
    end subroutine take_sides
 
-   !> Whether a keyword ends what was given before its step.
-   pure logical function is_new(line)
-      character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: value
-
-      call find_parameter(line, 'op', value, is_new)
-      is_new = lower_case(value) == 'new'
-   end function is_new
-
-   !> Ends the loads of a keyword that were given before the present step.
-   pure subroutine end_loads(model, keyword)
+   !> Ends the supports or loads of a keyword that were given before the present step, at OP=NEW.
+   pure subroutine end_earlier(model, line, keyword)
       type(file_model_t), intent(inout) :: model !! the model
-      character(*), intent(in) :: keyword !! how their names begin
+      character(*), intent(in) :: line !! the keyword line
+      character(*), intent(in) :: keyword !! how the names of the loads begin; empty for supports
+      character(:), allocatable :: value
       integer :: i
+      logical :: is_there
 
-      do i = 1, model%n_earlier_loads
+      call find_parameter(line, 'op', value, is_there)
+      if (lower_case(value) /= 'new') return
+      do i = 1, merge(model%n_earlier_supports, 0, keyword == '')
+         model%supports(i)%is_held = .false.
+      end do
+      do i = 1, merge(0, model%n_earlier_loads, keyword == '')
          if (index(model%loads(i)%name, keyword) == 1) model%loads(i)%target = no_load
       end do
-   end subroutine end_loads
+   end subroutine end_earlier
 
    !> Ends what was given before the present step on nodes, sides or a region for which it is given once more.
    pure subroutine replace_earlier(raw, input, name, set, region, is_held)
@@ -689,7 +654,6 @@ contains
          call input%refuse_line('*'//keyword//": there is no set '"//trim(fields(1))//"' above")
       end if
       if (allocated(input%error)) return
-      load%pressure = 0.0_dp
       load%target = load_on_region
       if (group > 0) load%region = raw%groups(group)%name
       select case (lower_case(fields(2)))

@@ -40,12 +40,11 @@ module amontons_file_model
       integer :: place = 0 !! position of the section in the file
    end type file_material_t
 
-   !> Temperatures of the nodes. Arrays have an entry for each node of the file read so far, in its order.
+   !> Temperatures of the nodes. Each node of the file read so far has a column.
    type :: file_temperatures_t
       type(tag_map_t) :: map !! places of the nodes by their numbers in the file
-      real(dp), allocatable :: initial(:) !! temperatures at which nothing is strained [K]
-      real(dp), allocatable :: step(:) !! temperatures of the step [K]
-      logical, allocatable :: is_given(:) !! whether the step gives a temperature
+      real(dp), allocatable :: of_node(:, :)
+         !! temperature at which nothing is strained, and that of the step, huge where it gives none (2, nodes) [K]
       logical :: has_initial = .false. !! whether initial temperatures are given
       integer :: n_steps = 0 !! number of steps where OP=NEW was met last
       integer :: place = 0 !! position of those of the step in the file; 0 if it has none
@@ -136,7 +135,6 @@ module amontons_file_model
       character(:), allocatable :: scope
          !! prefix of the names of sets at this position: that of an instance with a point
       character(:), allocatable :: warning !! warning on relevant contents that are not read, if there are any
-      integer :: n_doubled = 0 !! number of elements that the file gives once more in the same set, which are left out
       integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! repairs and omissions, a line of text for each
    contains

@@ -411,13 +411,12 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of elements
-      integer :: at, cell, element, group, i, kind, last_group, n, n_alike, n_tags, nodes(max_nodes), place, tag, &
+      integer :: at, cell, element, group, i, kind, n, n_alike, n_tags, nodes(max_nodes), place, tag, &
          tag_of_element
 
       call input%take_count(n, 'elements')
       call input%check_count(n, least_element, 'elements')
       n_alike = 0
-      last_group = 0
       do element = 1, n
          if (allocated(input%error)) return
          call input%start_record()
@@ -454,11 +453,8 @@ contains
             if (.not. is_twin(raw, cell, kind, own)) then
                cell = cell + 1
                call raw%add_cell(kind, tag, place, own)
-            else if (group == last_group) then
-               raw%n_doubled = raw%n_doubled + 1
             end if
          end associate
-         last_group = group
          if (group > 0) call add_run(groups%of_dimension(dimension_of(kind)), group, cell, cell)
          call input%end_record()
       end do

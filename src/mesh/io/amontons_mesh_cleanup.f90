@@ -6,7 +6,7 @@
 !> between them. The sides on both faces of a slit, and those at hanging nodes, are then boundary sides, so that only
 !> these are searched.
 module amontons_mesh_cleanup
-   use amontons_element, only: n_corners, n_element_nodes, quad4, quad8, tri3, tri6
+   use amontons_element, only: n_corners, n_element_nodes, quad4, tri3
    use amontons_error, only: input_refused, new_error
    use amontons_file_model, only: n_cell_nodes, raw_mesh_t
    use amontons_input_file, only: input_file_t
@@ -50,7 +50,6 @@ module amontons_mesh_cleanup
       type(collection_t) :: nodes !! nodes
       type(collection_t) :: elements !! elements
       integer, allocatable :: of_cell(:) !! the last group of each line and point (cells)
-      integer, allocatable :: of_place(:) !! the last group with a line on each side, a point at each node (at -node)
       integer :: n_inside = 0 !! number of its sides inside the body
       integer :: n_elsewhere = 0 !! number of its lines without an element
       integer :: n_unused = 0 !! number of its nodes without an element
@@ -182,32 +181,21 @@ contains
       if (allocated(raw%warning)) call mesh%warnings%add(raw%warning)
    end subroutine new_clean_mesh
 
-   !> Makes a triangle of a quadrilateral whose corners at the ends of one side are the same node, as is the middle of
-   !> this side.
+   !> Makes a triangle of a quadrilateral of four nodes of which two that follow each other are the same.
    pure subroutine collapse(raw, cell, side)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       integer, intent(in) :: cell !! the cell
-      integer, intent(out) :: side !! number of this side, 0 if there is none
-      integer :: i, n
+      integer, intent(out) :: side !! number of the side between them, 0 if there is none
+      integer :: i
 
-      associate (kind => raw%cell_kind%item(cell), first => raw%cell_start%item(cell))
-         side = 0
-         if (kind /= quad4 .and. kind /= quad8) return
-         n = n_element_nodes(kind)
-         associate (node => raw%node%item(first:first + n - 1))
-            side = findloc(node(:4) == cshift(node(:4), 1), .true., dim=1)
-            if (side == 0) return
-            if (n == 8) then
-               if (node(4 + side) /= node(side)) then
-                  side = 0
-                  return
-               end if
-            end if
-            node(:3) = pack(node(:4), [(i /= side, i=1, 4)])
-            if (n == 8) node(4:6) = pack(node(5:8), [(i /= side, i=1, 4)])
-         end associate
-         kind = merge(tri3, tri6, n == 4)
+      side = 0
+      if (raw%cell_kind%item(cell) /= quad4) return
+      associate (node => raw%node%item(raw%cell_start%item(cell):raw%cell_start%item(cell) + 3))
+         side = findloc(node == cshift(node, 1), .true., dim=1)
+         if (side == 0) return
+         node(:3) = pack(node, [(i /= side, i=1, 4)])
       end associate
+      raw%cell_kind%item(cell) = tri3
    end subroutine collapse
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
@@ -431,8 +419,7 @@ contains
       integer :: group, n_sets, n_node_sets, n_regions
 
       allocate (members%sides%stamp(sides_per_element*mesh%n_elements), members%nodes%stamp(mesh%n_nodes), &
-         members%elements%stamp(mesh%n_elements), members%of_cell(raw%cell_tag%n), &
-         members%of_place(-mesh%n_nodes:sides_per_element*mesh%n_elements), source=0)
+         members%elements%stamp(mesh%n_elements), members%of_cell(raw%cell_tag%n), source=0)
       allocate (sets(raw%n_groups), node_sets(raw%n_groups), regions(raw%n_groups))
       n_sets = 0
       n_node_sets = 0
@@ -481,7 +468,6 @@ contains
             end if
          end associate
       end do
-      if (raw%n_doubled > 0) call raw%add_note(counted(raw%n_doubled, 'doubled element')//' left out')
       allocate (mesh%sets, source=sets(:n_sets))
       if (n_node_sets > 0) allocate (mesh%node_sets, source=node_sets(:n_node_sets))
       if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
@@ -495,26 +481,26 @@ contains
       type(group_members_t), intent(in) :: members !! its members in the mesh
       character(*), parameter :: cure = ': points of reference of *RIGID BODY, *COUPLING and *PRE-TENSION SECTION '// &
          'become &rigid and &preload in the deck, with their forces and supports'
+      character(:), allocatable :: what
+      logical :: is_empty
       integer :: i
 
+      is_empty = members%nodes%list%n + members%sides%list%n == 0
+      what = ''
+      if (is_empty .or. members%n_unused > 0) what = counted(max(1, members%n_unused), 'node')// &
+         ' of no element cannot be used'//cure
+      if (members%n_elsewhere > 0) what = counted(members%n_elsewhere, 'line')//' of no element cannot be used'
+      if (members%n_inside > 0) what = counted(members%n_inside, 'side')//' inside the body, between two elements, '// &
+         'cannot be used'
+      if (what == '') return
       associate (model => raw%model, name => raw%groups(group)%name)
          do i = 1, model%n_loads
-            if (model%loads(i)%set /= name .or. allocated(input%error)) cycle
-            if (members%n_inside > 0) then
-               call new_error(input%error, input_refused, model%loads(i)%origin//'a load on '// &
-                  counted(members%n_inside, 'side')//' inside the body, between two elements, cannot be used')
-            else if (members%n_elsewhere > 0) then
-               call new_error(input%error, input_refused, model%loads(i)%origin//'a load on '// &
-                  counted(members%n_elsewhere, 'line')//' of no element cannot be used')
-            else if (members%n_unused > 0 .or. members%nodes%list%n + members%sides%list%n == 0) then
-               call new_error(input%error, input_refused, model%loads(i)%origin//'a force on '// &
-                  counted(max(1, members%n_unused), 'node')//' of no element cannot be used'//cure)
-            end if
+            if (model%loads(i)%set == name .and. .not. allocated(input%error)) call new_error(input%error, &
+               input_refused, model%loads(i)%origin//'a load on '//what)
          end do
-         if (members%nodes%list%n + members%sides%list%n > 0) return
-         do i = 1, model%n_supports
+         do i = 1, merge(model%n_supports, 0, is_empty)
             if (model%supports(i)%set == name .and. .not. allocated(input%error)) call new_error(input%error, &
-               input_refused, model%supports(i)%origin//'a support of nodes of no element cannot be used'//cure)
+               input_refused, model%supports(i)%origin//'a support of '//what)
          end do
       end associate
    end subroutine refuse_lost
@@ -523,7 +509,7 @@ contains
    subroutine collect_cells(members, mesh, raw, input, table, renumbering, group)
       type(group_members_t), intent(inout) :: members !! the members of the group; gains those
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; counts what is doubled
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
@@ -552,7 +538,6 @@ contains
          number = max(left, right)
          if (side == 0 .and. n == 1) then
             call put_node(members, nodes(1), group)
-            call count_doubled(-nodes(1))
          else if (min(left, right) > 0) then
             members%n_inside = members%n_inside + 1
          else if (number == 0) then
@@ -560,24 +545,12 @@ contains
          else
             call members%sides%put(number, group)
             if (side > 0) cycle
-            call count_doubled(number)
             on_side = mesh%side(side_element(number), side_place(number))
             if (n == 3 .and. on_side(3) > 0 .and. nodes(n) /= on_side(n)) call input%refuse('line '// &
                to_text(raw%cell_tag%item(cell))//' has another middle node than the element at its side', &
                raw%cell_place%item(cell))
          end if
       end do
-
-   contains
-
-      !> Counts a line or point that duplicates another one of the group.
-      subroutine count_doubled(place)
-         integer, intent(in) :: place !! number of its side, or that of its node with a minus; 0 for none
-
-         if (place /= 0 .and. members%of_place(place) == group) raw%n_doubled = raw%n_doubled + 1
-         members%of_place(place) = group
-      end subroutine count_doubled
-
    end subroutine collect_cells
 
    !> Finds the sides of elements to the left and to the right of a line.

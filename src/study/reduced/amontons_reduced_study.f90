@@ -417,7 +417,7 @@ contains
       associate (solution => result%solution)
          call documents(1)%add(heading('Solution')//labeled('Method', method_text(config%method)))
          call add_outcome(documents(1), solution, config%method%tolerance, '')
-         call documents(1)%record(uniqueness_text(result%uniqueness, result%system%friction))
+         call documents(1)%record(uniqueness_text(result%uniqueness, result%system%friction, ''))
          text = labeled('Contacts', status_counts(solution%status, result%system%dimension))
          ! Each contact in space has tangents of its own.
          if (result%system%dimension == 2) then
