@@ -288,9 +288,10 @@ contains
                   steps%table(2:, :) = steps%values
                end if
             end if
-            if (is_axisymmetric .and. steps%target == stepped_obstacle .and. allocated(steps%table)) &
-               call visitor%require(.not. any(abs(steps%table(4, :)) > 0.0_dp), '', &
-               'an obstacle around an axis cannot turn: it would become a cone; only shift_y moves it as a rigid body')
+            if (is_axisymmetric .and. steps%target == stepped_obstacle .and. allocated(steps%table)) then
+               call visitor%require(.not. any(abs(steps%table(4, :)) > 0.0_dp), '', 'an obstacle around an axis '// &
+                  'cannot turn: it would become a cone; only shift_y moves it as a rigid body')
+            end if
          end associate
          call check_name(visitor, history%steps(:i), loads, supports, contacts)
       end do

@@ -55,7 +55,7 @@ contains
       if (size(friction) == 0) return
       if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
          known = 'unique, since there is no Coulomb friction'
-         if (freedom /= '') known = known//', but for one motion or more: '//freedom//'; slips are counted without it'
+         if (freedom /= '') known = known//', but for a rigid motion: '//freedom//'; slips are counted without it'
       else if (.not. uniqueness%has_bound) then
          known = 'no bound is known'
       else if (uniqueness%is_for_any) then

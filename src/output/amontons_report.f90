@@ -194,8 +194,9 @@ contains
    !=   (1-norm), or $|K| |u| / |f|$ if this is larger, whose decimal logarithm is how many of 16 digits rounding may
    !=   cost
    !=summary `certificate` | | see below
-   !=summary `uniqueness.guaranteed` | | whether the friction is below a bound that makes the solution unique; `false`
-   !=   does not mean that there are several solutions
+   !=summary `uniqueness.guaranteed` | | whether the friction is below a bound that makes the solution unique, rigid
+   !=   motions aside that nothing holds without friction (the listing names one); `false` does not mean that there are
+   !=   several solutions
    !=summary `uniqueness.friction_below` | – | that bound on the largest coefficient; `null` if none is known, or if any
    !=   friction will do
    !=summary `uniqueness.exact` | | whether just above the bound some loads have several solutions

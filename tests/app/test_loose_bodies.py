@@ -81,6 +81,23 @@ class LooseBodies(Verification):
         self.verify()
         return list(self.result("case_0", "results")["normal_force"])
 
+    def test_bodies_without_friction_are_unique_up_to_a_motion(self):
+        # Nothing holds the upper block along the other one, whose left side is guided.
+        deck = """&mesh name = 'low'  size = 4.0, 1.0  cells = 4, 1 /
+&mesh name = 'high'  size = 2.0, 1.0  cells = 2, 1  origin = 1.0, 1.0 /
+&material young = 100.0  poisson = 0.3 /
+&load set = 'high.top'  pressure = 1.0 /
+&support set = 'low.left'  ux = 0.0 /
+&contact set = 'low.bottom' /
+&contact set = 'high.bottom'  against = 'low.top' /
+"""
+        for text, known in ((deck, ", since there is no Coulomb friction, but for a rigid motion: the piece around 2.0, "
+                             "1.5 is free to translate along (1.0, 0.0); slips are counted without it\n"),
+                            (deck + "&support set = 'high.left'  ux = 0.0 /\n", " (friction 0.0; proven below ")):
+            self.solve(text, "free")
+            self.assertIn(f"  Uniqueness          unique{known}",
+                          (self.directory/"free.lst").read_text(encoding="utf-8"))
+
     def test_motion_that_no_cell_of_a_stack_notices(self):
         for element in ("quad4", "quad8", "tri6"):
             for multipliers in ("'constant'  cells = 1", "'mortar'"):

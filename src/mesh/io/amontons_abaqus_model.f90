@@ -452,8 +452,8 @@ contains
       end if
    end subroutine take_nodes
 
-   !> Reads loads: nodes, elements or a surface; component or kind; values. Nodes of consecutive lines with the same force,
-   !> and sides with the same pressure, are one set.
+   !> Reads loads: nodes, elements or a surface; component or kind; values. Nodes of consecutive lines with the same
+   !> force, and sides with the same pressure, are one set.
    pure subroutine read_loads(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
