@@ -91,8 +91,8 @@ class LooseBodies(Verification):
 &contact set = 'low.bottom' /
 &contact set = 'high.bottom'  against = 'low.top' /
 """
-        for text, known in ((deck, ", since there is no Coulomb friction, but for a rigid motion: the piece around 2.0, "
-                             "1.5 is free to translate along (1.0, 0.0); slips are counted without it\n"),
+        for text, known in ((deck, ", since there is no Coulomb friction, but for a rigid motion: the piece around "
+                             "2.0, 1.5 is free to translate along (1.0, 0.0); slips are counted without it\n"),
                             (deck + "&support set = 'high.left'  ux = 0.0 /\n", " (friction 0.0; proven below ")):
             self.solve(text, "free")
             self.assertIn(f"  Uniqueness          unique{known}",
