@@ -8,7 +8,7 @@ plate and a floor with friction, beside `quad8`.
 
 The `b-bar` formulation asks for the volume of the element in the mean (T. J. R. Hughes, *Int. J. Numer. Methods Eng.*
 15, 1980), the mean taken over the volume of the ring in a body of revolution. `formulation = 'auto'` chooses it from
-0.49 on. Quadratic elements need nothing of the kind.
+0.49 on. Quadratic elements: [rubber](#rubber-quadratic-elements-of-nearly-incompressible-materials).
 
 The tube under inner pressure (Lamé) has the default formulation; theory: order 2 in $L_2$. The block is pressed between
 a rough plate and a floor with friction; the reference is the force on `quad8`, 48 by 24 cells, 32 by 16 in the test.

@@ -132,12 +132,14 @@ class Rubber(Benchmark):
     def test_parabola(self):
         peaks = ValueTable("Peak pressure on a parabola", ["element"])
         for element in ELEMENTS:
-            result = self.solve(self.deck("rubber_parabola", element=element))
+            result = self.solve(self.deck("rubber_parabola", element=element, cells=self.meshes((100, 30), (200, 60))))
             self.assert_sound(result)
-            peak = sqrt(sum(result["normal_force"])*10.0/(1 - NU**2)/(pi*4.0))
-            pressure = result["contact_pressure"]
-            peaks.add(element, computed=max(pressure), reference=peak, allowed=0.01)
-            self.assertLess(alternation(result["x"], pressure), 0.1*peak, element)
+            force = sum(result["normal_force"])
+            peak = sqrt(force*10.0/(1 - NU**2)/(pi*4.0))
+            peaks.add(element, computed=max(result["contact_pressure"]), reference=peak, allowed=0.01)
+            # At the ends the pressure itself is curved.
+            inside = [(x, p) for x, p in zip(result["x"], result["contact_pressure"]) if abs(x) < 1.6*force/(pi*peak)]
+            self.assertLess(alternation(*zip(*inside)), 0.05*peak, element)
         self.assert_table(peaks)
 
     def test_pad(self):
