@@ -3,8 +3,8 @@ module amontons_sparse_lu
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lapack, only: dgbtrf, dgbtrs
-   use amontons_sparse_matrix, only: half_bandwidth, new_sparse_pattern, positions, reverse_cuthill_mckee, &
-      sparse_matrix_t
+   use amontons_sparse_matrix, only: entries_t, half_bandwidth, new_sparse_pattern, positions, &
+      reverse_cuthill_mckee, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -24,13 +24,11 @@ module amontons_sparse_lu
 
 contains
 
-   !> Factorizes the matrix of some entries, in any order; entries of one place add up.
-   subroutine sparse_lu_factorize(self, n, row, column, value, info)
+   !> Factorizes the matrix of some entries.
+   subroutine sparse_lu_factorize(self, n, entries, info)
       class(sparse_lu_t), intent(inout) :: self !! the factors
       integer, intent(in) :: n !! order of the matrix, at least 1
-      integer, intent(in) :: row(:) !! rows of the entries, 1 to n
-      integer, intent(in) :: column(:) !! their columns, 1 to n
-      real(dp), intent(in) :: value(:) !! their values
+      type(entries_t), intent(in) :: entries !! its entries
       integer, intent(out) :: info !! 0, or nonzero where the matrix is singular or too large for the memory
       type(sparse_matrix_t) :: pattern
       type(error_t), allocatable :: error
@@ -39,7 +37,8 @@ contains
 
       if (allocated(self%band)) deallocate (self%band)
       ! The symmetric pattern, each entry an element of two unknowns.
-      call new_sparse_pattern(pattern, n, [(2*k - 1, k=1, size(row) + 1)], [(row(k), column(k), k=1, size(row))], error)
+      call new_sparse_pattern(pattern, n, [(2*k - 1, k=1, entries%n + 1)], &
+         [(entries%row(k), entries%column(k), k=1, entries%n)], error)
       info = merge(1, 0, allocated(error))
       if (info /= 0) return
       self%order = [(k, k=1, n)]
@@ -49,11 +48,11 @@ contains
       if (info /= 0) return
       self%band = 0.0_dp
       position = positions(self%order)
-      do k = 1, size(value)
-         i = position(row(k))
-         j = position(column(k))
+      do k = 1, entries%n
+         i = position(entries%row(k))
+         j = position(entries%column(k))
          associate (entry => self%band(2*self%width + 1 + i - j, j))
-            entry = entry + value(k)
+            entry = entry + entries%value(k)
          end associate
       end do
       self%pivots = self%order

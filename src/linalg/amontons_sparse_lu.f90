@@ -2,6 +2,7 @@
 module amontons_sparse_lu
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_ptr, c_ptr
    use amontons_kinds, only: dp
+   use amontons_sparse_matrix, only: entries_t
    implicit none (type, external)
    private
 
@@ -49,18 +50,19 @@ module amontons_sparse_lu
 
 contains
 
-   !> Factorizes the matrix of some entries, in any order; entries of one place add up.
-   subroutine sparse_lu_factorize(self, n, row, column, value, info)
+   !> Factorizes the matrix of some entries.
+   subroutine sparse_lu_factorize(self, n, entries, info)
       class(sparse_lu_t), intent(inout) :: self !! the factors
       integer, intent(in) :: n !! order of the matrix, at least 1
-      integer, intent(in) :: row(:) !! rows of the entries, 1 to n
-      integer, intent(in) :: column(:) !! their columns, 1 to n
-      real(dp), intent(in) :: value(:) !! their values
+      type(entries_t), intent(in) :: entries !! its entries
       integer, intent(out) :: info !! 0, or nonzero where the matrix is singular or too large for the memory
 
       call umfpack_free(self%numeric)
       self%numeric = c_null_ptr
-      info = int(umfpack_factorize(int(n, c_int), size(value, kind=c_int), row - 1, column - 1, value, self%numeric))
+      associate (m => entries%n)
+         info = int(umfpack_factorize(int(n, c_int), int(m, c_int), entries%row(:m) - 1, entries%column(:m) - 1, &
+            entries%value(:m), self%numeric))
+      end associate
    end subroutine sparse_lu_factorize
 
    !> Solves A^T x = b.

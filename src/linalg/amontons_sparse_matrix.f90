@@ -12,8 +12,8 @@ module amontons_sparse_matrix
    implicit none (type, external)
    private
 
-   public :: graph_places, graph_t, half_bandwidth, new_graph, new_sparse_pattern, positions, reverse_cuthill_mckee, &
-      sparse_matrix_t
+   public :: entries_t, graph_places, graph_t, half_bandwidth, new_graph, new_sparse_pattern, positions, &
+      reverse_cuthill_mckee, sparse_matrix_t
 
    !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t
@@ -30,6 +30,18 @@ module amontons_sparse_matrix
       procedure :: permute => sparse_matrix_permute
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
+
+   !> A list of entries of a rectangular matrix, in any order; those of one place add up.
+   type :: entries_t
+      integer :: n = 0 !! Number of entries.
+      integer, allocatable :: row(:) !! Rows of the entries, and room for more (at least n).
+      integer, allocatable :: column(:) !! Their columns (at least n).
+      real(dp), allocatable :: value(:) !! Their values (at least n).
+   contains
+      procedure :: add => entries_add
+      procedure :: multiply => entries_multiply
+      procedure :: multiply_transposed => entries_multiply_transposed
+   end type entries_t
 
    !> A graph of supervariables, which are consecutive unknowns with equal neighbors, and of their couplings. None is a
    !> neighbor of itself.
@@ -275,6 +287,55 @@ contains
          self%value(self%column_start(j)) = self%value(self%column_start(j)) + addend
       end do
    end subroutine sparse_matrix_shift_diagonal
+
+   !> Adds an entry, unless its row or column is 0.
+   pure subroutine entries_add(self, row, column, value)
+      class(entries_t), intent(inout) :: self !! the entries
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      real(dp), intent(in) :: value !! its value
+      integer, parameter :: least_room = 64
+
+      if (min(row, column) == 0) return
+      if (.not. allocated(self%value)) allocate (self%row(least_room), self%column(least_room), self%value(least_room))
+      if (self%n == size(self%value)) then
+         self%row = [self%row, self%row]
+         self%column = [self%column, self%column]
+         self%value = [self%value, self%value]
+      end if
+      self%n = self%n + 1
+      self%row(self%n) = row
+      self%column(self%n) = column
+      self%value(self%n) = value
+   end subroutine entries_add
+
+   !> The product C x.
+   pure function entries_multiply(self, x, n_rows) result(y)
+      class(entries_t), intent(in) :: self !! the entries of the matrix C
+      real(dp), intent(in) :: x(:) !! the vector
+      integer, intent(in) :: n_rows !! number of rows
+      real(dp) :: y(n_rows)
+      integer :: k
+
+      y = 0.0_dp
+      do k = 1, self%n
+         y(self%row(k)) = y(self%row(k)) + self%value(k)*x(self%column(k))
+      end do
+   end function entries_multiply
+
+   !> The product C^T y.
+   pure function entries_multiply_transposed(self, y, n_columns) result(x)
+      class(entries_t), intent(in) :: self !! the entries of the matrix C
+      real(dp), intent(in) :: y(:) !! the vector
+      integer, intent(in) :: n_columns !! number of columns
+      real(dp) :: x(n_columns)
+      integer :: k
+
+      x = 0.0_dp
+      do k = 1, self%n
+         x(self%column(k)) = x(self%column(k)) + self%value(k)*y(self%row(k))
+      end do
+   end function entries_multiply_transposed
 
    !> Makes the graph of a matrix. No supervariable holds both a Schur variable and another unknown.
    pure subroutine new_graph(graph, matrix, n_schur)

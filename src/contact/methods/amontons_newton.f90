@@ -35,6 +35,7 @@ module amontons_newton
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_sparse_lu, only: sparse_lu_t
+   use amontons_sparse_matrix, only: entries_t
    use amontons_symmetric_matrix, only: symmetric_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -854,22 +855,15 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(symmetric_matrix_t), intent(in) :: a !! A in the axes of the slips [L/F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      integer, allocatable :: row(:), column(:)
-      real(dp), allocatable :: value(:)
-      integer :: place(problem%matrix%n), i, k, m, n, point
+      type(entries_t) :: entries
+      integer :: place(problem%matrix%n), i, k, m, point
       real(dp) :: share
 
       m = problem%n_points
       place = 0
       place(self%unknown) = [(i, i=1, size(self%unknown))]
-      n = size(a%row) + size(self%unknown)
-      allocate (row(n), column(n), value(n))
-      n = 0
       do i = 1, size(self%unknown)
-         n = n + 1
-         row(n) = i
-         column(n) = i
-         value(n) = self%softness(self%unknown(i))
+         call entries%add(i, i, self%softness(self%unknown(i)))
          do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
             point = a%row(k)
             share = 1.0_dp
@@ -878,16 +872,11 @@ contains
                point = point - m
                share = self%base%slip_direction(point)*problem%friction(point)
             end if
-            if (place(point) == 0) cycle
-            n = n + 1
-            row(n) = place(point)
-            column(n) = i
-            value(n) = share*a%entry(k)
+            call entries%add(place(point), i, share*a%entry(k))
          end do
       end do
       info = 0
-      if (size(self%unknown) > 0) call self%sparse_factors%factorize(size(self%unknown), row(:n), column(:n), &
-         value(:n), info)
+      if (size(self%unknown) > 0) call self%sparse_factors%factorize(size(self%unknown), entries, info)
    end subroutine factorize_sparse
 
 end module amontons_newton

@@ -804,9 +804,10 @@ contains
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries
-      ! The contact problem: dense matrices, that of the contact points and that of a step for Newton's method; of a
-      ! band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
+      ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
+      ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
       n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%zone%n_rows, dp)**2
+      if (.not. body%zone%is_nodal) n_entries = n_entries + real(body%dof_map%n_schur + body%zone%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))

@@ -27,11 +27,12 @@ module amontons_condensation
       new_stiffness_operator
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, transposed_product, &
+      triangular_solve
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_cholesky
-   use amontons_sparse_matrix, only: half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
+   use amontons_sparse_matrix, only: entries_t, half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -40,11 +41,10 @@ module amontons_condensation
 
    !> The condensation of displacements to rows w = C v: it condenses loads and recovers displacements.
    type :: row_condensation_t
-      real(dp), allocatable :: stiffness(:, :) !! T (r, r) [F/L]
       real(dp) :: least_augmentation = 0.0_dp !! a small share of the least entry of R [F/L]
-      real(dp), allocatable, private :: rows(:, :) !! C (r, n) [-]
+      type(entries_t), private :: rows !! C (r, n) [-]
       real(dp), allocatable, private :: factor(:, :) !! Cholesky factor of M (n, n)
-      real(dp), allocatable, private :: lifting(:, :) !! G^-1 C M^-1, the v of unit w, transposed (r, n) [-]
+      real(dp), allocatable, private :: of_rows(:, :) !! Cholesky factor of G (r, r)
    contains
       procedure :: condense => row_condensation_condense
       procedure :: expand => row_condensation_expand
@@ -90,7 +90,8 @@ module amontons_condensation
          !! (components, m)
       real(dp), allocatable, private :: map(:, :, :)
          !! unknowns of a point = map (u_N, u_T) (components, components, m) [-]
-      real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
+      type(entries_t), private :: rows !! C, if there are cells (any, n_unknowns) [-]
+      integer, allocatable, private :: next(:) !! the point that follows along the line of its set, 0 for none (m)
       real(dp), allocatable :: unnoticed(:, :)
          !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
          !! [-]
@@ -207,7 +208,7 @@ contains
                   maxval(condensation%unknown) + 1
             end do
          end do
-         allocate (condensation%rows(count(.not. is_fixed), condensation%n_unknowns), source=0.0_dp)
+         condensation%next = zone%next
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
@@ -223,10 +224,8 @@ contains
                      ! errors below this share.
                      if (column < 1 .or. column > condensation%n_unknowns) cycle
                      do l = 1, n_own
-                        if (condensation%unknown(l, p) == 0) cycle
-                        associate (c => condensation%rows(condensation%unknown(l, p), column))
-                           c = c + dot_product(of_own(:, l), frame(:, axis))
-                        end associate
+                        call condensation%rows%add(condensation%unknown(l, p), column, &
+                           dot_product(of_own(:, l), frame(:, axis)))
                      end do
                   end do
                end do
@@ -280,11 +279,9 @@ contains
       end if
       if (size(self%is_locked) > 0) call self%eliminate(schur, error)
       if (allocated(error)) return
-      if (allocated(self%rows)) then
-         call new_row_condensation(self%to_rows, schur, self%rows, self%unnoticed, error)
-         if (allocated(error)) return
-         schur = self%to_rows%stiffness
-      end if
+      if (allocated(self%next)) call new_row_condensation(self%to_rows, schur, self%rows, self%unknown, self%next, &
+         self%unnoticed, error)
+      if (allocated(error)) return
       call allocate_matrix(stiffness, n*m, n*m, 'the contact points', error)
       if (allocated(error)) return
       stiffness(:, :) = 0.0_dp
@@ -366,7 +363,7 @@ contains
          call self%condenser%condense(load, condensed%partial, condensed%contact_load)
       end if
       q = self%reduced(condensed%contact_load)
-      if (allocated(self%rows)) q = self%to_rows%condense(q)
+      if (allocated(self%next)) q = self%to_rows%condense(q)
       allocate (condensed%load(size(self%unknown)), source=0.0_dp)
       do p = 1, m
          do i = 1, size(self%unknown, 1)
@@ -414,7 +411,7 @@ contains
                   displacement(p::m, k))
             end do
          end do
-         if (allocated(self%rows)) then
+         if (allocated(self%next)) then
             v(:self%n_unknowns, k) = self%to_rows%expand(self%reduced(condensed(k)%contact_load), of_points)
          else
             v(:self%n_unknowns, k) = of_points
@@ -465,10 +462,12 @@ contains
    end function may_suit_band
 
    !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + C^T R C.
-   pure subroutine new_row_condensation(condensation, stiffness, rows, unnoticed, error)
+   pure subroutine new_row_condensation(condensation, stiffness, rows, of_point, next, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
-      real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
-      real(dp), intent(in) :: rows(:, :) !! C (r, n), of full rank [-]
+      real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); T on return (r, r) [F/L]
+      type(entries_t), intent(in) :: rows !! C (r, n), of full rank [-]
+      integer, intent(in) :: of_point(:, :) !! the rows of each point, 0 for none (components, m)
+      integer, intent(in) :: next(:) !! the point that follows along the line of its set, 0 for none (m)
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows are dependent, or leave another part of S's kernel free
@@ -477,65 +476,86 @@ contains
       ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
       ! share.
       real(dp), parameter :: small_share = 1.0e-3_dp
-      ! Of the rows beside it: those of the same point or of the next one.
+      ! Of the stiffest row of the same point or of one next to it.
       real(dp), parameter :: least_share = 1.0e-3_dp
       character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh, or depend '// &
          'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
-      real(dp), allocatable :: flexibility(:, :), gram(:, :), own(:), rho(:)
-      integer :: i, info
+      real(dp), allocatable :: half(:, :), own(:), rho(:)
+      real(dp), dimension(0:size(next)) :: stiffest, around
+      integer :: i, n, r, info
 
-      call allocate_matrix(condensation%factor, size(rows, 2), size(rows, 2), 'the contact unknowns', error)
-      if (.not. allocated(error)) call allocate_matrix(flexibility, size(rows, 2), size(rows, 1), 'the cells', error)
-      if (.not. allocated(error)) call allocate_matrix(condensation%lifting, size(rows, 1), size(rows, 2), &
-         'the cells', error)
-      if (.not. allocated(error)) call allocate_matrix(gram, size(rows, 1), size(rows, 1), 'the cells', error)
+      n = size(stiffness, 1)
+      r = maxval(of_point)
+      call allocate_matrix(half, n, r, 'the cells', error)
+      if (.not. allocated(error)) call allocate_matrix(condensation%of_rows, r, r, 'the cells', error)
       if (allocated(error)) return
       ! The independence of the rows is tested without S, with whose large condition number rounding would decide.
-      gram(:, :) = matmul(rows, transpose(rows))
-      call cholesky_factor(gram, info)
-      if (info == 0) info = findloc([(gram(i, i)**2 <= negligible*sum(rows(i, :)**2), i=1, size(rows, 1))], .true., &
-         dim=1)
+      half(:, :) = 0.0_dp
+      do i = 1, rows%n
+         half(rows%column(i), rows%row(i)) = half(rows%column(i), rows%row(i)) + rows%value(i)
+      end do
+      do i = 1, r
+         condensation%of_rows(:, i) = rows%multiply(half(:, i), r)
+      end do
+      call cholesky_factor(condensation%of_rows, info)
+      if (info == 0) info = findloc([(condensation%of_rows(i, i)**2 <= negligible*sum(half(:, i)**2), i=1, r)], &
+         .true., dim=1)
       if (info /= 0) then
          call new_error(error, input_refused, dependent)
          return
       end if
-      condensation%factor(:, :) = stiffness
       condensation%rows = rows
       ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
       ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
-      own = [(stiffness(i, i), i=1, size(stiffness, 1))]
+      own = [(stiffness(i, i), i=1, n)]
       own = max(own, epsilon(own)*maxval(own))
-      rho = 1.0_dp/[(sum(rows(i, :)**2/own), i=1, size(rows, 1))]
+      rho = 1.0_dp/[(sum(half(:, i)**2/own), i=1, r)]
       ! A loose body on two mortar points has no stiffness along their normals.
-      rho = max(rho, least_share*max(cshift(rho, 1), cshift(rho, -1)))
-      condensation%least_augmentation = small_share*minval(rho)
-      do i = 1, size(rows, 2)
-         condensation%factor(:, i) = condensation%factor(:, i) + matmul(rho*rows(:, i), rows)
-         if (size(unnoticed, 2) > 0) condensation%factor(:, i) = condensation%factor(:, i) &
-            + sum(own)/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
+      stiffest = [0.0_dp, (maxval(rho(pack(of_point(:, i), of_point(:, i) > 0))), i=1, size(next))]
+      around = stiffest
+      do i = 1, size(next)
+         around(i) = max(around(i), stiffest(next(i)))
+         around(next(i)) = max(around(next(i)), stiffest(i))
       end do
-      call cholesky_factor(condensation%factor, info)
-      if (info /= 0) then
-         call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
-            'definite: neither supports nor the cells of constant multipliers hold the body')
-         return
-      end if
-      flexibility(:, :) = transpose(rows)
-      call cholesky_solve(condensation%factor, flexibility)
-      gram(:, :) = matmul(rows, flexibility)
-      gram(:, :) = 0.5_dp*(gram + transpose(gram))
-      call cholesky_factor(gram, info)
+      do i = 1, size(next)
+         associate (beside => pack(of_point(:, i), of_point(:, i) > 0))
+            rho(beside) = max(rho(beside), least_share*around(i))
+         end associate
+      end do
+      condensation%least_augmentation = small_share*minval(rho)
+      call move_alloc(stiffness, condensation%factor)
+      associate (m => condensation%factor)
+         do i = 1, rows%n
+            m(:, rows%column(i)) = m(:, rows%column(i)) + rho(rows%row(i))*rows%value(i)*half(:, rows%row(i))
+         end do
+         if (size(unnoticed, 2) > 0) then
+            do i = 1, n
+               m(:, i) = m(:, i) + sum(own)/sum(unnoticed**2)*matmul(unnoticed, unnoticed(i, :))
+            end do
+         end if
+         call cholesky_factor(m, info)
+         if (info /= 0) then
+            call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
+               'definite: neither supports nor the cells of constant multipliers hold the body')
+            return
+         end if
+         ! G = H^T H with H = L^-1 C^T.
+         call triangular_solve(m, half)
+      end associate
+      call transposed_product(half, half, condensation%of_rows)
+      deallocate (half)
+      call cholesky_factor(condensation%of_rows, info)
       if (info /= 0) then
          call new_error(error, numerical_failure, dependent)
          return
       end if
-      condensation%lifting(:, :) = transpose(flexibility)
-      call cholesky_solve(gram, condensation%lifting)
-      call cholesky_inverse(gram)
-      do i = 1, size(gram, 1)
-         gram(i, i) = gram(i, i) - rho(i)
+      call allocate_matrix(stiffness, r, r, 'the cells', error)
+      if (allocated(error)) return
+      stiffness(:, :) = condensation%of_rows
+      call cholesky_inverse(stiffness)
+      do i = 1, r
+         stiffness(i, i) = stiffness(i, i) - rho(i)
       end do
-      call move_alloc(gram, condensation%stiffness)
    end subroutine new_row_condensation
 
    !> Condenses a load q on the displacements v to the load p = G^-1 C M^-1 q on the means w = C v [F].
@@ -543,20 +563,28 @@ contains
       class(row_condensation_t), intent(in) :: self !! the condensation
       real(dp), intent(in) :: load(:) !! q (n) [F]
       real(dp), allocatable :: condensed(:)
+      real(dp) :: displacement(size(load))
 
-      condensed = matmul(self%lifting, load)
+      displacement = load
+      call cholesky_solve(self%factor, displacement)
+      condensed = self%rows%multiply(displacement, size(self%of_rows, 1))
+      call cholesky_solve(self%of_rows, condensed)
    end function row_condensation_condense
 
-   !> The displacements v of least energy with C v = w [L].
+   !> The displacements v of least energy with C v = w: M v = q + C^T G^-1 (w - C M^-1 q) [L].
    pure function row_condensation_expand(self, load, values) result(displacement)
       class(row_condensation_t), intent(in) :: self !! the condensation
       real(dp), intent(in) :: load(:) !! q (n) [F]
       real(dp), intent(in) :: values(:) !! w (r) [L]
       real(dp), allocatable :: displacement(:)
+      real(dp) :: force(size(values))
 
       displacement = load
       call cholesky_solve(self%factor, displacement)
-      displacement = displacement + matmul(values - matmul(self%rows, displacement), self%lifting)
+      force = values - self%rows%multiply(displacement, size(values))
+      call cholesky_solve(self%of_rows, force)
+      displacement = load + self%rows%multiply_transposed(force, size(load))
+      call cholesky_solve(self%factor, displacement)
    end function row_condensation_expand
 
 end module amontons_condensation

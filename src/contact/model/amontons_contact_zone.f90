@@ -13,13 +13,14 @@ module amontons_contact_zone
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
    use amontons_contact_set, only: contact_t
-   use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_line, &
       mortar_pair_t, mortar_points_t, n_quadrature_points, new_mortar_pair
    use amontons_obstacle, only: unit_vector
+   use amontons_sparse_lu, only: sparse_lu_t
+   use amontons_sparse_matrix, only: entries_t
    use amontons_surface, only: meet_master, meeting_t, meshed_body_t, mortar_segment_t, sides_near
    implicit none (type, external)
    private
@@ -628,43 +629,44 @@ contains
    end subroutine cut_by_rays
 
    !> The constant of one contact set; 0 if some multiplier does no work on any displacement [-].
-   pure real(dp) function inf_sup_constant(zone, number, set, body) result(beta)
+   !>
+   !> It is the root of the least eigenvalue of C M^-1 C^T, M the mass matrix of the displacements on the line, by
+   !> inverse iteration with the sparse matrix (M, C^T; C, 0).
+   real(dp) function inf_sup_constant(zone, number, set, body) result(beta)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: number !! number of the contact set
       character(*), intent(in) :: set !! name of its boundary set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer :: place(2, body%mesh%n_nodes), n
-      real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :), x(:)
       integer, parameter :: n_steps = 200
       real(dp), parameter :: settled = 1.0e-6_dp
+      type(sparse_lu_t) :: saddle
+      type(entries_t) :: entries
+      integer :: place(2, body%mesh%n_nodes), n, r, info, i
+      real(dp), allocatable :: x(:), right(:)
       real(dp) :: last
-      integer :: info, i
 
       beta = 0.0_dp
-      call trace_mass(mass, place, n, set, body)
-      rows = scaled_rows(zone, number, body%constraints, place, n)
-      if (size(rows, 1) > n) return
-      call cholesky_factor(mass, info)
+      call new_trace_mass(entries, place, n, set, body)
+      call add_rows(entries, r, zone, number, body%constraints, place, n)
+      if (r > n) return
+      call saddle%factorize(n + r, entries, info)
       if (info /= 0) return
-      projected = transpose(rows)
-      call cholesky_solve(mass, projected)
-      gram = matmul(rows, projected)
-      call cholesky_factor(gram, info)
-      if (info /= 0) return
-      ! Inverse iteration from a vector that changes sign from entry to entry; the estimate comes from above.
-      x = [(sin(real(i, dp)**2), i=1, size(gram, 1))]
+      ! From a vector that changes sign from entry to entry; the estimate comes from above.
+      x = [(sin(real(i, dp)**2), i=1, r)]
       do i = 1, n_steps
          last = beta
-         x = x/norm2(x)
-         call cholesky_solve(gram, x)
+         right = [spread(0.0_dp, 1, n), x/norm2(x)]
+         call saddle%solve_transposed(right, info)
+         if (info /= 0) return
+         x = right(n + 1:)
          beta = 1.0_dp/sqrt(norm2(x))
          if (abs(last - beta) <= settled*beta) return
       end do
    end function inf_sup_constant
 
-   !> The mass matrix of the free displacements on a contact line: (v, v) = |v|^2.
-   pure subroutine trace_mass(mass, place, n, set, body)
-      real(dp), allocatable, intent(out) :: mass(:, :) !! the matrix (n, n) [L^2]
+   !> Lists the mass matrix of the free displacements on a contact line: (v, v) = |v|^2.
+   pure subroutine new_trace_mass(entries, place, n, set, body)
+      type(entries_t), intent(out) :: entries !! the entries of the matrix [L^2]
       integer, intent(out) :: place(:, :) !! place of each displacement along e1, e2 in it, 0 for none (2, n_nodes)
       integer, intent(out) :: n !! number of free displacements on the line
       character(*), intent(in) :: set !! name of the boundary set
@@ -672,7 +674,7 @@ contains
       type(side_geometry_t) :: geometry
       type(error_t), allocatable :: error
       integer, allocatable :: sides(:, :)
-      real(dp) :: area, block(2, 2)
+      real(dp) :: area, mass(3, 3), block(2, 2)
       logical :: is_free(2, body%mesh%n_nodes)
       integer :: i, j, side, point, c, b
 
@@ -682,63 +684,62 @@ contains
       is_free = is_free .and. body%constraints%is_free(:2, :)
       n = count(is_free)
       place = unpack([(i, i=1, n)], is_free, 0)
-      allocate (mass(n, n), source=0.0_dp)
       do side = 1, size(sides, 2)
          call new_side_geometry(geometry, sides(:3, side), body%mesh%coordinates)
+         mass = 0.0_dp
          do point = 1, size(geometry%along, 2)
             area = norm2(geometry%along(:, point)) &
                *body%materials%list(body%materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
-            do j = 1, count(sides(:3, side) > 0)
-               do i = 1, count(sides(:3, side) > 0)
-                  associate (of_row => body%constraints%frame(sides(i, side)), &
-                     of_column => body%constraints%frame(sides(j, side)))
-                     block = area*geometry%values(i, point)*geometry%values(j, point) &
-                        *matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
-                  end associate
-                  do b = 1, 2
-                     do c = 1, 2
-                        associate (row => place(c, sides(i, side)), column => place(b, sides(j, side)))
-                           if (min(row, column) > 0) mass(row, column) = mass(row, column) + block(c, b)
-                        end associate
-                     end do
+            do j = 1, 3
+               mass(:, j) = mass(:, j) + area*geometry%values(:, point)*geometry%values(j, point)
+            end do
+         end do
+         do j = 1, count(sides(:3, side) > 0)
+            do i = 1, count(sides(:3, side) > 0)
+               associate (of_row => body%constraints%frame(sides(i, side)), &
+                  of_column => body%constraints%frame(sides(j, side)))
+                  block = mass(i, j)*matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
+               end associate
+               do b = 1, 2
+                  do c = 1, 2
+                     call entries%add(place(c, sides(i, side)), place(b, sides(j, side)), block(c, b))
                   end do
                end do
             end do
          end do
       end do
-   end subroutine trace_mass
+   end subroutine new_trace_mass
 
-   !> The rows of C of a contact set, each for a multiplier of norm 1; those of constrained tangents are left out.
-   pure function scaled_rows(zone, number, constraints, place, n) result(rows)
+   !> Adds the rows of C of a contact set and their transposes, each for a multiplier of norm 1; those of constrained
+   !> tangents are left out.
+   pure subroutine add_rows(entries, r, zone, number, constraints, place, n)
+      type(entries_t), intent(inout) :: entries !! gains the entries of C and C^T [L]
+      integer, intent(out) :: r !! number of rows
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: number !! number of the contact set
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(in) :: place(:, :) !! place of each displacement among the columns, 0 for none (2, n_nodes)
       integer, intent(in) :: n !! number of columns
-      real(dp), allocatable :: rows(:, :)
-      real(dp) :: all_rows(2*zone%n_points, n)
-      logical :: is_active(2*zone%n_points)
-      integer :: p, i, a, k, row
+      integer :: p, i, a, k
 
-      all_rows = 0.0_dp
-      is_active = [zone%set == number, zone%set == number .and. .not. zone%is_tangent_fixed]
-      do p = 1, zone%n_points
-         if (zone%set(p) /= number) cycle
-         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            associate (frame => constraints%frame(zone%rows%node(i)), axes => zone%rows%axes(i, 1 + zone%n_tangents))
-               do k = 1, 2
-                  row = p + (k - 1)*zone%n_points
+      r = 0
+      do k = 1, 2
+         do p = 1, zone%n_points
+            if (zone%set(p) /= number .or. (k == 2 .and. zone%is_tangent_fixed(p))) cycle
+            r = r + 1
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               associate (frame => constraints%frame(zone%rows%node(i)), axes => zone%rows%axes(i, 1 + zone%n_tangents))
                   do a = 1, 2
-                     associate (column => place(a, zone%rows%node(i)))
-                        if (column > 0) all_rows(row, column) = all_rows(row, column) &
-                           + sqrt(zone%area(p))*dot_product(axes(:, k), frame(:, a))
+                     associate (column => place(a, zone%rows%node(i)), &
+                        share => sqrt(zone%area(p))*dot_product(axes(:, k), frame(:, a)))
+                        call entries%add(n + r, column, share)
+                        call entries%add(column, n + r, share)
                      end associate
                   end do
-               end do
-            end associate
+               end associate
+            end do
          end do
       end do
-      rows = all_rows(pack([(i, i=1, size(is_active))], is_active), :)
-   end function scaled_rows
+   end subroutine add_rows
 
 end module amontons_contact_zone
