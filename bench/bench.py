@@ -209,6 +209,58 @@ def print_pairs(program, work, sizes, n_trials=5):
           "two in contact, times", "long bar s", "on a block, times"], rows)
 
 
+def beside_decks(folder, is_full):
+    """Decks by twos: one way of contact, and the plainest one of the same mesh and loads. And the phase that the first one
+    makes longer."""
+    folder.mkdir(parents=True, exist_ok=True)
+    n, side, points = (800, 300, 4000) if is_full else (200, 100, 1000)
+    strip = (f"&mesh size = 40.0, 10.0  cells = {n}, {n // 20}  element = 'quad8' /\n"
+             "&material young = 13000.0  poisson = 0.3 /\n&support set = 'right'  ux = 0.0 /\n"
+             "&load set = 'top'  traction = 0.0, -5.0 /\n&load set = 'left'  traction = 10.0, 0.0 /\n"
+             "&contact set = 'bottom'  friction = 0.4{0} /\n")
+    square = (f"&mesh size = 40.0, 40.0  cells = {side}, {side} /\n&material young = 13000.0  poisson = 0.2 /\n"
+              "&support set = 'right'  ux = 0.0 /\n&load set = 'top'  traction = 0.0, -5.0 /\n"
+              "&contact set = 'bottom'  friction = 0.3{0} /\n")
+    # Waves that are lower than what the body moves.
+    (folder / "profile.csv").write_text("".join(
+        f"{x}, {-1e-4 * (1.0 - math.cos(3.0 * x))}\n" for x in (-60.0 + 160.0 * k / (points - 1) for k in range(points))))
+    pair = ("&mesh name = 'upper'  size = 40.0, 20.0  cells = {1}, {2}  origin = 0.0, 20.0 /\n"
+            "&mesh name = 'lower'  size = {0}, 20.0  cells = {1}, {2} /\n&material young = 13000.0  poisson = 0.2 /\n"
+            "&support set = 'upper.right'  ux = 0.0 /\n&support set = 'lower.bottom'  ux = 0.0  uy = 0.0 /\n"
+            "&load set = 'upper.top'  traction = 0.0, -5.0 /\n"
+            "&contact set = 'upper.bottom'  against = 'lower.top'  friction = 0.5 /\n")
+    texts = {
+        f"{n} cells of constant multipliers, beside nodal ones": (
+            "condense", strip.format(f"  multipliers = 'constant'  cells = {n}"), strip.format("")),
+        f"a profile of {points} points, beside a plane": (
+            "recover", square.format("  obstacle = 'polyline'  line = 'profile.csv'"), square.format("")),
+        "a master that ends within its slave, beside one that does not": (
+            "read", pair.format(30.0, side, side // 2), pair.format(40.0, side, side // 2))}
+    decks = {}
+    for k, (name, (phase, *pair_of_texts)) in enumerate(texts.items()):
+        decks[name] = (phase, [folder / f"{which}_{k}.nml" for which in ("special", "plain")])
+        for deck, text in zip(decks[name][1], pair_of_texts):
+            deck.write_text(text)
+    return decks
+
+
+def print_beside(program, work, is_full, n_trials=3):
+    """What ways of contact cost beside the plainest one: the quickest of runs by turns."""
+    rows = []
+    for name, (phase, decks) in beside_decks(work / "beside", is_full).items():
+        phases, totals = ([], []), ([], [])
+        for _ in range(n_trials):
+            for k, deck in enumerate(decks):
+                totals[k].append(run([program, "--quiet", "--output", work / "beside", deck], threads=1)[1]["cpu"])
+                summary = json.loads((work / "beside" / f"{deck.stem}.summary.json").read_text())
+                phases[k].append(summary["seconds"][phase])
+        special, plain = (min(values) for values in totals)
+        rows.append([name, phase, seconds(min(phases[1])), f"{min(phases[0]) / min(phases[1]):.1f}", seconds(plain),
+                     f"{special / plain:.2f}"])
+    table("Ways of contact beside the plainest one on the same mesh, one thread",
+          ["what", "phase", "plain s", "times", "plain, whole command s", "times"], rows)
+
+
 def print_peers(program, work, sizes):
     """One case, whole commands, each with one thread, and the friction of the floor that each finds."""
     peers = {"GetFEM": ("python3-getfem", "getfem_bar.py"), "CalculiX": ("calculix-ccx", "calculix_bar.py")}
@@ -327,6 +379,7 @@ def main(build, work, is_full):
         ("the long bar", print_long_bar, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates),
         ("strips", print_strips, (1000, 2000, 4000, 10000) if is_full else (1000, 2000)),
         ("pairs", print_pairs, (128, 256, 512) if is_full else (128,)),
+        ("ways of contact", print_beside, is_full),
         ("other programs", print_peers, (64, 128, 256) if is_full else (32, 64)),
         ("reduced problems", print_reduced, (128, 256, 512, 1024) if is_full else (128, 256), rates),
         ("histories", print_histories, (100, 1000, 10000)),

@@ -90,7 +90,8 @@ module amontons_condensation
          !! (components, m)
       real(dp), allocatable, private :: map(:, :, :)
          !! unknowns of a point = map (u_N, u_T) (components, components, m) [-]
-      type(entries_t), private :: rows !! C, if there are cells (any, n_unknowns) [-]
+      ! Allocatable: gfortran 12 does not empty the list of a condensation that is made anew.
+      type(entries_t), allocatable, private :: rows !! C, if there are cells (any, n_unknowns) [-]
       integer, allocatable, private :: next(:) !! the point that follows along the line of its set, 0 for none (m)
       real(dp), allocatable :: unnoticed(:, :)
          !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
@@ -209,6 +210,7 @@ contains
             end do
          end do
          condensation%next = zone%next
+         allocate (condensation%rows)
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
@@ -259,6 +261,7 @@ contains
       class(condensation_t), intent(inout) :: self !! the factorized body; gains S
       type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small, or no memory
       real(dp), allocatable :: schur(:, :), stiffness(:, :), column(:)
+      real(dp) :: least
       integer :: p, r, m, n, n_schur, i, j, k, row
 
       if (allocated(self%matrix%band)) return
@@ -279,9 +282,12 @@ contains
       end if
       if (size(self%is_locked) > 0) call self%eliminate(schur, error)
       if (allocated(error)) return
-      if (allocated(self%next)) call new_row_condensation(self%to_rows, schur, self%rows, self%unknown, self%next, &
-         self%unnoticed, error)
-      if (allocated(error)) return
+      least = 0.0_dp
+      if (allocated(self%rows)) then
+         call new_row_condensation(self%to_rows, schur, self%rows, self%unknown, self%next, self%unnoticed, error)
+         if (allocated(error)) return
+         least = self%to_rows%least_augmentation
+      end if
       call allocate_matrix(stiffness, n*m, n*m, 'the contact points', error)
       if (allocated(error)) return
       stiffness(:, :) = 0.0_dp
@@ -304,7 +310,7 @@ contains
             if (self%unknown(k + 1, r) == 0) stiffness(r + k*m, r + k*m) = stiffness(r, r)
          end do
       end do
-      call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1, self%to_rows%least_augmentation)
+      call new_stiffness_operator(self%matrix, stiffness, self%is_held, n - 1, least)
    end subroutine condensation_condense_stiffness
 
    !> Eliminates the unknowns that belong to no contact point and are not locked. The Schur complement with all of them
@@ -363,7 +369,7 @@ contains
          call self%condenser%condense(load, condensed%partial, condensed%contact_load)
       end if
       q = self%reduced(condensed%contact_load)
-      if (allocated(self%next)) q = self%to_rows%condense(q)
+      if (allocated(self%rows)) q = self%to_rows%condense(q)
       allocate (condensed%load(size(self%unknown)), source=0.0_dp)
       do p = 1, m
          do i = 1, size(self%unknown, 1)
@@ -411,7 +417,7 @@ contains
                   displacement(p::m, k))
             end do
          end do
-         if (allocated(self%next)) then
+         if (allocated(self%rows)) then
             v(:self%n_unknowns, k) = self%to_rows%expand(self%reduced(condensed(k)%contact_load), of_points)
          else
             v(:self%n_unknowns, k) = of_points
@@ -482,7 +488,7 @@ contains
          'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
       real(dp), allocatable :: half(:, :), own(:), rho(:)
       real(dp), dimension(0:size(next)) :: stiffest, around
-      integer :: i, n, r, info
+      integer :: i, k, n, r, info
 
       n = size(stiffness, 1)
       r = maxval(of_point)
@@ -511,16 +517,21 @@ contains
       own = max(own, epsilon(own)*maxval(own))
       rho = 1.0_dp/[(sum(half(:, i)**2/own), i=1, r)]
       ! A loose body on two mortar points has no stiffness along their normals.
-      stiffest = [0.0_dp, (maxval(rho(pack(of_point(:, i), of_point(:, i) > 0))), i=1, size(next))]
+      stiffest = 0.0_dp
+      do i = 1, size(next)
+         do k = 1, size(of_point, 1)
+            if (of_point(k, i) > 0) stiffest(i) = max(stiffest(i), rho(of_point(k, i)))
+         end do
+      end do
       around = stiffest
       do i = 1, size(next)
          around(i) = max(around(i), stiffest(next(i)))
          around(next(i)) = max(around(next(i)), stiffest(i))
       end do
       do i = 1, size(next)
-         associate (beside => pack(of_point(:, i), of_point(:, i) > 0))
-            rho(beside) = max(rho(beside), least_share*around(i))
-         end associate
+         do k = 1, size(of_point, 1)
+            if (of_point(k, i) > 0) rho(of_point(k, i)) = max(rho(of_point(k, i)), least_share*around(i))
+         end do
       end do
       condensation%least_augmentation = small_share*minval(rho)
       call move_alloc(stiffness, condensation%factor)
