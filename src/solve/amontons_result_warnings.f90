@@ -9,7 +9,7 @@ module amontons_result_warnings
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: max_corners, n_corners, n_element_nodes
    use amontons_error, only: warning_list_t
-   use amontons_free_boundary, only: corner_penetration, corner_penetration_t
+   use amontons_free_boundary, only: corner_overlap, overlap_t
    use amontons_friction_law, only: open_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
@@ -71,7 +71,7 @@ contains
       real(dp), parameter :: badly_resolved(2) = 0.2_dp
       integer, allocatable :: reached(:)
       integer :: peak, i, first
-      type(corner_penetration_t) :: corner
+      type(overlap_t) :: corner
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
@@ -79,7 +79,7 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
-      corner = corner_penetration(body, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
+      corner = corner_overlap(body, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
          result%displacement(:2, :), badly_resolved)
       if (corner%set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(corner%set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(corner%depth, 'L')// &
@@ -130,11 +130,11 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: reached(:) !! these ends, places in the body's free boundary
       character(:), allocatable :: set
-      real(dp) :: depth
-      integer :: i, deepest
+      type(overlap_t) :: deepest
+      integer :: i
 
-      call body%free_boundary%penetration(result%load_case%contacts, result%load_case%lies_outside, &
-         body%mesh%coordinates, result%displacement(:2, :), depth, deepest)
+      deepest = body%free_boundary%overlap(result%load_case%contacts, result%load_case%lies_outside, &
+         body%mesh%coordinates, result%displacement(:2, :))
       do i = 1, size(reached)
          associate (set_end => body%free_boundary%ends(reached(i)))
             set = result%load_case%contacts(set_end%set)%set
@@ -145,10 +145,10 @@ contains
                trim(merge('search of', 'the set  ', set_end%is_of_search))//" '"//set//"'")
          end associate
       end do
-      if (deepest > 0) call result%warnings%add('the boundary outside the contact sets penetrates the obstacle '// &
-         'or the other body by '//result%warnings%number(depth, 'L')//' at '//result%warnings%place( &
-         body%mesh%coordinates(:, body%free_boundary%nodes(deepest)%node))//': enlarge the sets, or search, '// &
-         'so that they contain all that may touch, or end the obstacle')
+      if (deepest%set > 0) call result%warnings%add('the boundary outside the contact sets penetrates the obstacle '// &
+         'or the other body by '//result%warnings%number(deepest%depth, 'L')//' at '// &
+         result%warnings%place(deepest%place)//': enlarge the sets, or search, so that they contain all that may '// &
+         'touch, or end the obstacle')
    end subroutine add_reached_ends
 
    !> Appends further cases or steps to those that a warning is about.

@@ -92,8 +92,11 @@ contains
       do i = 1, size(line, 2) - 1
          along = line(:, i + 1) - line(:, i)
          cross = e(1)*along(2) - e(2)*along(1)
-         if (.not. abs(cross) > rounding*norm2(along)) cycle
          to_start = line(:, i) - x
+         ! Most segments lie on one side of the line.
+         if (abs(to_start(1)*e(2) - to_start(2)*e(1) - 0.5_dp*cross) > 0.5_dp*abs(cross) &
+            + rounding*max(sum(abs(along)), maxval(abs(x)))) cycle
+         if (.not. abs(cross) > rounding*norm2(along)) cycle
          place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
          near = rounding*max(norm2(along), maxval(abs(x)))/norm2(along)
          if (place < -near .or. place > 1.0_dp + near) cycle
@@ -248,7 +251,9 @@ contains
       integer :: found
 
       crossings = self%crossings(position, direction)
-      if (self%is_passed(position)) crossings = pack(crossings, crossings%way > 0.0_dp)
+      if (any(.not. crossings%way > 0.0_dp)) then
+         if (self%is_passed(position)) crossings = pack(crossings, crossings%way > 0.0_dp)
+      end if
       found = find_entry(crossings)
       gap = 0.0_dp
       cosine = 0.0_dp

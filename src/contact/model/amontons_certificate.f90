@@ -7,7 +7,7 @@ module amontons_certificate
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_equilibrium, only: travel_of_nodes
-   use amontons_free_boundary, only: corner_penetration, corner_penetration_t
+   use amontons_free_boundary, only: corner_overlap, overlap_t
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
@@ -321,9 +321,9 @@ contains
       ! the obstacle explain is one, even where next to nothing moves.
       real(dp), parameter :: unresolved(2) = [1.0e30_dp, 0.5_dp]
       real(dp) :: distance(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points)
-      real(dp) :: at_points(body%zone%n_rows), depth
-      type(corner_penetration_t) :: deepest_corner
-      integer :: m, deepest
+      real(dp) :: at_points(body%zone%n_rows)
+      type(overlap_t) :: outside, between
+      integer :: m
 
       m = body%zone%n_points
       at_points = body%checked_rows%displacement(displacement)
@@ -336,12 +336,12 @@ contains
          certificate%length_scale = max(maxval(abs(displacement)), certificate%force_scale &
             /maxval(body%zone%area/body%zone%weight)/maxval([list%young(1), list%young(2), list%young(3)]))
       end associate
-      call body%free_boundary%penetration(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
-         displacement(:2, :), depth, deepest)
-      certificate%penetration_outside = relative(depth, certificate%length_scale)
-      deepest_corner = corner_penetration(body, load_case%contacts, body%zone, load_case%extra_gap, &
-         displacement(:2, :), unresolved)
-      certificate%penetration_between = relative(deepest_corner%depth, certificate%length_scale)
+      outside = body%free_boundary%overlap(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
+         displacement(:2, :))
+      certificate%penetration_outside = relative(outside%depth, certificate%length_scale)
+      between = corner_overlap(body, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
+         unresolved)
+      certificate%penetration_between = relative(between%depth, certificate%length_scale)
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)

@@ -1,30 +1,35 @@
-!> The free boundary beyond the ends of contact sets. No contact force acts on its nodes, which may move into the
-!> obstacle of the set or into the other body of a pair. And corners of rigid obstacles between contact points: a tooth,
-!> a spike or a narrow circle may penetrate a side whose nodes do not touch it.
+!> What the contact points miss: nodes of the free boundary beyond the ends of contact sets, on which no contact force
+!> acts, and corners of rigid obstacles between contact points. Either may overlap in the displaced shape.
 !>
 !> From each end of a set the boundary is followed, past corners, up to the next contact set or tie. Distances are
-!> measured as at contact points: along the normals of the boundary, for small displacements. A corner is measured along
-!> the normals of both its sides.
+!> measured as at contact points: along the normals of the boundary, for small displacements. A corner of the body is
+!> measured along the normals of both its sides.
+!>
+!> Sides are found by the columns that they lie in: bins over all coordinates but the last one.
 module amontons_free_boundary
    use amontons_constraints, only: constraints_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: n_corners, side_shapes
+   use amontons_element, only: side_shapes
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point
+   use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, side_element, side_place
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
-   use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, sides_near, &
-      surface_place_t, surface_t
+   use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, surface_place_t, surface_t
    implicit none (type, external)
    private
 
-   public :: corner_penetration, corner_penetration_t, free_boundary_t, new_free_boundary
+   public :: corner_overlap, free_boundary_t, new_free_boundary, overlap_t
 
    !> Rounding error of a distance of 0, over the coordinates [-].
    real(dp), parameter :: noise = 1.0e-14_dp
+   !> Rounding error of a distance of 0 in mesh files, over the longest side or the coordinates [-].
+   real(dp), parameter :: rounding = 1.0e-6_dp
+   !> Local coordinates of first corner, second corner and middle of a side [-].
+   real(dp), parameter :: places(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
 
    !> A node of the free boundary, with a direction in which it may meet an obstacle or another body.
    type :: free_node_t
@@ -55,36 +60,58 @@ module amontons_free_boundary
       type(set_end_t), allocatable :: ends(:) !! the ends of sets beyond which the boundary continues
    contains
       procedure :: lies_outside => free_boundary_lies_outside
-      procedure :: penetration => free_boundary_penetration
+      procedure :: overlap => free_boundary_overlap
       procedure :: reached_ends => free_boundary_reached_ends
    end type free_boundary_t
 
-   !> The depth to which a corner of an obstacle penetrates a contact set.
-   type :: corner_penetration_t
-      real(dp) :: depth = 0.0_dp !! the depth; 0 if no corner penetrates by more than a negligible one [L]
-      real(dp) :: place(2) = 0.0_dp !! where the side is penetrated [L]
+   !> The deepest overlap of some nodes or corners.
+   type :: overlap_t
+      real(dp) :: depth = 0.0_dp !! the depth; 0 if nothing overlaps by more than a negligible one [L]
+      real(dp) :: place(2) = 0.0_dp !! where, in the shape at rest [L]
       integer :: set = 0 !! number of the contact set, 0 for none
-   end type corner_penetration_t
+   end type overlap_t
 
-   !> The sides of the boundary of a mesh, and which of them a contact set or tie has.
+   !> A side of a contact set that corners of the obstacle may penetrate.
+   type :: displaced_side_t
+      integer :: set = 0 !! number of the contact set
+      real(dp) :: rest(2, 3) = 0.0_dp !! first corner, second corner, middle of the side [L]
+      real(dp) :: moved(2, 3) = 0.0_dp !! the same, displaced along the normal [L]
+      real(dp) :: normal(2) = 0.0_dp !! its unit normal [-]
+      logical :: has_middle = .false. !! whether it has a node in its middle
+   end type displaced_side_t
+
+   !> The boundary of a mesh as straight sides, body on the left, sorted by the columns that they lie in.
+   type :: columns_t
+      real(dp), allocatable :: corner(:, :, :) !! coordinates of both corners of each side (2, 2, sides) [L]
+      real(dp) :: low = 0.0_dp !! where the first column begins [L]
+      real(dp) :: width = 0.0_dp !! width of a column [L]
+      integer, allocatable :: start(:) !! first place of each column in `side`, and one beyond the last (columns + 1)
+      integer, allocatable :: side(:) !! the sides, column by column
+   contains
+      procedure :: contain => columns_contain
+      procedure :: distance => columns_distance
+      procedure :: near => columns_near
+   end type columns_t
+
+   !> The boundary of a body, what of it contact sets and ties have, and what of it one contact set.
    type :: outline_t
-      integer, allocatable :: side(:, :)
-         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
-      integer, allocatable :: from(:) !! the side that begins at each node, 0 for none or several (nodes)
-      integer, allocatable :: to(:) !! the side that ends there, 0 for none or several (nodes)
+      type(surface_t) :: surface !! all its sides
+      type(columns_t) :: columns !! the same, straight
+      integer, allocatable :: beside(:, :)
+         !! the side that ends where each side begins, and the one that begins where it ends; 0 for none or, where parts
+         !! of a body meet in a single node, for several (2, sides)
       logical, allocatable :: is_taken(:) !! whether a side belongs to a contact set or tie (sides)
-      logical, allocatable :: is_taken_node(:) !! whether a node belongs to one (nodes)
+      logical, allocatable :: is_taken_node(:) !! whether a node does (nodes)
+      logical, allocatable :: is_own(:, :)
+         !! which sides are of the contact set and, of a pair, of that of the other body (sides, 2)
+      logical, allocatable :: is_beyond(:, :) !! which follow beyond their ends, and are not taken (sides, 2)
+      logical, allocatable :: is_near(:) !! which nodes of a slave lie beside a segment (nodes)
+      real(dp) :: least = 0.0_dp !! the least distance of the pair before any load; overlaps beyond it do not count [L]
+      real(dp) :: reach = 0.0_dp !! how far nodes look for the other body [L]
+   contains
+      procedure :: choose => outline_choose
+      procedure :: face => outline_face
    end type outline_t
-
-   !> A boundary set with the free boundary beyond its ends.
-   type :: extended_set_t
-      integer :: number = 0 !! number of the contact set
-      logical :: is_of_master = .false. !! whether it is the set of the other body of the pair
-      type(surface_t) :: surface !! the sides of the set, and those beyond its ends
-      integer :: n_own = 0 !! number of the former
-      integer, allocatable :: end_side(:) !! the sides of the set at its ends (ends)
-      integer, allocatable :: beyond(:) !! the sides that follow beyond them (ends)
-   end type extended_set_t
 
 contains
 
@@ -96,56 +123,15 @@ contains
       type(contact_zone_t), intent(in) :: zone !! their points
       type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
       type(outline_t) :: outline
-      type(extended_set_t) :: set, master
-      real(dp) :: least
-      integer :: i, p, n
+      integer :: i, p
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
-      ! List the sides of the boundary.
-      allocate (outline%side(4, size(body%outer)))
-      allocate (outline%from(body%mesh%n_nodes), outline%to(body%mesh%n_nodes), source=0)
-      do n = 1, size(body%outer)
-         outline%side(:3, n) = body%mesh%side(side_element(body%outer(n)), side_place(body%outer(n)))
-         outline%side(4, n) = side_element(body%outer(n))
-         ! Where parts of a body meet in a single node the boundary branches.
-         outline%from(outline%side(1, n)) = merge(n, -1, outline%from(outline%side(1, n)) == 0)
-         outline%to(outline%side(2, n)) = merge(n, -1, outline%to(outline%side(2, n)) == 0)
-      end do
-      outline%from = max(0, outline%from)
-      outline%to = max(0, outline%to)
-      allocate (outline%is_taken(size(body%outer)), outline%is_taken_node(body%mesh%n_nodes), source=.false.)
+      call new_outline(outline, body, contacts, ties)
       do i = 1, size(contacts)
-         call mark_set(outline, body%mesh, contacts(i)%set)
-         if (contacts(i)%pairing%is_pair()) call mark_set(outline, body%mesh, contacts(i)%pairing%against)
-      end do
-      do i = 1, size(ties)
-         call mark_set(outline, body%mesh, ties(i)%set)
-         call mark_set(outline, body%mesh, ties(i)%against)
-      end do
-      do i = 1, size(contacts)
-         call extend_set(set, contacts(i)%set, i, .false., outline, body)
-         if (.not. contacts(i)%pairing%is_pair()) then
-            call add_beyond(boundary, set, contacts(i)%direction, outline, body%constraints)
-            call add_ends(boundary, set, zone)
-            cycle
-         end if
-         ! Those beyond the ends of both sets, and those of the slave that face the boundary beyond the master's ends,
-         ! or the master from farther away than contact is looked for.
-         call extend_set(master, contacts(i)%pairing%against, i, .true., outline, body)
-         ! Polygons that approximate curves overlap before any load, and these nodes may, too.
-         least = 0.0_dp
-         if (contacts(i)%pairing%has_mesh_gap()) then
-            do p = 1, zone%n_points
-               associate (range => zone%quadrature%start(p:p + 1) - [0, 1])
-                  if (zone%set(p) == i) least = min(least, minval(zone%quadrature%gap(range(1):range(2))))
-               end associate
-            end do
-         end if
-         call add_facing(boundary, set, 1, master, outline, body, zone, least)
-         call add_ends(boundary, set, zone)
-         call add_ends(boundary, master, zone)
-         call add_facing(boundary, master, master%n_own + 1, set, outline, body, zone, least)
+         call outline%choose(i, contacts(i), body%mesh, zone)
+         call add_nodes(boundary, outline, i, 1, contacts(i)%direction, body%constraints, zone)
+         call add_nodes(boundary, outline, i, 2, contacts(i)%direction, body%constraints, zone)
       end do
       ! Only tables of gaps need lengths along the line.
       do i = 1, size(boundary%nodes)
@@ -157,6 +143,221 @@ contains
       end do
    end subroutine new_free_boundary
 
+   !> Lists the sides of the boundary, and which of them contact sets and ties have.
+   pure subroutine new_outline(outline, body, contacts, ties)
+      type(outline_t), intent(out) :: outline !! the sides
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      integer, dimension(body%mesh%n_nodes) :: from, to
+      integer :: i
+
+      call join_sides(outline%surface, body, boundary_sides(body))
+      associate (side => outline%surface%side)
+         call new_columns(outline%columns, side, body%mesh%coordinates)
+         from = 0
+         to = 0
+         do i = 1, size(side, 2)
+            from(side(1, i)) = merge(i, -1, from(side(1, i)) == 0)
+            to(side(2, i)) = merge(i, -1, to(side(2, i)) == 0)
+         end do
+         outline%beside = reshape([(max(0, to(side(1, i))), max(0, from(side(2, i))), i=1, size(side, 2))], &
+            [2, size(side, 2)])
+         allocate (outline%is_taken(size(side, 2)), source=.false.)
+         do i = 1, size(contacts)
+            outline%is_taken = outline%is_taken .or. sides_of(side, body%mesh, contacts(i)%set)
+            if (contacts(i)%pairing%is_pair()) outline%is_taken = outline%is_taken &
+               .or. sides_of(side, body%mesh, contacts(i)%pairing%against)
+         end do
+         do i = 1, size(ties)
+            outline%is_taken = outline%is_taken .or. sides_of(side, body%mesh, ties(i)%set) &
+               .or. sides_of(side, body%mesh, ties(i)%against)
+         end do
+         allocate (outline%is_taken_node(0:body%mesh%n_nodes), source=.false.)
+         do i = 1, size(side, 2)
+            if (outline%is_taken(i)) outline%is_taken_node(side(:3, i)) = .true.
+         end do
+      end associate
+   end subroutine new_outline
+
+   !> Chooses a contact set: its sides and the boundary beyond its ends, and the same of the other body of a pair.
+   pure subroutine outline_choose(self, set, contact, mesh, zone)
+      class(outline_t), intent(inout) :: self !! the sides of the boundary
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      ! Displacements that the theory is for, over the body's size.
+      real(dp), parameter :: small = 0.05_dp
+      integer :: i, k, p, side
+
+      if (.not. allocated(self%is_own)) allocate (self%is_own(size(self%is_taken), 2), &
+         self%is_beyond(size(self%is_taken), 2), self%is_near(0:mesh%n_nodes))
+      self%is_own = .false.
+      self%is_beyond = .false.
+      self%is_near = .false.
+      self%least = 0.0_dp
+      self%is_own(:, 1) = sides_of(self%surface%side, mesh, contact%set)
+      if (contact%pairing%is_pair()) then
+         self%is_own(:, 2) = sides_of(self%surface%side, mesh, contact%pairing%against)
+         self%reach = max(zone%pairs(set)%search, small*maxval(maxval(mesh%coordinates, dim=2) &
+            - minval(mesh%coordinates, dim=2)))
+         do i = 1, size(zone%pairs(set)%segments)
+            associate (segment => zone%pairs(set)%segments(i))
+               self%is_near(pack(zone%pairs(set)%slave%side(:3, segment%slave), segment%range(1) <= places + rounding &
+                  .and. segment%range(2) >= places - rounding)) = .true.
+            end associate
+         end do
+         ! Polygons that approximate curves overlap before any load, and these nodes may, too.
+         do p = 1, merge(zone%n_points, 0, contact%pairing%has_mesh_gap())
+            associate (first => zone%quadrature%start(p), last => zone%quadrature%start(p + 1) - 1)
+               if (zone%set(p) == set) self%least = min(self%least, minval(zone%quadrature%gap(first:last)))
+            end associate
+         end do
+      end if
+      do p = 1, 2
+         do i = 1, size(self%is_taken)
+            do k = 1, merge(2, 0, self%is_own(i, p))
+               side = self%beside(k, i)
+               do while (side > 0)
+                  if (self%is_taken(side) .or. self%is_beyond(side, p)) exit
+                  self%is_beyond(side, p) = .true.
+                  side = self%beside(k, side)
+               end do
+            end do
+         end do
+      end do
+   end subroutine outline_choose
+
+   !> Adds the nodes of one body that no contact force acts on: those beyond the ends of its set that supports leave
+   !> free along the normal, of a slave also those beside no segment, a corner once for each of its normals; and ends.
+   pure subroutine add_nodes(boundary, outline, set, of, direction, constraints, zone)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
+      type(outline_t), intent(in) :: outline !! the sides of the boundary, the contact set chosen
+      integer, intent(in) :: set !! number of the contact set
+      integer, intent(in) :: of !! 1 for this set, 2 for that of the other body of a pair
+      real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      ! Rounding error of the cosine of an angle of 0.
+      real(dp), parameter :: same = 1.0_dp - 1.0e-12_dp
+      type(free_node_t) :: found
+      logical :: is_place(size(outline%is_taken))
+      real(dp) :: seen(2, size(outline%is_near))
+      integer :: record(3, size(is_place)), last(size(outline%is_near)), i, k, n
+
+      is_place = outline%is_beyond(:, of) .or. (outline%is_own(:, of) .and. of == 1 .and. any(outline%is_own(:, 2)))
+      seen = 0.0_dp
+      last = 0
+      record = 0
+      n = size(boundary%nodes)
+      boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, 3*count(is_place))]]
+      do i = 1, size(is_place)
+         do k = 1, merge(3, 0, is_place(i))
+            associate (node => outline%surface%side(k, i), normal => outline%surface%normal(:, k, i))
+               if (node == 0) cycle
+               if (outline%is_beyond(i, of) .and. outline%is_taken_node(node)) cycle
+               if (.not. dot_product(seen(:, node), normal) > same) then
+                  seen(:, node) = normal
+                  last(node) = 0
+                  found%node = 0
+                  if (constraints%leaves_free(node, normal) .or. constraints%rigid_of(node) > 0) then
+                     found = outline%face(of, i, k, direction)
+                  end if
+                  if (found%node > 0) then
+                     n = n + 1
+                     boundary%nodes(n) = found
+                     boundary%nodes(n)%set = set
+                     last(node) = n
+                  end if
+               end if
+               record(k, i) = last(node)
+            end associate
+         end do
+      end do
+      boundary%nodes = boundary%nodes(:n)
+      call add_ends(boundary, outline, set, of, record, zone)
+   end subroutine add_nodes
+
+   !> Adds the ends of a set where the boundary continues without a corner, of a slave also those beyond which its next
+   !> node faces the master from too far away.
+   pure subroutine add_ends(boundary, outline, set, of, record, zone)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary, its nodes added
+      type(outline_t), intent(in) :: outline !! the sides of the boundary, the contact set chosen
+      integer, intent(in) :: set !! number of the contact set
+      integer, intent(in) :: of !! 1 for this set, 2 for that of the other body of a pair
+      integer, intent(in) :: record(:, :) !! free node of each corner and middle, 0 for none (3, sides)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical :: is_of_search
+      integer :: i, k, next, beyond, point
+
+      associate (surface => outline%surface)
+         do i = 1, size(record, 2)
+            do k = 1, merge(2, 0, outline%is_own(i, of))
+               beyond = 0
+               next = outline%beside(k, i)
+               if (next > 0) then
+                  if (outline%is_beyond(next, of) .and. .not. any(abs(surface%normal(:, 3 - k, next) &
+                     - surface%normal(:, k, i)) > 0.0_dp)) beyond = record(merge(3, k, surface%side(3, next) > 0), next)
+               end if
+               is_of_search = record(3 - k, i) > 0 .and. outline%is_near(surface%side(k, i)) &
+                  .and. .not. outline%is_near(surface%side(3 - k, i))
+               if (is_of_search) is_of_search = any(outline%is_own(:, 2) .and. surface%side(1, :) &
+                  == boundary%nodes(record(3 - k, i))%facing(1))
+               if (is_of_search) beyond = record(3 - k, i)
+               if (beyond == 0) cycle
+               point = nearest_point(zone, set, surface%corner(:, k, i))
+               if (point > 0) boundary%ends = [boundary%ends, &
+                  set_end_t(set, of == 2, is_of_search, point, beyond, surface%corner(:, k, i))]
+            end do
+         end do
+      end associate
+   end subroutine add_ends
+
+   !> Finds what a node faces: along the given direction an obstacle, along its normal the other body of a pair, except
+   !> for positions that belong to both sets and nodes of the slave beside a segment. The number of the node is 0 if it
+   !> faces nothing.
+   pure type(free_node_t) function outline_face(self, of, side, corner, direction) result(found)
+      class(outline_t), intent(in) :: self !! the sides of the boundary, the contact set chosen
+      integer, intent(in) :: of !! 1 for a node of this set's body, 2 for one of the other body of a pair
+      integer, intent(in) :: side !! a side of the node
+      integer, intent(in) :: corner !! first corner, second corner or middle of it, 1 to 3
+      real(dp), intent(in) :: direction(2) !! along which gaps of an obstacle count; 0, 0 for the body's normal [-]
+      type(surface_place_t) :: place
+      type(meeting_t) :: meeting
+      integer, allocatable :: near(:)
+      integer :: k
+
+      associate (surface => self%surface, normal => self%surface%normal(:, corner, side))
+         found%normal = normal
+         if (.not. any(self%is_own(:, 2))) then
+            if (any(abs(direction) > 0.0_dp)) found%normal = unit_vector(direction)
+            if (dot_product(found%normal, normal) >= steepest_cosine) found%node = surface%side(corner, side)
+            return
+         end if
+         place = surface%place(side, places(corner))
+         near = self%columns%near(place%position(1) - self%reach - surface%longest, &
+            place%position(1) + self%reach + surface%longest)
+         near = pack(near, self%is_own(near, 3 - of) .or. self%is_beyond(near, 3 - of))
+         meeting = meet_master(surface, near, place, self%reach)
+         if (meeting%side == 0) return
+         ! A boundary behind the node is the far side of the other body.
+         if (meeting%gap < 2.0_dp*self%least - rounding*surface%longest) return
+         place = surface%place(meeting%side, meeting%xi)
+         k = maxloc(place%values, dim=1)
+         if (self%is_own(side, of) .and. self%is_own(meeting%side, 3 - of)) then
+            if (self%is_near(surface%side(corner, side))) return
+         else if (self%is_own(side, of) .and. place%values(k) > 1.0_dp - rounding) then
+            ! The corner at which the other set ends belongs to it, on whichever of its two sides rounding puts it.
+            if (self%is_taken_node(surface%side(k, meeting%side))) return
+         end if
+         found%node = surface%side(corner, side)
+         found%facing = surface%side(:3, meeting%side)
+         found%share = place%values
+         found%distance = max(self%least, meeting%gap)
+      end associate
+   end function outline_face
+
    !> The contact point of a set nearest to a position; 0 for a set without points.
    pure integer function nearest_point(zone, set, position)
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -167,274 +368,107 @@ contains
          mask=zone%set == set)
    end function nearest_point
 
-   !> Adds the nodes beyond the ends of a set that faces a rigid obstacle.
-   pure subroutine add_beyond(boundary, extended, direction, outline, constraints)
-      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
-      type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
-      real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, allocatable :: side(:), corner(:)
-      real(dp) :: normal(2)
-      integer :: i, n
-
-      n = size(boundary%nodes)
-      call find_free_places(boundary, extended, extended%n_own + 1, outline, constraints, side, corner)
-      do i = 1, size(side)
-         associate (outward => extended%surface%normal(:, corner(i), side(i)))
-            normal = outward
-            if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
-            if (dot_product(normal, outward) < steepest_cosine) cycle
-            n = n + 1
-            boundary%nodes(n) = free_node_t(extended%surface%side(corner(i), side(i)), extended%number, normal)
-         end associate
-      end do
-      boundary%nodes = boundary%nodes(:n)
-   end subroutine add_beyond
-
-   !> Marks the sides and nodes of the boundary set of a contact set or tie as taken.
-   subroutine mark_set(outline, mesh, set)
-      type(outline_t), intent(inout) :: outline !! the sides of the boundary
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      character(*), intent(in) :: set !! name of the boundary set
+   !> The sides of the boundary: first corner, second corner, middle or 0, element; body on the left (4, sides).
+   pure function boundary_sides(body) result(sides)
+      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       integer, allocatable :: sides(:, :)
-      type(error_t), allocatable :: error
       integer :: i
 
-      ! not raised: the contact zone has been made of these sets
-      call mesh%set_sides(set, sides, error)
-      do i = 1, size(sides, 2)
-         outline%is_taken_node(pack(sides(:3, i), sides(:3, i) > 0)) = .true.
-         associate (from => outline%from(sides(1, i)), to => outline%to(sides(2, i)))
-            if (from > 0) outline%is_taken(from) = outline%is_taken(from) .or. outline%side(2, from) == sides(2, i)
-            if (to > 0) outline%is_taken(to) = outline%is_taken(to) .or. outline%side(1, to) == sides(1, i)
-         end associate
+      allocate (sides(4, size(body%outer)))
+      do i = 1, size(body%outer)
+         sides(4, i) = side_element(body%outer(i))
+         sides(:3, i) = body%mesh%side(sides(4, i), side_place(body%outer(i)))
       end do
-   end subroutine mark_set
+   end function boundary_sides
 
-   !> Extends a boundary set beyond its ends, along sides that belong to no contact set or tie.
-   pure subroutine extend_set(extended, set, number, is_of_master, outline, body)
-      type(extended_set_t), intent(out) :: extended !! the set with the boundary beyond it
+   !> Which sides of the boundary belong to a boundary set.
+   pure function sides_of(side, mesh, set) result(is_in)
+      integer, intent(in) :: side(:, :) !! the sides of the boundary (4, sides)
+      type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
-      integer, intent(in) :: number !! number of the contact set
-      logical, intent(in) :: is_of_master !! whether it is the set of the other body of the pair
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, allocatable :: sides(:, :)
+      logical :: is_in(size(side, 2))
+      integer, allocatable :: own(:, :)
       type(error_t), allocatable :: error
-      integer :: place(size(outline%side, 2)), side, first, i, k, n
-      logical :: continues(body%mesh%n_nodes, 2)
+      integer :: next(mesh%n_nodes)
 
-      extended%number = number
-      extended%is_of_master = is_of_master
-      call body%mesh%set_sides(set, sides, error)
-      extended%n_own = size(sides, 2)
-      continues = .false.
-      do k = 1, 2
-         continues(sides(3 - k, :), k) = .true.
-      end do
-      allocate (extended%end_side(0), extended%beyond(0))
-      place = 0
-      n = extended%n_own
-      do i = 1, extended%n_own
-         do k = 1, 2
-            if (continues(sides(k, i), k)) cycle
-            first = next_side(outline, sides(:, i), k)
-            side = first
-            do while (side > 0)
-               if (outline%is_taken(side) .or. place(side) > 0) exit
-               n = n + 1
-               place(side) = n
-               side = next_side(outline, outline%side(:, side), k)
-            end do
-            if (first == 0) cycle
-            if (place(first) == 0) cycle
-            extended%end_side = [extended%end_side, i]
-            extended%beyond = [extended%beyond, place(first)]
-         end do
-      end do
-      sides = reshape([sides, spread([0, 0, 0, 0], 2, n - extended%n_own)], [4, n])
-      do i = 1, size(place)
-         if (place(i) > 0) sides(:, place(i)) = outline%side(:, i)
-      end do
-      call join_sides(extended%surface, body, sides)
-   end subroutine extend_set
+      ! not raised: the contact zone has been made of these sets
+      call mesh%set_sides(set, own, error)
+      next = 0
+      next(own(1, :)) = own(2, :)
+      is_in = next(side(1, :)) == side(2, :)
+   end function sides_of
 
-   !> The side of the boundary beyond an end of a side, 0 for none.
-   pure integer function next_side(outline, side, k)
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      integer, intent(in) :: side(:) !! the nodes of the side
-      integer, intent(in) :: k !! its end, 1 or 2
+   !> Sorts sides by the columns that they lie in, as many as there are sides.
+   pure subroutine new_columns(columns, side, coordinates)
+      type(columns_t), intent(out) :: columns !! the columns
+      integer, intent(in) :: side(:, :) !! first corner, second corner and more of each side (4, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      integer, allocatable :: bin(:), of(:)
+      integer :: low(size(side, 2)), high(size(side, 2)), i, k
 
-      next_side = merge(outline%to(side(1)), outline%from(side(2)), k == 1)
-   end function next_side
-
-   !> Lists the positions of an extended set on which no contact force acts: nodes beyond the set that supports leave
-   !> free along the normal, a corner once for each of its normals. Allocates entries for them among the nodes of the
-   !> free boundary.
-   pure subroutine find_free_places(boundary, extended, first, outline, constraints, side, corner)
-      class(free_boundary_t), intent(inout) :: boundary !! the free boundary
-      type(extended_set_t), intent(in) :: extended !! the set with the boundary beyond it
-      integer, intent(in) :: first !! the first side to look at; nodes of the set itself count, too
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, allocatable, intent(out) :: side(:) !! the side of each place
-      integer, allocatable, intent(out) :: corner(:) !! first corner, second corner or middle of it, 1 to 3
-      ! Rounding error of the cosine of an angle of 0.
-      real(dp), parameter :: same = 1.0_dp - 1.0e-12_dp
-      real(dp) :: seen(2, size(outline%from))
-      integer :: i, k, n
-
-      associate (surface => extended%surface)
-         allocate (side(3*surface%n_sides), corner(3*surface%n_sides))
-         seen = 0.0_dp
-         n = 0
-         do i = first, surface%n_sides
-            do k = 1, 3
-               associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
-                  if (node == 0) cycle
-                  if (i > extended%n_own .and. outline%is_taken_node(node)) cycle
-                  if (dot_product(seen(:, node), normal) > same) cycle
-                  seen(:, node) = normal
-                  if (.not. constraints%leaves_free(node, normal) .and. constraints%rigid_of(node) == 0) cycle
-                  n = n + 1
-                  side(n) = i
-                  corner(n) = k
-               end associate
-            end do
-         end do
+      associate (n => size(side, 2))
+         columns%corner = reshape([(coordinates(:, side(:2, i)), i=1, n)], [2, 2, n])
+         columns%low = minval(columns%corner(1, :, :))
+         columns%width = max((maxval(columns%corner(1, :, :)) - columns%low)/n, tiny(1.0_dp))
+         low = [(column_of(columns, minval(columns%corner(1, :, i)), n), i=1, n)]
+         high = [(column_of(columns, maxval(columns%corner(1, :, i)), n), i=1, n)]
+         bin = [((k, k=low(i), high(i)), i=1, n)]
+         of = [((i, k=low(i), high(i)), i=1, n)]
+         call fill_bins(columns%start, columns%side, bin, n)
       end associate
-      side = side(:n)
-      corner = corner(:n)
-      boundary%nodes = [boundary%nodes, [(free_node_t(), i=1, n)]]
-   end subroutine find_free_places
+      columns%side = of(columns%side)
+   end subroutine new_columns
 
-   !> Adds the nodes of one body of a pair that face the other one, except for positions that belong to both sets and
-   !> nodes of the slave beside a segment; and the ends of the slave's part that faces its master within `search`.
-   pure subroutine add_facing(boundary, extended, first, other, outline, body, zone, least)
-      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
-      type(extended_set_t), intent(in) :: extended !! the boundary of the one body
-      integer, intent(in) :: first !! its first side to look at
-      type(extended_set_t), intent(in) :: other !! the boundary of the other body
-      type(outline_t), intent(in) :: outline !! the sides of the boundary
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: least !! the least distance before any load; overlaps beyond it do not count [L]
-      ! Displacements that the theory is for, over the body's size.
-      real(dp), parameter :: small = 0.05_dp
-      ! Rounding error of a distance of 0 in mesh files, over the longest side.
-      real(dp), parameter :: rounding = 1.0e-6_dp
-      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
-      type(meeting_t) :: meeting
-      type(surface_place_t) :: foot
-      integer, allocatable :: side(:), corner(:), near(:)
-      logical :: is_near(body%mesh%n_nodes)
-      real(dp) :: reach
-      integer :: i, k, n, near_of, point
+   !> The column of a coordinate; the first or last one for what lies beyond.
+   pure integer function column_of(columns, x, n) result(column)
+      type(columns_t), intent(in) :: columns !! the columns
+      real(dp), intent(in) :: x !! the coordinate [L]
+      integer, intent(in) :: n !! number of columns
 
-      is_near = .false.
-      associate (pair => zone%pairs(extended%number), x => body%mesh%coordinates)
-         do i = 1, size(pair%segments)
-            associate (range => pair%segments(i)%range, nodes => pair%slave%side(:, pair%segments(i)%slave))
-               is_near(pack(nodes(:3), nodes(:3) > 0 .and. range(1) <= xi + rounding .and. range(2) >= xi - rounding)) &
-                  = .true.
-            end associate
-         end do
-         reach = max(pair%search, small*maxval(maxval(x, dim=2) - minval(x, dim=2)))
+      column = 1 + int(min(n - 1.0_dp, max(0.0_dp, (x - columns%low)/columns%width)))
+   end function column_of
+
+   !> The sides in the columns between two coordinates; one that lies in several is there several times.
+   pure function columns_near(self, low, high) result(near)
+      class(columns_t), intent(in) :: self !! the columns
+      real(dp), intent(in) :: low !! the one coordinate [L]
+      real(dp), intent(in) :: high !! the other one, not smaller [L]
+      integer, allocatable :: near(:)
+
+      associate (n => size(self%start) - 1)
+         near = self%side(self%start(column_of(self, low, n)):self%start(column_of(self, high, n) + 1) - 1)
       end associate
-      near_of = 0
-      n = size(boundary%nodes)
-      call find_free_places(boundary, extended, first, outline, body%constraints, side, corner)
-      do i = 1, size(side)
-         associate (node => extended%surface%side(corner(i), side(i)))
-            if (side(i) /= near_of) near = sides_near(extended%surface, side(i), other%surface, reach)
-            near_of = side(i)
-            meeting = meet_master(other%surface, near, extended%surface%place(side(i), xi(corner(i))), reach)
-            if (meeting%side == 0 .or. (side(i) <= extended%n_own .and. meeting%side <= other%n_own &
-               .and. is_near(node))) cycle
-            ! A boundary behind the node is the far side of the other body.
-            if (meeting%gap < 2.0_dp*least - rounding*min(extended%surface%longest, other%surface%longest)) cycle
-            foot = other%surface%place(meeting%side, meeting%xi)
-            ! The corner at which the other set ends belongs to it, on whichever of its two sides rounding puts it.
-            k = maxloc(foot%values, dim=1)
-            if (side(i) <= extended%n_own .and. meeting%side > other%n_own .and. foot%values(k) > 1.0_dp - rounding &
-               .and. outline%is_taken_node(other%surface%side(k, meeting%side))) cycle
-            n = n + 1
-            boundary%nodes(n) = free_node_t(node, extended%number, extended%surface%normal(:, corner(i), side(i)), &
-               other%surface%side(:3, meeting%side), foot%values, max(least, meeting%gap))
+   end function columns_near
+
+   !> The distance of a point from a side [L].
+   pure real(dp) function columns_distance(self, side, point) result(distance)
+      class(columns_t), intent(in) :: self !! the columns
+      integer, intent(in) :: side !! the side
+      real(dp), intent(in) :: point(2) !! the point [L]
+
+      associate (way => self%corner(:, 2, side) - self%corner(:, 1, side), before => point - self%corner(:, 1, side))
+         distance = norm2(before - way*min(1.0_dp, max(0.0_dp, dot_product(before, way)/dot_product(way, way))))
+      end associate
+   end function columns_distance
+
+   !> Whether a point lies in the body: the sides wind around it.
+   pure logical function columns_contain(self, point)
+      class(columns_t), intent(in) :: self !! the columns
+      real(dp), intent(in) :: point(2) !! the point [L]
+      integer, allocatable :: near(:)
+      integer :: i, winding
+
+      winding = 0
+      near = self%near(point(1), point(1))
+      do i = 1, size(near)
+         associate (a => self%corner(:, 1, near(i)), b => self%corner(:, 2, near(i)))
+            if ((a(1) <= point(1)) .eqv. (b(1) <= point(1))) cycle
+            if (a(2) + (point(1) - a(1))*(b(2) - a(2))/(b(1) - a(1)) > point(2)) winding = winding &
+               + merge(1, -1, a(1) > b(1))
          end associate
       end do
-      boundary%nodes = boundary%nodes(:n)
-      do i = 1, extended%n_own
-         do k = 1, 2
-            associate (nodes => extended%surface%side(:, i), position => extended%surface%corner(:, k, i))
-               if (.not. is_near(nodes(k)) .or. is_near(nodes(3 - k))) cycle
-               n = findloc(boundary%nodes%node == nodes(3 - k) .and. boundary%nodes%set == extended%number, .true., 1)
-               point = nearest_point(zone, extended%number, position)
-               if (n == 0 .or. point == 0) cycle
-               if (any(other%surface%side(1, :other%n_own) == boundary%nodes(n)%facing(1))) boundary%ends = &
-                  [boundary%ends, set_end_t(extended%number, .false., .true., point, n, position)]
-            end associate
-         end do
-      end do
-   end subroutine add_facing
-
-   !> Adds the ends of a set beyond which the boundary continues without a corner, and where no support holds it.
-   pure subroutine add_ends(boundary, extended, zone)
-      type(free_boundary_t), intent(inout) :: boundary !! the free boundary, with the nodes beyond the ends
-      type(extended_set_t), intent(in) :: extended !! the set, with the boundary beyond it
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(set_end_t) :: added
-      integer :: nodes(3), first, i, k, p
-      real(dp) :: normal(2)
-
-      do i = 1, size(extended%beyond)
-         associate (surface => extended%surface, last => extended%end_side(i), next => extended%beyond(i))
-            k = merge(1, 2, surface%side(1, last) == surface%side(2, next))
-            normal = surface%normal(:, k, last)
-            if (any(abs(surface%normal(:, 3 - k, next) - normal) > 0.0_dp)) cycle
-            added = set_end_t(extended%number, extended%is_of_master, position=surface%corner(:, k, last))
-            nodes = surface%side(:3, next)
-         end associate
-         if (extended%is_of_master) then
-            added%beyond = nearest_facing(boundary%nodes, extended, added%position, &
-               zone%pairs(extended%number)%slave%longest)
-         else
-            first = merge(nodes(3), nodes(k), nodes(3) > 0)
-            ! A corner of the body is there for each of its normals.
-            added%beyond = maxloc([(dot_product(boundary%nodes(p)%normal, normal), p=1, size(boundary%nodes))], dim=1, &
-               mask=boundary%nodes%set == extended%number .and. boundary%nodes%node == first)
-         end if
-         if (added%beyond == 0) cycle
-         added%point = nearest_point(zone, extended%number, added%position)
-         if (added%point > 0) boundary%ends = [boundary%ends, added]
-      end do
-   end subroutine add_ends
-
-   !> The node of a slave that faces the boundary just beyond an end of the master; 0 if there is none within the length
-   !> of a side.
-   pure integer function nearest_facing(nodes, master, position, within) result(nearest)
-      type(free_node_t), intent(in) :: nodes(:) !! the free nodes
-      type(extended_set_t), intent(in) :: master !! the master with the boundary beyond it
-      real(dp), intent(in) :: position(2) !! position of the master's end [L]
-      real(dp), intent(in) :: within !! largest distance of the position that it faces [L]
-      real(dp) :: distance, least
-      integer :: i, side
-
-      nearest = 0
-      least = within
-      associate (surface => master%surface)
-         do i = 1, size(nodes)
-            if (nodes(i)%set /= master%number) cycle
-            side = findloc(surface%side(1, :) == nodes(i)%facing(1), .true., dim=1)
-            if (side <= master%n_own) cycle
-            distance = norm2(matmul(surface%corner(:, :, side), nodes(i)%share) - position)
-            if (distance > least) cycle
-            least = distance
-            nearest = i
-         end do
-      end associate
-   end function nearest_facing
+      columns_contain = winding > 0
+   end function columns_contain
 
    !> Finds the distance of a node to the obstacle or body that it faces, before any displacement.
    pure subroutine measure_node(node, contact, position, gap, is_met)
@@ -464,8 +498,6 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: gap(:) !! their distances to the obstacle (m) [L]
       logical, allocatable :: lies_outside(:)
-      ! Rounding error of a distance of 0 in mesh files, over the coordinates.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp) :: least(size(contacts)), distance
       integer :: i
 
@@ -480,48 +512,44 @@ contains
       end do
    end function free_boundary_lies_outside
 
-   !> Depth to which the displacements move the deepest node of the free boundary into an obstacle or another body [L].
-   pure subroutine free_boundary_penetration(self, contacts, lies_outside, coordinates, displacement, depth, deepest)
+   !> The node of the free boundary that the displacements move deepest into an obstacle or another body.
+   pure type(overlap_t) function free_boundary_overlap(self, contacts, lies_outside, coordinates, displacement) &
+      result(deepest)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
       logical, intent(in) :: lies_outside(:) !! which nodes count (n)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(out) :: depth !! the depth, 0 if none penetrates [L]
-      integer, intent(out) :: deepest !! this node, its place in `nodes`; 0 if none penetrates
-      real(dp) :: way(2), overlap, gap
+      real(dp) :: x(2), way(2), depth, gap, least
       logical :: is_met
       integer :: i, k
 
-      depth = noise*maxval(abs(coordinates))
-      deepest = 0
+      least = noise*maxval(abs(coordinates))
       do i = 1, size(self%nodes)
          if (.not. lies_outside(i)) cycle
          associate (node => self%nodes(i), contact => contacts(self%nodes(i)%set))
+            x = coordinates(:, node%node)
             way = displacement(:, node%node)
-            do k = 1, 3
-               if (node%facing(k) > 0) way = way - node%share(k)*displacement(:, node%facing(k))
+            do k = 1, count(node%facing > 0)
+               way = way - node%share(k)*displacement(:, node%facing(k))
             end do
-            call measure_node(node, contact, coordinates(:, node%node), gap, is_met)
-            overlap = dot_product(node%normal, way) - gap
-            if (.not. (is_met .and. overlap > depth)) cycle
+            call measure_node(node, contact, x, gap, is_met)
+            depth = dot_product(node%normal, way) - gap
+            if (.not. (is_met .and. depth > max(least, deepest%depth))) cycle
             ! Where the obstacle is no plane, a node that slides along it does not enter it; nor one that slides along
             ! the other body, as an overhanging flank does.
             if (node%facing(1) == 0) then
-               call measure_node(node, contact, coordinates(:, node%node) + way, gap, is_met)
-               overlap = merge(min(overlap, -gap), 0.0_dp, is_met)
+               call measure_node(node, contact, x + way, gap, is_met)
+               depth = merge(min(depth, -gap), 0.0_dp, is_met)
             else
                associate (along => coordinates(:, node%facing(2)) - coordinates(:, node%facing(1)))
-                  overlap = min(overlap, dot_product(gap*node%normal - way, unit_vector([along(2), -along(1)])))
+                  depth = min(depth, dot_product(gap*node%normal - way, unit_vector([along(2), -along(1)])))
                end associate
             end if
-            if (.not. overlap > depth) cycle
-            depth = overlap
-            deepest = i
+            if (depth > max(least, deepest%depth)) deepest = overlap_t(depth, x, node%set)
          end associate
       end do
-      if (deepest == 0) depth = 0.0_dp
-   end subroutine free_boundary_penetration
+   end function free_boundary_overlap
 
    !> The ends of sets that contact reaches: the point next to the end is closed, and the surface that it touches
    !> continues along the boundary as well.
@@ -554,9 +582,9 @@ contains
    !>
    !> The depth is measured along the normal of the displaced side, like gaps. The depth to which a smooth surface or a
    !> single corner may reach into a side between two nodes is a discretization error and does not count up to
-   !> limits, see `resolved_depth`. Corners that the motion takes into the body through a side of no set count as well.
-   pure type(corner_penetration_t) function corner_penetration(body, contacts, zone, extra_gap, displacement, limits) &
-      result(deepest)
+   !> limits, see `resolved_depth`. Corners that the motion takes into the body count as well where a side of no set is
+   !> the nearest one.
+   pure type(overlap_t) function corner_overlap(body, contacts, zone, extra_gap, displacement, limits) result(deepest)
       class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -565,15 +593,13 @@ contains
       real(dp), intent(in) :: limits(2) !! these limits, over the largest displacement [-]
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
-      ! The corner itself may lie on the border of two elements.
-      real(dp), parameter :: nearly = 0.99_dp
-      integer, allocatable :: sides(:, :)
-      real(dp), allocatable :: corners(:, :)
+      integer, allocatable :: sides(:, :), outer(:, :)
+      real(dp), allocatable :: corners(:, :), apart(:)
       type(error_t), allocatable :: error
-      type(mesh_t) :: displaced
-      real(dp), dimension(2, 3) :: side, moved
-      real(dp) :: normal(2), xi(2), values(3), slopes(3), overlap, along, ends(2), largest, least
-      integer :: i, k, j, l, node, p
+      type(columns_t) :: rest, displaced
+      type(displaced_side_t) :: side
+      real(dp) :: largest, least
+      integer :: i, k, j, l, p
 
       largest = maxval(abs(displacement))
       least = max(negligible*largest, noise*maxval(abs(body%mesh%coordinates)))
@@ -582,74 +608,71 @@ contains
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle
          call body%mesh%set_sides(contacts(i)%set, sides, error)
          if (allocated(error)) cycle
-         displaced = body%mesh
-         displaced%coordinates = displaced%coordinates + displacement
+         if (.not. allocated(outer)) then
+            outer = boundary_sides(body)
+            call new_columns(rest, outer, body%mesh%coordinates)
+            call new_columns(displaced, outer, body%mesh%coordinates + displacement)
+         end if
          do k = 1, size(sides, 2)
-            normal = body%mesh%coordinates(:, sides(2, k)) - body%mesh%coordinates(:, sides(1, k))
-            normal = unit_vector([normal(2), -normal(1)])
-            ends = [(-cross_product(normal, body%mesh%coordinates(:, sides(j, k))), j=1, 2)]
-            do j = 1, 3
-               node = sides(j, k)
-               if (node == 0) then
-                  side(:, 3) = 0.5_dp*(side(:, 1) + side(:, 2))
-                  moved(:, 3) = 0.5_dp*(moved(:, 1) + moved(:, 2))
-               else
-                  side(:, j) = body%mesh%coordinates(:, node)
-                  p = nearest_point(zone, i, side(:, j))
-                  moved(:, j) = side(:, j) + (dot_product(displacement(:, node), normal) - extra_gap(p))*normal
-               end if
-            end do
-            do l = 1, size(corners, 2)
-               along = -cross_product(normal, corners(:, l))
-               if (along < minval(ends) .or. along > maxval(ends)) cycle
-               xi = meet_side(moved, corners(:, l), normal)
-               do j = 1, 2
-                  if (abs(xi(j)) > 1.0_dp) cycle
-                  call side_shapes(.true., xi(j), values, slopes)
-                  overlap = dot_product(matmul(moved, values) - corners(:, l), normal)
-                  if (.not. overlap > deepest%depth) cycle
-                  if (.not. overlap - resolved_depth(contacts(i), side, moved, normal, xi(j), sides(3, k) > 0, &
-                     limits*max(largest, least)) > least) cycle
-                  ! A point beyond the far side of the body does not penetrate it.
-                  associate (on_side => matmul(side, values))
-                     if (.not. (is_inside(body%mesh, on_side - 0.5_dp*overlap*normal) .and. &
-                        is_inside(body%mesh, on_side - nearly*overlap*normal))) cycle
-                  end associate
-                  deepest = corner_penetration_t(overlap, matmul(side, values), i)
+            associate (nodes => sides(:3, k), x => body%mesh%coordinates)
+               side%set = i
+               side%has_middle = nodes(3) > 0
+               side%normal = unit_vector([x(2, nodes(2)) - x(2, nodes(1)), x(1, nodes(1)) - x(1, nodes(2))])
+               side%rest(:, 3) = 0.5_dp*(x(:, nodes(1)) + x(:, nodes(2)))
+               do j = 1, count(nodes > 0)
+                  side%rest(:, j) = x(:, nodes(j))
+                  p = nearest_point(zone, i, x(:, nodes(j)))
+                  side%moved(:, j) = x(:, nodes(j)) + (dot_product(displacement(:, nodes(j)), side%normal) &
+                     - extra_gap(p))*side%normal
                end do
-            end do
+               if (nodes(3) == 0) side%moved(:, 3) = 0.5_dp*(side%moved(:, 1) + side%moved(:, 2))
+               call look_at_side(deepest, contacts(i), side, corners, rest, limits*max(largest, least), least)
+            end associate
          end do
          do l = 1, size(corners, 2)
-            overlap = depth_behind(body, displaced, sides, corners(:, l))
-            if (overlap > max(least, deepest%depth)) deepest = corner_penetration_t(overlap, corners(:, l), i)
+            if (rest%contain(corners(:, l)) .or. .not. displaced%contain(corners(:, l))) cycle
+            apart = [(displaced%distance(k, corners(:, l)), k=1, size(outer, 2))]
+            k = minloc(apart, dim=1)
+            if (apart(k) > max(least, deepest%depth) .and. .not. any(sides(1, :) == outer(1, k) &
+               .and. sides(2, :) == outer(2, k))) deepest = overlap_t(apart(k), corners(:, l), i)
          end do
       end do
-   end function corner_penetration
+   end function corner_overlap
 
-   !> The depth of a place in the displaced body, outside of which it was, behind a side that is none of a contact set;
-   !> 0 if one of the set is nearer, as where contact is resolved by its mesh [L].
-   pure real(dp) function depth_behind(body, displaced, sides, place) result(depth)
-      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
-      type(mesh_t), intent(in) :: displaced !! the same mesh, displaced
-      integer, intent(in) :: sides(:, :) !! nodes of the sides of the contact set (4, any)
-      real(dp), intent(in) :: place(2) !! the place [L]
-      real(dp) :: way(2), before(2), distance
-      logical :: is_own
-      integer :: side(3), i
+   !> Looks for the corner of an obstacle that penetrates a displaced side deepest.
+   pure subroutine look_at_side(deepest, contact, side, corners, rest, limits, least)
+      type(overlap_t), intent(inout) :: deepest !! the deepest overlap so far
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(displaced_side_t), intent(in) :: side !! the side
+      real(dp), intent(in) :: corners(:, :) !! the corners (2, any) [L]
+      type(columns_t), intent(in) :: rest !! the boundary of the body at rest
+      real(dp), intent(in) :: limits(2) !! up to which the depths that are errors of the mesh do not count [L]
+      real(dp), intent(in) :: least !! the least depth that counts [L]
+      ! The corner itself may lie on the boundary.
+      real(dp), parameter :: nearly = 0.99_dp
+      real(dp) :: xi(2), values(3), slopes(3), depth, along, ends(2), place(2)
+      integer :: j, l
 
-      depth = huge(depth)
-      is_own = .true.
-      do i = 1, size(body%outer)
-         side = body%mesh%side(side_element(body%outer(i)), side_place(body%outer(i)))
-         before = place - displaced%coordinates(:, side(1))
-         way = displaced%coordinates(:, side(2)) - displaced%coordinates(:, side(1))
-         distance = norm2(before - way*min(1.0_dp, max(0.0_dp, dot_product(before, way)/dot_product(way, way))))
-         if (distance < depth) is_own = any(sides(1, :) == side(1) .and. sides(2, :) == side(2))
-         depth = min(depth, distance)
-      end do
-      if (.not. is_own) is_own = is_inside(body%mesh, place) .or. .not. is_inside(displaced, place)
-      if (is_own) depth = 0.0_dp
-   end function depth_behind
+      associate (normal => side%normal)
+         ends = [(-cross_product(normal, side%rest(:, j)), j=1, 2)]
+         do l = 1, size(corners, 2)
+            along = -cross_product(normal, corners(:, l))
+            if (along < minval(ends) .or. along > maxval(ends)) cycle
+            xi = meet_side(side%moved, corners(:, l), normal)
+            do j = 1, 2
+               if (abs(xi(j)) > 1.0_dp) cycle
+               call side_shapes(.true., xi(j), values, slopes)
+               depth = dot_product(matmul(side%moved, values) - corners(:, l), normal)
+               if (.not. depth > deepest%depth) cycle
+               if (.not. depth - resolved_depth(contact, side, xi(j), limits) > least) cycle
+               ! A point beyond the far side of the body does not penetrate it.
+               place = matmul(side%rest, values)
+               if (.not. rest%contain(place - 0.5_dp*depth*normal)) cycle
+               if (rest%contain(place - nearly*depth*normal)) deepest = overlap_t(depth, place, side%set)
+            end do
+         end do
+      end associate
+   end subroutine look_at_side
 
    !> The convex corners of a rigid obstacle: ends of a polyline and points where its line turns to the right, away from
    !> the free side; the apex of a circle or parabola; none of a pair (2, corners) [L].
@@ -684,13 +707,10 @@ contains
    !> the nodes times the tangent of half the angle between the surface's directions opposite to them (the height of the
    !> triangle of its tangents, unless one is missing or steeper than warnings allow), plus the difference of their
    !> displacements, each up to its limit, plus the overlap of the nodes [L].
-   pure real(dp) function resolved_depth(contact, side, moved, normal, xi, has_middle, limits) result(depth)
+   pure real(dp) function resolved_depth(contact, side, xi, limits) result(depth)
       type(contact_t), intent(in) :: contact !! the contact set
-      real(dp), intent(in) :: side(2, 3) !! first corner, second corner, middle of the side [L]
-      real(dp), intent(in) :: moved(2, 3) !! the same, displaced along the normal [L]
-      real(dp), intent(in) :: normal(2) !! normal of the side [-]
+      type(displaced_side_t), intent(in) :: side !! the side
       real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
-      logical, intent(in) :: has_middle !! whether the side has a node in its middle
       real(dp), intent(in) :: limits(2) !! the limits [L]
       ! 30 degrees off the obstacle's normal, as warnings have it.
       real(dp), parameter :: smallest_cosine = 0.866_dp
@@ -699,45 +719,24 @@ contains
       integer :: beside(2), i
 
       beside = [1, 2]
-      if (has_middle) beside(merge(2, 1, xi < 0.0_dp)) = 3
+      if (side%has_middle) beside(merge(2, 1, xi < 0.0_dp)) = 3
       depth = 0.0_dp
       angle = 0.0_dp
       is_steep = .false.
       do i = 1, 2
-         call contact%obstacle%measure(side(:, beside(i)), normal, gap, is_met, cosine, turn)
+         call contact%obstacle%measure(side%rest(:, beside(i)), side%normal, gap, is_met, cosine, turn)
          ! Where there is no surface opposite to a node, the cosine is that of a steeper one, or 0.
          is_steep = is_steep .or. cosine < smallest_cosine
          if (.not. is_met) cycle
          angle = angle + turn
-         depth = max(depth, dot_product(moved(:, beside(i)) - side(:, beside(i)), normal) - gap)
+         depth = max(depth, dot_product(side%moved(:, beside(i)) - side%rest(:, beside(i)), side%normal) - gap)
       end do
       if (is_steep) angle = 0.0_dp
       ! At an edge of the obstacle one node is supported, and the other one moves down.
-      associate (way => moved(:, beside) - side(:, beside))
-         depth = depth + sum(min(limits, [0.5_dp*norm2(side(:, beside(2)) - side(:, beside(1)))*tan(0.5_dp*angle), &
-            abs(dot_product(way(:, 2) - way(:, 1), normal))]))
+      associate (way => side%moved(:, beside) - side%rest(:, beside))
+         depth = depth + sum(min(limits, [0.5_dp*tan(0.5_dp*angle)*norm2(side%rest(:, beside(2)) &
+            - side%rest(:, beside(1))), abs(dot_product(way(:, 2) - way(:, 1), side%normal))]))
       end associate
    end function resolved_depth
-
-   !> Whether a point lies in an element of a mesh, its sides taken straight.
-   pure logical function is_inside(mesh, point)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      real(dp), intent(in) :: point(2) !! the point [L]
-      integer :: element, i, n
-
-      is_inside = .true.
-      do element = 1, mesh%n_elements
-         n = n_corners(mesh%element_kind(element))
-         associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1))
-            do i = 1, n
-               associate (begin => mesh%coordinates(:, nodes(i)))
-                  if (cross_product(mesh%coordinates(:, nodes(mod(i, n) + 1)) - begin, point - begin) < 0.0_dp) exit
-               end associate
-            end do
-            if (i > n) return
-         end associate
-      end do
-      is_inside = .false.
-   end function is_inside
 
 end module amontons_free_boundary
