@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """The command line: options, names of decks and of cases."""
+import json
+import re
 import shutil
 import unittest
 from pathlib import Path
@@ -134,6 +136,17 @@ class Options(ProgramTest):
                                      r"about \d+ MB of memory\n$")
         self.assertEqual(self.files(), ["case.nml"])
         self.assertEqual(self.run_program("--check", "--quiet", "case.nml").stdout, "")
+
+    def test_check_counts_the_nodes_behind_cells(self):
+        # The dense matrix of the nodes is four times as large as that of the cells.
+        self.write("cells.nml", block(
+            SUPPORT, PRESSURE, CONTACT + "  multipliers = 'constant'  cells = 400",
+            mesh="size = 40.0, 1.0  cells = 400, 2  element = 'quad8'"))
+        told = re.search(r"about (\d+) MB", self.run_program("--check", "cells.nml").stdout)
+        self.run_program("--quiet", "--output", "results", "cells.nml")
+        summary = json.loads((self.directory / "results" / "cells.summary.json").read_text(encoding="utf-8"))
+        # What the program itself takes differs from system to system.
+        self.assertAlmostEqual(int(told[1]), summary["peak_memory_mb"], delta=0.25 * summary["peak_memory_mb"])
 
     def test_check_finds_what_does_not_fit_the_mesh(self):
         self.write("tpo.nml", SOUND + "&load set = 'tpo'  pressure = 1.0 /")

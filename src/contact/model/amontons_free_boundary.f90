@@ -123,7 +123,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! their points
       type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
       type(outline_t) :: outline
-      integer :: i, p
+      integer :: i
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
@@ -132,14 +132,6 @@ contains
          call outline%choose(i, contacts(i), body%mesh, zone)
          call add_nodes(boundary, outline, i, 1, contacts(i)%direction, body%constraints, zone)
          call add_nodes(boundary, outline, i, 2, contacts(i)%direction, body%constraints, zone)
-      end do
-      ! Only tables of gaps need lengths along the line.
-      do i = 1, size(boundary%nodes)
-         associate (node => boundary%nodes(i))
-            if (.not. allocated(contacts(node%set)%extra_gap%table)) cycle
-            p = nearest_point(zone, node%set, body%mesh%coordinates(:, node%node))
-            if (p > 0) node%arc_length = zone%quadrature%arc_length(zone%quadrature%start(p))
-         end associate
       end do
    end subroutine new_free_boundary
 
@@ -244,7 +236,7 @@ contains
       type(free_node_t) :: found
       logical :: is_place(size(outline%is_taken))
       real(dp) :: seen(2, size(outline%is_near))
-      integer :: record(3, size(is_place)), last(size(outline%is_near)), i, k, n
+      integer :: record(3, size(is_place)), last(size(outline%is_near)), i, k, n, p
 
       is_place = outline%is_beyond(:, of) .or. (outline%is_own(:, of) .and. of == 1 .and. any(outline%is_own(:, 2)))
       seen = 0.0_dp
@@ -268,6 +260,8 @@ contains
                      n = n + 1
                      boundary%nodes(n) = found
                      boundary%nodes(n)%set = set
+                     p = nearest_point(zone, set, outline%surface%corner(:, k, i))
+                     if (p > 0) boundary%nodes(n)%arc_length = zone%quadrature%arc_length(zone%quadrature%start(p))
                      last(node) = n
                   end if
                end if
