@@ -30,8 +30,8 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, follow_statuses, law_scales_t, scales_of, verify_answer, verify_case, verify_reduced, &
-      verify_result
+   public :: check_grids, check_statuses, contact_state_t, follow_statuses, law_scales_t, scales_of, verify_answer, &
+      verify_case, verify_reduced, verify_result
 
    !> Gaps, slips, forces and statuses of the contact points.
    type :: contact_state_t
