@@ -29,8 +29,8 @@ module amontons_element
    integer, parameter :: n_element_nodes(*) = [3, 4, 6, 8, 9]
    !> Number of corners, and of sides, of each kind.
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
-   !> Degree of the Jacobian of each kind in either coordinate of `mapped_square`.
-   integer, parameter :: jacobian_degree(*) = [0, 1, 2, 3, 3]
+   !> Degree of the Jacobian of each kind in either coordinate of `mapped_square`; that of `tri6` is 2 only.
+   integer, parameter :: jacobian_degree(*) = [0, 1, 3, 3, 3]
    !> Number of quadrature points where the stresses of each kind are most accurate: of the rule one order lower.
    integer, parameter :: n_sampling_points(*) = [1, 1, 3, 4, 4]
    !> Number of quadrature points that are exact for products of two stresses of one order higher than those of a kind.

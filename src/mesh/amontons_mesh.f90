@@ -145,11 +145,9 @@ contains
       integer, intent(in) :: element !! number of the element
       ! Rounding errors of a product of two differences of coordinates.
       real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp)
-      ! From values at equal distances to Bernstein coefficients, of quadratic and of cubic polynomials.
-      real(dp), parameter :: to_bernstein(4, 4, 2:3) = reshape([6.0_dp, -3.0_dp, 0.0_dp, 0.0_dp, &
-         0.0_dp, 12.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, -3.0_dp, 6.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, &
-         6.0_dp, -5.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 18.0_dp, -9.0_dp, 0.0_dp, &
-         0.0_dp, -9.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, -5.0_dp, 6.0_dp], [4, 4, 2])/6.0_dp
+      ! From values at equal distances to Bernstein coefficients of cubic polynomials.
+      real(dp), parameter :: to_bernstein(4, 4) = reshape([6.0_dp, -5.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 18.0_dp, -9.0_dp, &
+         0.0_dp, 0.0_dp, -9.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, -5.0_dp, 6.0_dp], [4, 4])/6.0_dp
       ! Halves in which the sign is still in doubt are halved again, up to this many times: by then the bounds are as
       ! close as the square of their size.
       integer, parameter :: most_halvings = 24
@@ -168,11 +166,7 @@ contains
                mapped_square(kind, [real(dp) :: i - 1, j - 1]/max(1, n - 1)))
          end do
       end do
-      if (n > 2) then
-         associate (matrix => to_bernstein(:n, :n, n - 1))
-            coefficients(:n, :n) = matmul(matrix, matmul(coefficients(:n, :n), transpose(matrix)))
-         end associate
-      end if
+      if (n > 2) coefficients = matmul(to_bernstein, matmul(coefficients, transpose(to_bernstein)))
       is_turned_over = .not. exceeds(coefficients(:n, :n), least, most_halvings)
    end function mesh_is_turned_over
 
