@@ -750,8 +750,8 @@ contains
          call visitor%only('obstacle point normal radius line gap_direction', .false., &
             'a rigid obstacle, not with against')
          call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
-            " than set; for self contact, split the set '"//contact%set//"' in two, the lips of a slit by NewPhysicalGroup "// &
-            "of Gmsh's Plugin(Crack)")
+            " than set; for self contact, split the set '"//contact%set//"' in two, the lips of a slit by "// &
+            "NewPhysicalGroup of Gmsh's Plugin(Crack)")
       end if
       call visitor%only('search gap', contact%pairing%is_pair(), 'contact against another body')
       associate (obstacle => contact%obstacle)
