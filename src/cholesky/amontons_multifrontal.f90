@@ -408,9 +408,9 @@ contains
             call new_error(error, system_failure, 'memory ran out while factorizing '//to_text(self%n)// &
                ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries/1000000)//' MB')
          else if (contributions(root)%refused > 0) then
-            call self%refuse(contributions(root)%refused, error)
+            call self%refuse(self%order(contributions(root)%refused), error)
          else
-            call self%check_pivots(pivots(self), error)
+            call self%check_factor(error)
          end if
       end associate
    end subroutine multifrontal_complete
@@ -501,22 +501,6 @@ contains
          end do
       end associate
    end subroutine eliminate_front
-
-   !> The diagonal of L.
-   pure function pivots(self)
-      type(multifrontal_t), intent(in) :: self !! the factorization
-      real(dp) :: pivots(self%n)
-      integer(int64) :: at
-      integer :: j, k
-
-      do k = 1, self%fronts%n
-         at = self%fronts%block_start(k)
-         do j = self%fronts%first(k), self%fronts%first(k + 1) - 1
-            pivots(j) = self%value(at)
-            at = at + self%fronts%n_rows(k) + 1
-         end do
-      end do
-   end function pivots
 
    !> Performs the forward substitution of the first columns.
    subroutine multifrontal_substitute_forward(self, n_steps, y)

@@ -81,9 +81,9 @@ contains
       self%matrix = sparse_matrix_t()
       call dpbtrf('L', self%n, self%width, self%band, self%width + 1, status)
       if (status > 0) then
-         call self%refuse(status, error)
+         call self%refuse(self%order(status), error)
       else
-         call self%check_pivots(self%band(1, :), error)
+         call self%check_factor(error)
       end if
    end subroutine band_complete
 

@@ -203,32 +203,15 @@ contains
          call c_f_pointer(supernodes%value_start, self%value_start, [supernodes%n_supernodes + 1])
          call c_f_pointer(supernodes%row, self%row, [self%row_start(supernodes%n_supernodes + 1)])
          call c_f_pointer(supernodes%value, self%value, [supernodes%n_entries])
-         call self%check_pivots(pivots(self), error)
+         call self%check_factor(error)
       case (not_positive_definite)
-         call self%refuse(int(failed) + 1, error)
+         call self%refuse(self%order(failed + 1), error)
       case default
          ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out while factorizing '//to_text(self%n)// &
             ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries/1000000)//' MB')
       end select
    end subroutine sparse_complete
-
-   !> The diagonal of L.
-   pure function pivots(self)
-      type(sparse_cholesky_t), intent(in) :: self !! the factorization
-      real(dp) :: pivots(self%n)
-      integer(int64) :: at
-      integer :: j, k, n_rows
-
-      do k = 1, size(self%column) - 1
-         n_rows = int(self%row_start(k + 1) - self%row_start(k))
-         at = self%value_start(k) + 1
-         do j = int(self%column(k)) + 1, int(self%column(k + 1))
-            pivots(j) = self%value(at)
-            at = at + n_rows + 1
-         end do
-      end do
-   end function pivots
 
    !> Performs the forward substitution of the first columns.
    subroutine sparse_substitute_forward(self, n_steps, y)

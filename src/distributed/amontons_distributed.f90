@@ -16,7 +16,7 @@
 module amontons_distributed
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use amontons_assembly, only: assemble_stiffness
-   use amontons_condenser, only: condenser_t
+   use amontons_condenser, only: condenser_t, known_solutions
    use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t, input_refused, new_error, system_failure
@@ -24,7 +24,7 @@ module amontons_distributed
    use amontons_lapack, only: dpotrf, dpotrs
    use amontons_material, only: materials_t
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
-   use amontons_mumps, only: mumps_t, mumps_text
+   use amontons_mumps, only: mumps_t, mumps_text, new_mumps_error
    use amontons_ranks, only: agree, all_ranks, begin_ranks, broadcast, channel_t, end_ranks, gather_columns, &
       give_order, has_begun, n_ranks, next_order, on_all_ranks, rank, sum_on_machine
    use amontons_sparse_matrix, only: graph_t, new_graph, new_sparse_pattern, sparse_matrix_t
@@ -400,13 +400,17 @@ contains
             if (i > 0) call own%pass(channel_t(i, .true.))
          end associate
       end do
-      allocate (sums(2, made%n), source=0.0_dp)
+      allocate (sums(4, made%n), source=0.0_dp)
       call work%assemble(sums, error)
       if (allocated(error)) return
       made%schur_diagonal = sums(1, made%n - made%n_schur + 1:)
       shift = merge(0.0_dp, made%schur_diagonal, is_held)
       associate (schur_sums => sums(2, made%n - made%n_schur + 1:))
          schur_sums = schur_sums + shift
+      end associate
+      made%known_load = transpose(sums(3:, :))
+      associate (unknown => [(i, i=made%n - made%n_schur + 1, made%n)])
+         made%known_load(unknown, :) = made%known_load(unknown, :) + spread(shift, 2, 2)*known_solutions(unknown)
       end associate
       ! The largest sum would pass over one that is no number.
       made%matrix_norm = maxval(sums(2, :)) + 0.0_dp*sum(sums(2, :))
@@ -450,7 +454,7 @@ contains
       integer :: no_position(0)
       type(channel_t) :: channel
 
-      allocate (none(2, 0))
+      allocate (none(4, 0))
       select case (order)
       case (order_take)
          if (allocated(work)) deallocate (work)
@@ -511,7 +515,7 @@ contains
       class(distributed_condenser_t), intent(inout) :: self !! the condenser
       type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
 
-      real(dp), allocatable :: schur(:, :)
+      real(dp), allocatable :: schur(:, :), solutions(:, :)
       integer :: j
 
       if (rank > 0) return
@@ -522,6 +526,11 @@ contains
       do j = 1, self%n_schur
          self%s(triangle(j - 1) + 1:triangle(j)) = schur(:j, j)
       end do
+      ! MUMPS takes any pivot that is not exactly 0.
+      allocate (solutions, mold=self%known_load)
+      call self%expand_all(self%known_load, known_solutions([(j, j=self%n - self%n_schur + 1, self%n)]), solutions)
+      call new_mumps_error(work%mumps%report, error)
+      if (.not. allocated(error)) call self%check_solutions(solutions, error)
    end subroutine distributed_complete
 
    !> Number of entries of the triangle of a symmetric matrix.
@@ -633,13 +642,15 @@ contains
       deallocate (work)
    end subroutine distributed_free
 
-   !> Assembles the stiffness of the subdomain, and on rank 0 the diagonal of the whole matrix and the sums of
-   !> magnitudes of its columns; where subdomains meet, the latter are sums of the magnitudes of the parts.
+   !> Assembles the stiffness of the subdomain, and on rank 0 the diagonal of the whole matrix, the sums of magnitudes
+   !> of its columns and its products with the known solutions; where subdomains meet, the magnitudes are those of the
+   !> parts.
    subroutine rank_work_assemble(self, sums, error)
       class(rank_work_t), intent(inout) :: self !! the work; its subdomain not prepared yet
-      real(dp), intent(inout) :: sums(:, :) !! diagonal entry and sum of magnitudes of each column (2, n) [F/L]
+      real(dp), intent(inout) :: sums(:, :)
+         !! diagonal entry, sum of magnitudes and two products of each column (4, n) [F/L]
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), allocatable :: own(:, :)
+      real(dp), allocatable :: own(:, :), known(:, :)
       integer(int64) :: at
       integer :: j
 
@@ -652,7 +663,11 @@ contains
       if (allocated(error)) return
       associate (matrix => self%stiffness)
          if (allocated(matrix%place)) deallocate (matrix%place)
-         allocate (own(2, matrix%n), source=0.0_dp)
+         allocate (own(4, matrix%n), source=0.0_dp)
+         known = known_solutions(self%subdomain%unknown)
+         do j = 1, 2
+            call matrix%multiply(known(:, j), own(2 + j, :))
+         end do
          do j = 1, matrix%n
             own(1, j) = matrix%value(matrix%column_start(j))
             own(2, j) = own(2, j) + abs(own(1, j))

@@ -2,9 +2,10 @@
 module amontons_rigid_motion
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dense, only: symmetric_eigenvectors
+   use amontons_element, only: n_corners
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, number_pieces
+   use amontons_mesh, only: mesh_t, number_pieces, side_element, side_place
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
@@ -12,20 +13,24 @@ module amontons_rigid_motion
    public :: displacement_of_nodes, new_rigid_motions, rigid_motions_t
 
    !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
-   !> twisted body about the axis) and, where free jumps divide it into parts, of the translations of these parts
-   !> relative to each other.
+   !> twisted body about the axis) and, where joints divide it into parts, of the motions of these parts relative to
+   !> each other. A joint is a free jump, along which a part translates, or a hinge, about which it turns: a node of
+   !> elements that share no side there.
    type :: rigid_motions_t
-      integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each jump
+      integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each joint
       real(dp), allocatable :: mode(:, :)
-         !! translation x, translation y, rotation and jumps of each free motion (3 + jumps, n_free)
+         !! translation x, translation y, rotation and joints of each free motion (3 + joints, n_free)
       real(dp) :: center(2) = 0.0_dp !! the middle of the piece [L]
-      real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales the rotation [L]
+      real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales rotations [L]
       integer, allocatable :: node(:) !! the nodes of the piece, ascending
       logical :: is_whole = .true. !! whether the piece is the whole body
       integer :: n_components = 2 !! number of components of a displacement
-      integer :: n_jumps = 0 !! number of jumps
-      integer, allocatable :: part(:) !! the part that each node belongs to; not allocated without jumps (n_nodes)
-      real(dp), allocatable :: way(:, :, :) !! how far each part moves per jump (2, jumps, parts) [-]
+      integer :: n_joints = 0 !! number of joints
+      integer :: n_jumps = 0 !! number of jumps, which come first among them
+      real(dp), allocatable :: joint(:, :) !! direction of each jump [-], position of each hinge [L] (2, n_joints)
+      integer, allocatable :: part(:) !! the part that each node belongs to; not allocated without joints (n_nodes)
+      real(dp), allocatable :: way(:, :, :)
+         !! translation x, translation y and rotation of each part per joint (3, n_joints, parts) [-]
    contains
       procedure :: describe => rigid_motions_describe
       procedure :: displacement => rigid_motions_displacement
@@ -36,9 +41,10 @@ contains
 
    !> Finds the rigid motions of each piece of a body that violate no support: the kernel of the Gram matrix of its held
    !> directions.
-   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric, bonds, jumps)
+   subroutine new_rigid_motions(motions, mesh, outer, constraints, springs, is_axisymmetric, bonds, jumps)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
       type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: outer(:) !! numbers of the element sides on its boundary
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric
@@ -49,19 +55,23 @@ contains
       real(dp), intent(in) :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      ! A quadratic side of a twisted body has three nodes of three components.
-      integer, parameter :: most_components = 9
-      integer, allocatable :: piece(:), start(:), node(:)
-      real(dp), allocatable :: gram(:, :), values(:), row(:), motion(:, :), unit(:, :)
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
-      integer :: axis, i, info, k, n_jumps, n_pieces, p
+      type(mesh_t) :: parted
+      integer, allocatable :: piece(:), part(:), start(:), node(:), links(:, :)
+      real(dp), allocatable :: gram(:, :), values(:)
+      logical, allocatable :: is_joint(:)
+      integer :: info, k, n_parts, n_pieces, p
 
-      n_jumps = 0
-      if (any(bonds(3, :) > 0)) n_jumps = size(jumps, 2)
-      call number_pieces(mesh, piece, n_pieces, bonds(:2, :))
-      call fill_bins(start, node, piece, n_pieces)
-      allocate (motions(n_pieces), gram(3 + n_jumps, 3 + n_jumps), values(3 + n_jumps))
-      allocate (motion(most_components, 3 + n_jumps), source=0.0_dp)
+      ! Around an axis elements that share a node alone resist that the angle between them changes.
+      call part_at_hinges(parted, links, mesh, outer(:merge(0, size(outer), is_axisymmetric)), bonds, size(jumps, 2))
+      call number_pieces(parted, piece, n_pieces, links(:2, :))
+      call fill_bins(start, node, piece(:mesh%n_nodes), n_pieces)
+      is_joint = links(3, :) > 0
+      call number_pieces(parted, part, n_parts, reshape(pack(links(:2, :), spread(.not. is_joint, 1, 2)), &
+         [2, count(.not. is_joint)]))
+      ! A hinge within a part turns nothing.
+      is_joint = is_joint .and. .not. (links(3, :) > size(jumps, 2) .and. part(links(1, :)) == part(links(2, :)))
+      links = reshape(pack(links, spread(is_joint, 1, 3)), [3, count(is_joint)])
+      allocate (motions(n_pieces))
       do p = 1, n_pieces
          motions(p)%node = node(start(p):start(p + 1) - 1)
          motions(p)%is_whole = n_pieces == 1
@@ -71,118 +81,246 @@ contains
             motions(p)%center = 0.5_dp*(lowest + highest)
             motions(p)%radius = 0.5_dp*norm2(highest - lowest)
          end associate
-         gram = 0.0_dp
-         if (n_jumps > 0) call divide_piece(motions(p), gram, mesh, bonds, jumps)
-         do i = start(p), start(p + 1) - 1
-            if (constraints%rigid_of(node(i)) > 0 .or. all(constraints%is_free(:, node(i)))) cycle
-            frame = constraints%frame(node(i))
-            do axis = 1, motions(p)%n_components
-               if (constraints%is_free(axis, node(i))) cycle
-               unit = motions(p)%unit_motions(mesh%coordinates(:, node(i)), node(i))
-               row = matmul(frame(:, axis), unit)
-               do k = 1, size(row)
-                  gram(:, k) = gram(:, k) + row*row(k)
-               end do
-            end do
-         end do
-         do i = 1, size(constraints%rigid)
-            associate (rigid => constraints%rigid(i))
-               if (piece(rigid%node(1)) /= p) cycle
-               unit = motions(p)%unit_motions(rigid%point, rigid%node(1))
-               motion(:2, :) = unit(:2, :)
-               motion(3, :) = 0.0_dp
-               motion(3, 3) = rigid%length/motions(p)%radius
-               do axis = 1, 3
-                  if (constraints%is_free(rigid%axis(axis), rigid%lead(axis))) cycle
-                  gram = gram + spread(motion(axis, :), 1, size(gram, 1))*spread(motion(axis, :), 2, size(gram, 1))
-               end do
-            end associate
-         end do
-         ! The directions that springs resist, whatever their stiffness.
-         do i = 1, size(springs)
-            associate (spring => springs(i), n => motions(p)%n_components)
-               if (piece(spring%node(1)) /= p) cycle
-               largest = maxval(abs(spring%stiffness))
-               if (.not. largest > 0.0_dp) cycle
-               do k = 1, size(spring%node)
-                  motion(n*(k - 1) + 1:n*k, :) = motions(p)%unit_motions(mesh%coordinates(:, spring%node(k)), &
-                     spring%node(k))
-               end do
-               associate (along => motion(:n*size(spring%node), :))
-                  gram = gram + matmul(transpose(along), matmul(reshape(spring%stiffness/largest, &
-                     [size(along, 1), size(along, 1)]), along))
-               end associate
-            end associate
-         end do
+         is_joint = piece(links(1, :)) == p
+         call divide_piece(motions(p), gram, part, mesh%coordinates, reshape(pack(links, spread(is_joint, 1, 3)), &
+            [3, count(is_joint)]), jumps)
+         call add_held_directions(gram, motions(p), piece(:mesh%n_nodes) == p, mesh%coordinates, constraints, springs)
          if (is_axisymmetric) then
             gram(1, 1) = gram(1, 1) + real(size(motions(p)%node), dp)
             if (motions(p)%n_components == 2) gram(3, 3) = gram(3, 3) + real(size(motions(p)%node), dp)
-            do k = 1, n_jumps
-               gram(3 + k, 3 + k) = gram(3 + k, 3 + k) + jumps(1, k)**2*real(size(motions(p)%node), dp)
+            do k = 1, motions(p)%n_joints
+               gram(3 + k, 3 + k) = gram(3 + k, 3 + k) + motions(p)%joint(1, k)**2*real(size(motions(p)%node), dp)
             end do
          end if
+         values = [(0.0_dp, k=1, size(gram, 1))]
          call symmetric_eigenvectors(gram, values, info)
          motions(p)%n_free = count(values <= negligible*max(values(size(values)), tiny(values)))
          motions(p)%mode = gram(:, :motions(p)%n_free)
       end do
    end subroutine new_rigid_motions
 
-   !> Finds the parts into which free jumps divide a piece, and how each part moves under the jumps. Jumps that cannot
-   !> move, because their two sides are also joined in another way or belong to other pieces, are held in the Gram
-   !> matrix.
-   subroutine divide_piece(motions, gram, mesh, bonds, jumps)
-      type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
-      real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (3 + jumps, 3 + jumps)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: bonds(:, :) !! pairs of nodes, and the jump of the first one against the second (3, bonds)
-      real(dp), intent(in) :: jumps(:, :) !! direction of each jump (2, jumps) [-]
-      logical :: is_here(mesh%n_nodes), is_mine(size(jumps, 2)), is_changed
-      logical, allocatable :: is_known(:)
-      real(dp) :: way(2, size(jumps, 2))
-      integer :: i, k, n_parts, side(2)
+   !> Adds the directions in which supports and springs hold a piece to their Gram matrix.
+   pure subroutine add_held_directions(gram, motions, is_here, coordinates, constraints, springs)
+      real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (3 + joints, 3 + joints)
+      type(rigid_motions_t), intent(in) :: motions !! the piece
+      logical, intent(in) :: is_here(:) !! whether each node belongs to it (n_nodes)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
+      real(dp), allocatable :: row(:), motion(:, :), unit(:, :)
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
+      integer :: axis, i, k, n
 
-      call number_pieces(mesh, motions%part, n_parts, reshape(pack(bonds(:2, :), spread(bonds(3, :) == 0, 1, 2)), &
-         [2, count(bonds(3, :) == 0)]))
-      motions%n_jumps = size(jumps, 2)
-      allocate (motions%way(2, motions%n_jumps, n_parts), source=0.0_dp)
-      is_here = .false.
-      is_here(motions%node) = .true.
-      is_mine = .false.
-      allocate (is_known(n_parts), source=.false.)
-      is_known(motions%part(motions%node(1))) = .true.
+      n = size(gram, 1)
+      do i = 1, size(motions%node)
+         associate (node => motions%node(i))
+            if (constraints%rigid_of(node) > 0 .or. all(constraints%is_free(:, node))) cycle
+            frame = constraints%frame(node)
+            do axis = 1, motions%n_components
+               if (constraints%is_free(axis, node)) cycle
+               unit = motions%unit_motions(coordinates(:, node), node)
+               row = matmul(frame(:, axis), unit)
+               do k = 1, n
+                  gram(:, k) = gram(:, k) + row*row(k)
+               end do
+            end do
+         end associate
+      end do
+      do i = 1, size(constraints%rigid)
+         associate (rigid => constraints%rigid(i))
+            if (.not. is_here(rigid%node(1))) cycle
+            if (allocated(motion)) deallocate (motion)
+            allocate (motion(3, n), source=0.0_dp)
+            unit = motions%unit_motions(rigid%point, rigid%node(1))
+            motion(:2, :) = unit(:2, :)
+            motion(3, 3) = rigid%length/motions%radius
+            if (n > 3) motion(3, 4:) = motion(3, 3)*motions%way(3, :, motions%part(rigid%node(1)))
+            do axis = 1, 3
+               if (constraints%is_free(rigid%axis(axis), rigid%lead(axis))) cycle
+               gram = gram + spread(motion(axis, :), 1, n)*spread(motion(axis, :), 2, n)
+            end do
+         end associate
+      end do
+      ! The directions that springs resist, whatever their stiffness.
+      do i = 1, size(springs)
+         associate (spring => springs(i))
+            if (.not. is_here(spring%node(1))) cycle
+            largest = maxval(abs(spring%stiffness))
+            if (.not. largest > 0.0_dp) cycle
+            if (allocated(motion)) deallocate (motion)
+            allocate (motion(motions%n_components*size(spring%node), n))
+            do k = 1, size(spring%node)
+               motion(motions%n_components*(k - 1) + 1:motions%n_components*k, :) = motions%unit_motions( &
+                  coordinates(:, spring%node(k)), spring%node(k))
+            end do
+            gram = gram + matmul(transpose(motion), matmul(reshape(spring%stiffness/largest, &
+               [size(motion, 1), size(motion, 1)]), motion))
+         end associate
+      end do
+   end subroutine add_held_directions
+
+   !> Gives each element a node of its own where elements meet that share no side at a node: one that is linked firmly
+   !> to those of the elements that share a side with it there, and by a hinge to the node.
+   subroutine part_at_hinges(parted, links, mesh, outer, bonds, n_jumps)
+      type(mesh_t), intent(out) :: parted !! the elements on these nodes, which have no coordinates
+      integer, allocatable, intent(out) :: links(:, :)
+         !! the bonds, and links of the further nodes: two nodes, and the number of the joint or 0 (3, links)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: outer(:) !! numbers of the element sides on its boundary
+      integer, intent(in) :: bonds(:, :) !! pairs of nodes that hold together, and number of the jump (3, bonds)
+      integer, intent(in) :: n_jumps !! number of jumps
+      integer, allocatable :: before(:), beside(:, :)
+      integer :: n_begun(mesh%n_nodes), last(mesh%n_nodes), side(3), element, first, i, k, n
+      logical :: is_bonded(mesh%n_nodes)
+
+      parted%n_nodes = mesh%n_nodes
+      parted%n_elements = mesh%n_elements
+      parted%node_start = mesh%node_start
+      parted%node = mesh%node
+      links = bonds
+      ! As many sides of the boundary begin at a node as groups of elements share sides there.
+      n_begun = 0
+      do i = 1, size(outer)
+         side = mesh%side(side_element(outer(i)), side_place(outer(i)))
+         n_begun(side(1)) = n_begun(side(1)) + 1
+      end do
+      if (all(n_begun < 2)) return
+      is_bonded = .false.
+      is_bonded(bonds(1, :)) = .true.
+      is_bonded(bonds(2, :)) = .true.
+      allocate (before(0), beside(2, 0))
+      last = 0
+      do element = 1, mesh%n_elements
+         first = mesh%node_start(element)
+         n = n_corners(mesh%element_kind(element))
+         do i = 0, n - 1
+            associate (node => mesh%node(first + i))
+               if (n_begun(node) < 2) cycle
+               parted%n_nodes = parted%n_nodes + 1
+               parted%node(first + i) = parted%n_nodes
+               k = size(before) + 1
+               before = [before, last(node)]
+               beside = reshape([beside, mesh%node(first + modulo([i - 1, i + 1], n))], [2, k])
+               call add(node, merge(n_jumps + k, 0, last(node) > 0 .or. is_bonded(node)))
+               last(node) = k
+               k = before(k)
+               do while (k > 0)
+                  if (any(beside(:, k) == beside(:, last(node)) .or. beside(:, k) == beside([2, 1], last(node)))) then
+                     call add(mesh%n_nodes + k, 0)
+                  end if
+                  k = before(k)
+               end do
+            end associate
+         end do
+      end do
+
+   contains
+
+      !> Links the last node.
+      subroutine add(node, joint)
+         integer, intent(in) :: node !! another node
+         integer, intent(in) :: joint !! number of the hinge, 0 for a firm link
+
+         links = reshape([links, node, parted%n_nodes, joint], [3, size(links, 2) + 1])
+      end subroutine add
+
+   end subroutine part_at_hinges
+
+   !> Finds the joints of a piece and how its parts move in them, and holds in the Gram matrix what they do not allow.
+   !> Where the two sides of a jump are joined in another way, it cannot move; where those of a hinge are joined by
+   !> others, the parts turn together in these, or not at all.
+   subroutine divide_piece(motions, gram, part, coordinates, links, jumps)
+      type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
+      real(dp), allocatable, intent(out) :: gram(:, :) !! Gram matrix of the directions held (3 + joints, 3 + joints)
+      integer, intent(in) :: part(:) !! the part that each node belongs to
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      integer, intent(in) :: links(:, :) !! pairs of nodes of the piece, and number of the joint between them (3, links)
+      real(dp), intent(in) :: jumps(:, :) !! direction of each jump (2, jumps) [-]
+      integer, allocatable :: number(:)
+      logical, allocatable :: is_known(:), is_used(:)
+      real(dp), allocatable :: way(:, :)
+      real(dp) :: motion(3)
+      logical :: is_changed
+      integer :: i, k, side(2)
+
+      allocate (number(0))
+      do i = 1, size(links, 2)
+         if (all(number /= links(3, i))) number = [number, links(3, i)]
+      end do
+      motions%n_joints = size(number)
+      motions%n_jumps = count(number <= size(jumps, 2))
+      allocate (gram(3 + size(number), 3 + size(number)), source=0.0_dp)
+      if (size(number) == 0) return
+      motions%part = part(:size(coordinates, 2))
+      allocate (motions%joint(2, size(number)), motions%way(3, size(number), maxval(part)), source=0.0_dp)
+      allocate (is_known(maxval(part)), is_used(size(number)), source=.false.)
+      is_known(part(motions%node(1))) = .true.
+      is_used(:motions%n_jumps) = .true.
       is_changed = .true.
       do while (is_changed)
          is_changed = .false.
-         do i = 1, size(bonds, 2)
-            if (bonds(3, i) == 0 .or. .not. is_here(bonds(1, i))) cycle
-            is_mine(bonds(3, i)) = .true.
-            side = motions%part(bonds(:2, i))
+         do i = 1, size(links, 2)
+            side = part(links(:2, i))
             if (is_known(side(1)) .eqv. is_known(side(2))) cycle
             is_changed = .true.
+            is_used(number_of(i)) = .true.
             k = merge(1, 2, is_known(side(2)))
             motions%way(:, :, side(k)) = motions%way(:, :, side(3 - k))
-            motions%way(:, bonds(3, i), side(k)) = motions%way(:, bonds(3, i), side(k)) &
-               + merge(jumps(:, bonds(3, i)), -jumps(:, bonds(3, i)), k == 1)
+            motions%way(:, number_of(i), side(k)) = motions%way(:, number_of(i), side(k)) &
+               + merge(1, -1, k == 1)*motion_of(i)
             is_known(side(k)) = .true.
          end do
       end do
-      do i = 1, size(bonds, 2)
-         if (bonds(3, i) == 0 .or. .not. is_here(bonds(1, i))) cycle
-         way = motions%way(:, :, motions%part(bonds(1, i))) - motions%way(:, :, motions%part(bonds(2, i)))
-         way(:, bonds(3, i)) = way(:, bonds(3, i)) - jumps(:, bonds(3, i))
+      do i = 1, size(links, 2)
+         k = number_of(i)
+         way = motions%way(:, :, part(links(1, i))) - motions%way(:, :, part(links(2, i)))
+         motion = motion_of(i)
+         if (k <= motions%n_jumps) then
+            motions%joint(:, k) = motion(:2)
+            way(:, k) = way(:, k) - motion
+         else
+            ! The displacement at the hinge, whatever the rotation.
+            motions%joint(:, k) = coordinates(:, links(1, i))
+            way = way - spread(motion, 2, size(way, 2))*spread(way(3, :), 1, 3)
+         end if
          gram(4:, 4:) = gram(4:, 4:) + matmul(transpose(way), way)
       end do
-      do k = 1, size(is_mine)
-         if (.not. is_mine(k)) gram(3 + k, 3 + k) = 1.0_dp
+      do k = 1, size(number)
+         if (.not. is_used(k)) gram(3 + k, 3 + k) = 1.0_dp
       end do
+
+   contains
+
+      !> The joint of a link among those of the piece.
+      pure integer function number_of(link)
+         integer, intent(in) :: link !! number of the link
+
+         number_of = findloc(number, links(3, link), dim=1)
+      end function number_of
+
+      !> The relative motion that a joint allows: along the jump, or a rotation about the hinge (3) [-].
+      pure function motion_of(link)
+         integer, intent(in) :: link !! number of the link
+         real(dp) :: motion_of(3)
+
+         if (links(3, link) <= size(jumps, 2)) then
+            motion_of = [jumps(:, links(3, link)), 0.0_dp]
+         else
+            associate (arm => (coordinates(:, links(1, link)) - motions%center)/motions%radius)
+               motion_of = [arm(2), -arm(1), 1.0_dp]
+            end associate
+         end if
+      end function motion_of
+
    end subroutine divide_piece
 
-   !> Displacement of a point under the two translations, the rotation and the jumps (components, 3 + jumps) [-].
+   !> Displacement of a point under the two translations, the rotation and the joints (components, 3 + joints) [-].
    pure function rigid_motions_unit_motions(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! center, radius and parts
       real(dp), intent(in) :: point(2) !! coordinates [L]
       integer, intent(in) :: node !! the node that moves with it
-      real(dp) :: displacement(self%n_components, 3 + self%n_jumps)
+      real(dp) :: displacement(self%n_components, 3 + self%n_joints)
+      integer :: k
 
       displacement = 0.0_dp
       displacement(1, 1) = 1.0_dp
@@ -192,7 +330,12 @@ contains
       else
          displacement(3, 3) = point(1)/self%radius
       end if
-      if (self%n_jumps > 0) displacement(:2, 4:) = self%way(:, :, self%part(node))
+      do k = 1, self%n_joints
+         associate (way => self%way(:, k, self%part(node)))
+            displacement(:2, 3 + k) = way(:2)
+            if (self%n_components == 2) displacement(:, 3 + k) = displacement(:, 3 + k) + way(3)*displacement(:, 3)
+         end associate
+      end do
    end function rigid_motions_unit_motions
 
    !> Displacement of a point under each free motion (components, n_free) [-].
@@ -232,27 +375,34 @@ contains
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: amounts(:) !! amount of each free motion (n_free)
       character(:), allocatable :: text
-      ! Less is not shown by four digits.
-      real(dp), parameter :: negligible = 1.0e-4_dp
       real(dp), allocatable :: motion(:)
+      integer :: k
+      logical, allocatable :: is_shown(:)
 
       motion = matmul(self%mode, amounts)
       motion = motion/maxval(abs(motion))
+      ! By more than the last of four digits.
+      is_shown = abs(nint(1.0e4_dp*motion)) > 1
       text = 'the body'
       if (.not. self%is_whole) text = 'the piece around '//place_text(self%center)
+      if (any(is_shown(4 + self%n_jumps:))) then
+         k = maxloc(abs(motion(4 + self%n_jumps:)), dim=1) + self%n_jumps
+         text = 'a part of '//text//' is free to turn about the node at '//place_text(self%joint(:, k))// &
+            ', which alone joins it to another part'
+         return
+      end if
       text = text//' is free to'
-      if (norm2(motion(1:2)) > negligible) text = text//' translate along ('//short(motion(1))//', '// &
-         short(motion(2))//')'
-      if (abs(motion(3)) > negligible) then
-         if (norm2(motion(1:2)) > negligible) text = text//' and'
+      if (any(is_shown(:2))) text = text//' translate along ('//short(motion(1))//', '//short(motion(2))//')'
+      if (is_shown(3)) then
+         if (any(is_shown(:2))) text = text//' and'
          if (self%n_components > 2) then
             text = text//' rotate about the axis'
          else
             text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
          end if
       end if
-      if (any(abs(motion(4:)) > negligible)) then
-         if (maxval(abs(motion(:3))) > negligible) text = text//' and'
+      if (any(is_shown(4:))) then
+         if (any(is_shown(:3))) text = text//' and'
          text = text//' move along the preload on one side of it'
       end if
    end function rigid_motions_describe

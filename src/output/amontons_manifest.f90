@@ -14,7 +14,7 @@ module amontons_manifest
    use amontons_document, only: json_string
    use amontons_error, only: error_t, fault_list_t
    use amontons_input_file, only: read_text_file
-   use amontons_kinds, only: int64
+   use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
@@ -23,8 +23,8 @@ module amontons_manifest
    implicit none (type, external)
    private
 
-   public :: case_entries, collection_head, collection_tail, find_earlier_files, manifest_list_t, manifest_t, &
-      read_manifest, read_summary, with_manifest
+   public :: case_entries, collection_head, collection_tail, find_earlier_files, fingerprint, manifest_list_t, &
+      manifest_t, read_manifest, read_summary, with_manifest
 
    !> Text before and after the checksum of the summary.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
@@ -132,6 +132,25 @@ contains
          if (allocated(loads(i)%temperature_file)) call self%add_input(loads(i)%temperature_file)
       end do
    end subroutine manifest_add_inputs
+
+   !> A text that is equal for two runs of a deck only if the files agree that it names: they may have changed although
+   !> the deck has not. What a pipe had is known by the mesh alone.
+   function fingerprint(mesh, contacts, loads) result(text)
+      type(mesh_t), intent(in) :: mesh !! the mesh of the body
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(load_t), intent(in) :: loads(:) !! the loads
+      character(:), allocatable :: text
+      type(manifest_t) :: manifest
+      type(checksum_t) :: checksum
+      integer :: i
+
+      call manifest%add_inputs(mesh, contacts, loads)
+      call checksum%add([mesh%coordinates, real(mesh%node, dp)])
+      do i = 1, manifest%inputs%n
+         call checksum%add(to_text(manifest%inputs%files(i)%checksum)//newline)
+      end do
+      text = to_text(checksum%value())
+   end function fingerprint
 
    !> Adds a file that was read, if there is one. A file that cannot be read again, such as a pipe, is left out.
    subroutine manifest_add_input(self, path)

@@ -300,8 +300,9 @@ contains
          associate (status => points%status(p), gap => points%gap(p), slip => points%slip(p), &
             normal => points%force(p), tangential => points%force(size(points%status) + p))
             bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
-            direction = merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), status == slip_plus .or. &
-               status == slip_point)
+            ! A bound of 0 asks for no direction.
+            direction = merge(0.0_dp, merge(1.0_dp, merge(-1.0_dp, 0.0_dp, status == slip_minus), &
+               status == slip_plus .or. status == slip_point), bound <= scales%force)
             ! Conditions on the gap and the normal force come before those on the slip.
             wrong = ''
             if (abs(tangential) > bound + scales%force) wrong = 'the tangential force is above its bound'

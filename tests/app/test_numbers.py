@@ -8,8 +8,7 @@ import unittest
 
 from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu
 
-SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, \S+: its condition number "
-                      r"is above \de\d+(; .+)?\n$")
+SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, [^\s;]+(; .+)?\n$")
 UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED: largest violation \S+, limit \S+; see the listing; the "
                        r"condition number of the stiffness is about \de\d+\n$")
 NOT_FINITE = re.compile(r"\b(nan|inf|infinity|null)\b|\*\*", re.IGNORECASE)

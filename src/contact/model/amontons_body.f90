@@ -6,7 +6,7 @@ module amontons_body
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
-   use amontons_conditioning, only: conditioning_text, rounded
+   use amontons_conditioning, only: conditioning_text
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
       new_foundation, rigid_components, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
@@ -226,7 +226,7 @@ contains
 
       without_jumps = body%motions
       do k = 1, size(without_jumps)
-         without_jumps(k)%mode(4:, :) = 0.0_dp
+         without_jumps(k)%mode(4:3 + without_jumps(k)%n_jumps, :) = 0.0_dp
       end do
       do k = 1, size(is_strained)
          only = [(merge(1.0_dp, 0.0_dp, i == k), i=1, size(only))]
@@ -545,13 +545,13 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       integer :: i
 
-      call new_rigid_motions(motions, body%mesh, constraints, springs, body%is_axisymmetric, &
+      call new_rigid_motions(motions, body%mesh, body%outer, constraints, springs, body%is_axisymmetric, &
          bonds_of(body%ties, constraints), reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
    end subroutine find_motions
 
-   !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other one node of either body for
-   !> each segment, and of rigid sets; and the number of the pair if there is a free jump between the two, 0 elsewhere
-   !> (3, any).
+   !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other the corners of each
+   !> segment's two sides, and those of rigid sets; and the number of the pair if there is a free jump between the two,
+   !> 0 elsewhere (3, any).
    pure function bonds_of(pairs, constraints) result(bonds)
       type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
       type(constraints_t), intent(in) :: constraints !! the supports, with the rigid sets
@@ -561,12 +561,13 @@ contains
       allocate (bonds(3, 0))
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set()) cycle
-         do k = 1, size(pairs(i)%segments)
-            associate (segment => pairs(i)%segments(k))
-               bonds = reshape([bonds, pairs(i)%slave%side(1, segment%slave), &
-                  pairs(i)%master%side(1, segment%master), merge(i, 0, pairs(i)%is_jump_free)], [3, size(bonds, 2) + 1])
+         associate (pair => pairs(i), jump => merge(i, 0, pairs(i)%is_jump_free))
+            associate (slave => pair%slave%side(:2, pair%segments%slave), &
+               master => pair%master%side(:2, pair%segments%master))
+               bonds = reshape([bonds, ([slave(1, k), master(1, k), jump, slave(2, k), master(1, k), jump, &
+                  master(:, k), 0], k=1, size(pair%segments))], [3, size(bonds, 2) + 3*size(pair%segments)])
             end associate
-         end do
+         end associate
       end do
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
@@ -736,8 +737,7 @@ contains
       end if
    end subroutine check_held
 
-   !> Extends the error of a failed factorization by the free motion, or by the condition of the stiffness and its
-   !> likely reasons.
+   !> Puts a place and likely reasons into the error of a refused factor.
    subroutine explain_refusal(body, error)
       type(body_t), intent(in) :: body !! the body, its factorization refused
       type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
@@ -747,13 +747,8 @@ contains
       associate (condenser => body%condensation%condenser)
          if (condenser%refused_unknown == 0) return
          place = findloc(body%dof_map%dof, condenser%refused_unknown)
-         associate (point => body%mesh%coordinates(:, place(2)))
-            ! The norm of the matrix is at least the diagonal entry, that of its inverse at least the inverse of the
-            ! pivot.
-            error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
-               to_text(point(2))//': its condition number is above '//rounded(1.0_dp/(epsilon(1.0_dp)*condenser%n))// &
-               conditioning_text(body%mesh, body%materials, body%springs)
-         end associate
+         error%message = 'the stiffness is singular to rounding at the node '// &
+            place_text(body%mesh%coordinates(:, place(2)))//conditioning_text(body%mesh, body%materials, body%springs)
       end associate
    end subroutine explain_refusal
 

@@ -22,7 +22,6 @@ module amontons_load_family
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
-   use amontons_system, only: checksum_t
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
@@ -112,7 +111,6 @@ module amontons_load_family
       procedure :: at_rest => load_family_at_rest
       procedure :: condense => load_family_condense
       procedure :: contacts_of => load_family_contacts_of
-      procedure :: fingerprint => load_family_fingerprint
       procedure :: friction_of => load_family_friction_of
       procedure :: gap_of => load_family_gap_of
       procedure :: largest_force => load_family_largest_force
@@ -675,31 +673,6 @@ contains
 
       largest = max(0.0_dp, maxval(abs(matmul(self%nodal_force, factor))))
    end function load_family_largest_force
-
-   !> A text that is equal for two families of the same body only if they agree to the last bit: files that a deck names
-   !> may have changed although the deck has not.
-   pure function load_family_fingerprint(self, body, problem) result(text)
-      class(load_family_t), intent(in) :: self !! the family, condensed
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      character(:), allocatable :: text
-      type(checksum_t) :: checksum
-      integer :: j
-
-      if (allocated(problem%matrix%band)) then
-         call checksum%add(reshape(problem%matrix%band%whole%entry, [size(problem%matrix%band%whole%entry)]))
-      else
-         do j = 1, problem%matrix%n
-            call checksum%add(problem%matrix%stiffness%values(:, j))
-         end do
-      end if
-      call checksum%add(reshape(body%mesh%coordinates, [size(body%mesh%coordinates)]))
-      call checksum%add([self%base%gap, self%base%slip_bound])
-      do j = 1, size(self%parts)
-         call checksum%add([self%load(:, j), self%friction(:, j), self%prescribed(:, j), self%largest(j)])
-      end do
-      text = to_text(checksum%value())
-   end function load_family_fingerprint
 
    !> Whether the obstacle is at its initial position.
    elemental logical function obstacle_motion_is_at_rest(self) result(is_at_rest)

@@ -12,6 +12,7 @@ module amontons_history_study
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
+   use amontons_manifest, only: fingerprint
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: largest_t, quantity_t
    use amontons_report, only: member, study_files_t, write_report
@@ -111,8 +112,9 @@ contains
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
       ! From the start, or from the last step that an earlier run has saved.
-      key = '! Amontons '//version//', a history under way; contact problem '// &
-         model%fingerprint(cache%body, cache%problem)//newline//effective_deck(config)
+      key = '! Amontons '//version//', a history under way; files '// &
+         fingerprint(cache%body%mesh, config%contacts, config%loads)//' '//model%fingerprint()//newline// &
+         effective_deck(config)
       call start_history(result, cache, model, start, error)
       if (allocated(error)) error%message = config%history%start_origin//error%message
       if (allocated(error)) return

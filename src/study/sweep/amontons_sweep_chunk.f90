@@ -513,7 +513,8 @@ contains
             kept%n_iterations = solution%n_iterations
             if (kept%is_empty()) cycle
             kept%residual = solution%residual
-            wrong = solution%residual*problem%force_scale() &
+            ! Which residual below the tolerance is the largest is a matter of rounding.
+            wrong = max(solution%residual, task%solver%method%tolerance)*problem%force_scale() &
                + epsilon(wrong)*maxval(problem%matrix%augmentation*abs(solution%displacement))
             largest = max(task%solver%loads%largest_force(acting%factor), maxval(abs(solution%force)))
             if (.not. largest > 0.0_dp) largest = problem%force_scale()

@@ -11,6 +11,7 @@ module amontons_sweep_ranks
       channel_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_manifest, only: fingerprint
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t, condense_case
    use amontons_study, only: study_monitor_t
@@ -63,7 +64,7 @@ contains
       if (is_shared) call share_condenser(cache%body%condensation%condenser)
       task%solver%shares_factor = is_shared .and. is_spread(cache)
       call condense_task(task, cache%body, cache%problem, error)
-      if (is_shared) is_shared = is_same(task, cache, .not. allocated(error))
+      if (is_shared) is_shared = is_same(config, cache, .not. allocated(error))
       n_sharing = merge(n_ranks, 1, is_shared)
    end subroutine prepare_on_ranks
 
@@ -83,7 +84,7 @@ contains
       call condense_case(taken%cache, taken%config, taken%result, error)
       if (.not. allocated(error)) taken%task%solver%shares_factor = is_spread(taken%cache)
       if (.not. allocated(error)) call condense_task(taken%task, taken%cache%body, taken%cache%problem, error)
-      if (is_same(taken%task, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
+      if (is_same(taken%config, taken%cache, .not. allocated(error))) call move_alloc(taken, share)
    end subroutine receive_sweep
 
    !> Passes the text of a deck from rank 0 to all ranks.
@@ -134,20 +135,20 @@ contains
       has_room = .not. allocated(error)
    end function has_room
 
-   !> Whether all ranks have the contact problems of rank 0.
-   logical function is_same(task, cache, is_ready)
-      type(sweep_task_t), intent(in) :: task !! the sweep on this rank
+   !> Whether all ranks have the files of rank 0.
+   logical function is_same(config, cache, is_ready)
+      type(config_t), intent(in) :: config !! the deck
       type(cache_t), intent(in) :: cache !! its body
       logical, intent(in) :: is_ready !! whether its loads are condensed
-      character(:), allocatable :: fingerprint, expected
+      character(:), allocatable :: own, expected
       type(channel_t) :: channel
 
-      fingerprint = ''
-      if (is_ready) fingerprint = task%solver%loads%fingerprint(cache%body, cache%problem)
-      expected = fingerprint
+      own = ''
+      if (is_ready) own = fingerprint(cache%body%mesh, config%contacts, config%loads)
+      expected = own
       channel = channel_t(all_ranks, rank == 0)
       call channel%pass(expected)
-      is_same = on_all_ranks(is_ready .and. fingerprint == expected)
+      is_same = on_all_ranks(is_ready .and. own == expected)
    end function is_same
 
    !> Solves chunks on all threads of all ranks that share the sweep. On rank 0 only the chunks are solved that began

@@ -17,7 +17,7 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
       model_text, quantities_text, times_text, warnings_text
-   use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
+   use amontons_manifest, only: case_entries, collection_head, collection_tail, fingerprint, manifest_t
    use amontons_output_file, only: hold_signals, output_file_t, release_signals, remove_temporaries, write_text_file
    use amontons_quantity, only: quantity_t, scales
    use amontons_report, only: commit_case, write_documents, add_head, certificate_member, last_members, member, &
@@ -183,8 +183,9 @@ contains
          call new_checkpoint(result%checkpoint, stem)
          call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body, &
             config%sweep)))
-         call result%checkpoint%open('! Amontons '//version//', a sweep under way; contact problem '// &
-            task%solver%loads%fingerprint(cache%body, cache%problem)//newline//effective_deck(config), progress, error)
+         call result%checkpoint%open('! Amontons '//version//', a sweep under way; files '// &
+            fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config), progress, &
+            error)
          if (allocated(error)) return
          if (allocated(progress)) call statistics%visit(progress)
          result%n_resumed = statistics%n_cases
