@@ -27,7 +27,7 @@ def blocks(cells, places):
                       *(line for name, members in sides.items() for line in (f"*SURFACE, NAME={name}", *members)), ""])
 
 
-def deck(*groups):
+def deck_of_blocks(*groups):
     """A deck of blocks in a file."""
     return "&mesh file = 'blocks.inp' /\n" + MATERIAL + "".join(f"&{group} /\n" for group in groups)
 
@@ -48,7 +48,7 @@ class Mechanisms(ProgramTest):
     def test_hinge_that_nothing_holds_is_refused_by_all_factorizations(self):
         for cells in (1, 3, 10, 20):
             self.write("blocks.inp", blocks(cells, ((0, 0), (1, 1))))
-            text = deck("load set = 'LID1'  pressure = 10.0", "contact set = 'FLOOR1'  friction = 0.3")
+            text = deck_of_blocks("load set = 'LID1'  pressure = 10.0", "contact set = 'FLOOR1'  friction = 0.3")
             for factorization in FACTORIZATIONS:
                 run = self.solve(text, 2, "--set", f"solver.factorization={factorization}")
                 self.assertEqual(run.stderr, "hinge.nml: a part of the body is free to turn about the node at 1.0, "
@@ -59,7 +59,7 @@ class Mechanisms(ProgramTest):
         # Contact holds it against the floor, not against a lift.
         self.write("blocks.inp", blocks(4, ((0, 1), (1, 0))))
         lifted = [group.replace("0.1", "-0.1") for group in HELD]
-        run = self.solve(deck(*lifted), 2)
+        run = self.solve(deck_of_blocks(*lifted), 2)
         self.assertRegex(run.stderr, r"^hinge\.nml: no equilibrium: .*friction cannot balance the loads; a part of the "
                          r"body is free to turn about the node at 1\.0, 1\.0, which alone joins it to another part; ")
 
@@ -68,7 +68,7 @@ class Mechanisms(ProgramTest):
         self.write("blocks.inp", blocks(4, ((0, -1), (1, 0))))
         forces = []
         for factorization in FACTORIZATIONS:
-            self.solve(deck(*HELD), 0, "--set", f"solver.factorization={factorization}")
+            self.solve(deck_of_blocks(*HELD), 0, "--set", f"solver.factorization={factorization}")
             result = self.result("hinge", "out")
             self.assertTrue(result.summary["certificate"]["passed"])
             self.assertAlmostEqual(sum((x - 1.0)*force for x, force in zip(result["x"], result["normal_force"])), 0.05,

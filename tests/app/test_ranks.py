@@ -15,6 +15,7 @@ import unittest
 from pathlib import Path
 
 from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu, results_of
+from test_mechanisms import HELD, blocks, deck_of_blocks
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = (ROOT / "input", ROOT / "tests/verification/decks")
@@ -236,8 +237,7 @@ class Refusals(RanksTest):
         self.assertEqual(ended, {0, 3})
 
     def test_singular_stiffness_is_refused_or_marked(self):
-        # Which of them depends on the signs that rounding gives to the last pivots: beyond them no number has a digit,
-        # and what it leaves of the loads may drive the body on.
+        # Which of them depends on rounding, and on what it leaves of the loads, which may drive the body on.
         for height in (1e14, 1e16):
             deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 1.0, {height}  cells = 8, 4"))
             run = self.run_command(launched(3, "--quiet", "--output", "out", *SPREAD, deck), None)
@@ -246,9 +246,31 @@ class Refusals(RanksTest):
             elif "no equilibrium: " in run.stderr:
                 self.assertEqual(run.returncode, 2)
             else:
-                self.assert_refused(run, 2, r"^case\.nml: the stiffness is singular to rounding: the distributed "
-                                    r"factorization met a pivot that is not positive\n$")
+                self.assert_refused(run, 2, r"^case\.nml: the stiffness is singular to rounding(: the distributed "
+                                    r"factorization met a pivot that is not positive| at the node .* times as long "
+                                    r"as wide)\n$")
             shutil.rmtree(self.directory / "out", ignore_errors=True)
+
+    def test_factor_of_rounding_errors_is_refused(self):
+        # MUMPS takes any pivot but 0. A spring below the rounding errors is all that keeps the block from turning.
+        groups = ("support point = 0.0, 0.0  ux = 0.0  uy = 0.0", "support set = 'left'  spring_n = 1e-16", PRESSURE)
+        for cells in ("8, 4", "30, 15", "60, 40"):
+            deck = self.write("case.nml", block(*groups, mesh=f"size = 4.0, 2.0  cells = {cells}"))
+            for command in ([PROGRAM], launched(2), launched(3)):
+                run = self.run_command([*command, "--quiet", "--output", "out", *SPREAD*(len(command) > 1), deck], None)
+                self.assert_refused(run, 2, "^case\\.nml: the stiffness is singular to rounding at the node .*; the "
+                                    "stiffness of springs and that of the body differ by a factor of 6e18\n$")
+
+    def test_hinges_are_free_motions(self):
+        for name, places, groups in (("held", ((0, -1), (1, 0)), HELD), ("free", ((0, 0), (1, 1)), (
+                "load set = 'LID1'  pressure = 10.0", "contact set = 'FLOOR1'  friction = 0.3"))):
+            self.write("blocks.inp", blocks(8, places))
+            deck = self.write(f"{name}.nml", deck_of_blocks(*groups))
+            one = self.run_command([PROGRAM, "--quiet", "--output", "one", deck], None)
+            two = self.run_command(launched(2, "--quiet", "--output", "two", *SPREAD, deck), None)
+            self.assertEqual((two.returncode, two.stderr), (one.returncode, one.stderr))
+            if name == "held":
+                self.assert_same(name, "two", "one")
 
 
 class Kills(RanksTest):

@@ -1,11 +1,13 @@
 """Sweeps over several ranks of MPI: the rows of one rank, whoever solved them and whatever became of a rank."""
 import itertools
+import json
 import math
 import os
 import random
 import re
 import signal
 import subprocess
+import time
 import unittest
 
 from harness import CONTACT, PROGRAM, SUPPORT, block
@@ -164,6 +166,31 @@ class Interruption(SweepTest, RanksTest):
         self.assertEqual(run.returncode, 5)
         self.assertEqual(message, f"sweep.nml: interrupted after {self.n_done()} of 4000000 cases; the same command "
                                   "goes on from there\n")
+
+    def test_another_factorization_goes_on_with_what_is_done(self):
+        # Condensed stiffnesses of one rank and of two differ in their last digits; deck and mesh are the same.
+        groups = (SUPPORT, PRESSED, PUSHED, CONTACT)
+        mesh = "size = 4.0, 2.0  cells = 104, 52"
+        self.write("sweep.nml", block(*groups, "sweep load = 'push'  factor = -1.0, 1.0  count = 1200", mesh=mesh))
+        self.write("history.nml", block(*groups, "history times = 0.0, 1.0, 2.0, 3.0  substeps = 150",
+                                        "steps load = 'press'  factor = 0.0, 1.0, 0.5, 1.0",
+                                        "steps load = 'push'  factor = 0.0, 1.0, -1.0, 1.0", mesh=mesh))
+        for name, grown in (("sweep", "sweep.sweep.part"), ("history", "history.history.csv.part")):
+            run = self.start_command([PROGRAM, "--quiet", f"{name}.nml"])
+            while run.poll() is None:
+                rows = self.directory / grown
+                if rows.exists() and rows.read_bytes().count(b"\n") > 3:
+                    run.send_signal(signal.SIGINT)
+                    break
+                time.sleep(0.005)
+            run.communicate(timeout=self.timeout)
+            self.assertEqual(run.returncode, 5, "it was stopped")
+            self.run_command(launched(2, "--quiet", f"{name}.nml"))
+            self.assertIn("distributed", (self.directory / f"{name}.lst").read_text("utf-8"))
+            self.run_command([PROGRAM, "--verify", "."])
+        self.assertGreater(self.summary()["sweep"]["done_earlier"], 0)
+        self.assertGreater(json.loads((self.directory / "history.summary.json").read_text("utf-8"))
+                           ["load_history"]["steps_done_earlier"], 0)
 
 
 if __name__ == "__main__":

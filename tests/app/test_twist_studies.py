@@ -33,6 +33,16 @@ class Twist(ProgramTest):
             self.assertAlmostEqual(stuck["reaction_torque_lower.bottom"], -6.0, delta=1e-9)
             self.assertAlmostEqual(stuck["max_displacement"], bonded["max_displacement"], delta=1e-2*6e-3)
 
+    def test_slip_without_friction_has_no_direction(self):
+        # Forces of rounding errors gave one, and what it should be was asked of them again.
+        self.solve_and_verify("""&mesh size = 2.0, 1.0  cells = 7, 3  origin = 0.5, 0.0 /
+&material young = 1.9  poisson = 0.45  hypothesis = 'axisymmetric'  twist = .true. /
+&support set = 'right'  utheta = 7.0e-4 /
+&support set = 'right'  spring_n = 0.08  spring_t = 0.04 /
+&load set = 'top'  pressure = 1.0e-3 /
+&contact set = 'bottom'  friction = 0.0 /
+""")
+
     def test_sweep_ends_where_friction_does(self):
         self.run_program("--quiet", self.write("case.nml", CLUTCH + DISC + "&sweep load = 'turn'  factor = 0.2, 2.0"
                                                "  count = 10 /\n&output key_results = 'all'  fields_every = 3 /\n"))
