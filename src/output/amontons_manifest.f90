@@ -23,8 +23,8 @@ module amontons_manifest
    implicit none (type, external)
    private
 
-   public :: case_entries, collection_head, collection_tail, find_earlier_files, fingerprint, manifest_list_t, &
-      manifest_t, read_manifest, read_summary, with_manifest
+   public :: case_entries, collection_head, collection_tail, find_earlier_files, manifest_list_t, manifest_t, &
+      read_manifest, read_summary, with_manifest
 
    !> Text before and after the checksum of the summary.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
@@ -58,6 +58,7 @@ module amontons_manifest
       procedure :: add_inputs => manifest_add_inputs
       procedure :: add_outputs => manifest_add_outputs
       procedure :: add_written => manifest_add_written
+      procedure :: fingerprint => manifest_fingerprint
    end type manifest_t
 
    !> The lines of a collection before its cases.
@@ -135,7 +136,8 @@ contains
 
    !> A text that is equal for two runs of a deck only if the files agree that it names: they may have changed although
    !> the deck has not. What a pipe had is known by the mesh alone.
-   function fingerprint(mesh, contacts, loads) result(text)
+   function manifest_fingerprint(self, mesh, contacts, loads) result(text)
+      class(manifest_t), intent(in) :: self !! files that were read, but for those of the body
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(load_t), intent(in) :: loads(:) !! the loads
@@ -144,13 +146,14 @@ contains
       type(checksum_t) :: checksum
       integer :: i
 
+      manifest = manifest_t(inputs=self%inputs)
       call manifest%add_inputs(mesh, contacts, loads)
       call checksum%add([mesh%coordinates, real(mesh%node, dp)])
       do i = 1, manifest%inputs%n
          call checksum%add(to_text(manifest%inputs%files(i)%checksum)//newline)
       end do
       text = to_text(checksum%value())
-   end function fingerprint
+   end function manifest_fingerprint
 
    !> Adds a file that was read, if there is one. A file that cannot be read again, such as a pipe, is left out.
    subroutine manifest_add_input(self, path)

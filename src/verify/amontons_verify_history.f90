@@ -248,7 +248,6 @@ contains
       integer, intent(in) :: number !! index of the number in `worst_names`
       integer, intent(in) :: n_steps !! number of the last step
       type(largest_t), intent(inout) :: worst !! the number as it was computed again
-      real(dp), parameter :: rounding = 1.0e-8_dp
       type(largest_t) :: stated
 
       associate (name => worst_names(number))
@@ -257,7 +256,7 @@ contains
       end associate
       if (.not. agree(stated%value, worst%value, 1.0_dp)) return
       ! Of numbers that are rounding any may be the largest.
-      if (worst%value <= rounding .and. stated%at > 0 .and. stated%at <= n_steps) worst%at = stated%at
+      if (agree(worst%value, 0.0_dp, 1.0_dp) .and. stated%at > 0 .and. stated%at <= n_steps) worst%at = stated%at
       worst%value = stated%value
    end subroutine adopt_stated_worst
 

@@ -75,7 +75,6 @@ module amontons_history_model
       procedure :: set_locks => history_model_set_locks
       procedure :: at => history_model_at
       procedure :: cycle_at => history_model_cycle_at
-      procedure :: fingerprint => history_model_fingerprint
       procedure :: probed => history_model_probed
    end type history_model_t
 
@@ -396,21 +395,6 @@ contains
          end associate
       end do
    end function history_model_probed
-
-   !> A text that is equal for two models only if the tables of their steps agree, which are read from files.
-   pure function history_model_fingerprint(self) result(text)
-      class(history_model_t), intent(in) :: self !! the model
-      character(:), allocatable :: text
-      type(checksum_t) :: checksum
-      integer :: i
-
-      do i = 1, size(self%history%steps)
-         associate (steps => self%history%steps(i))
-            if (.not. allocated(steps%values)) call checksum%add(reshape(steps%table, [size(steps%table)]))
-         end associate
-      end do
-      text = to_text(checksum%value())
-   end function history_model_fingerprint
 
    !> Makes the state before the first step: without stress and loads; obstacles that the body overlaps just touch it.
    pure subroutine new_step_state(state, model, body)

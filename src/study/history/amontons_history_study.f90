@@ -12,7 +12,6 @@ module amontons_history_study
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
-   use amontons_manifest, only: fingerprint
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: largest_t, quantity_t
    use amontons_report, only: member, study_files_t, write_report
@@ -111,14 +110,18 @@ contains
       call prepare_history(cache, config, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
+      ! The tables of changes are among the files that were read.
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call result%files%manifest%add_input(config%history%steps(i)%file)
+      end do
+      if (config%history%has_start()) call result%files%manifest%add_input(config%history%start)
       ! From the start, or from the last step that an earlier run has saved.
       key = '! Amontons '//version//', a history under way; files '// &
-         fingerprint(cache%body%mesh, config%contacts, config%loads)//' '//model%fingerprint()//newline// &
+         result%files%manifest%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline// &
          effective_deck(config)
       call start_history(result, cache, model, start, error)
       if (allocated(error)) error%message = config%history%start_origin//error%message
       if (allocated(error)) return
-      if (allocated(start)) key = key//comma_separated(start)//newline
       call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
       if (allocated(error)) return
       if (allocated(progress)) then
@@ -130,11 +133,6 @@ contains
       call take_steps(cache, model, files, monitor, result, error)
       if (.not. allocated(error)) call save_progress(files, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
-      ! The tables of changes are among the files that were read.
-      do i = 1, size(config%history%steps)
-         if (allocated(config%history%steps(i)%file)) call result%files%manifest%add_input(config%history%steps(i)%file)
-      end do
-      if (config%history%has_start()) call result%files%manifest%add_input(config%history%start)
       result%checkpoint = files%checkpoint
       if (result%stepping%n_steps == 0 .and. .not. result%is_interrupted) then
          call result%checkpoint%discard()

@@ -11,7 +11,7 @@ module amontons_sweep_ranks
       channel_t, n_ranks, next_order, on_all_ranks, order_end, rank, share_condenser
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_manifest, only: fingerprint
+   use amontons_manifest, only: manifest_t
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t, condense_case
    use amontons_study, only: study_monitor_t
@@ -141,10 +141,11 @@ contains
       type(cache_t), intent(in) :: cache !! its body
       logical, intent(in) :: is_ready !! whether its loads are condensed
       character(:), allocatable :: own, expected
+      type(manifest_t) :: files
       type(channel_t) :: channel
 
       own = ''
-      if (is_ready) own = fingerprint(cache%body%mesh, config%contacts, config%loads)
+      if (is_ready) own = files%fingerprint(cache%body%mesh, config%contacts, config%loads)
       expected = own
       channel = channel_t(all_ranks, rank == 0)
       call channel%pass(expected)

@@ -17,7 +17,7 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, head_text, listed_phases, method_text, &
       model_text, quantities_text, times_text, warnings_text
-   use amontons_manifest, only: case_entries, collection_head, collection_tail, fingerprint, manifest_t
+   use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
    use amontons_output_file, only: hold_signals, output_file_t, release_signals, remove_temporaries, write_text_file
    use amontons_quantity, only: quantity_t, scales
    use amontons_report, only: commit_case, write_documents, add_head, certificate_member, last_members, member, &
@@ -172,6 +172,7 @@ contains
       real(dp), parameter :: batch_seconds = 1.0_dp
       type(chunk_t), allocatable :: chunks(:)
       type(archive_t), allocatable :: progress
+      type(manifest_t) :: files
       character(:), allocatable :: rows
       real(dp) :: start, growth
       integer :: n_cases, n_chunks, i, length
@@ -184,7 +185,7 @@ contains
          call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body, &
             config%sweep)))
          call result%checkpoint%open('! Amontons '//version//', a sweep under way; files '// &
-            fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config), progress, &
+            files%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config), progress, &
             error)
          if (allocated(error)) return
          if (allocated(progress)) call statistics%visit(progress)
