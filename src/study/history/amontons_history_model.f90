@@ -29,7 +29,6 @@ module amontons_history_model
       outcome_solved
    use amontons_rounding, only: exceeds
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
-   use amontons_system, only: checksum_t
    use amontons_text, only: scientific, to_text
    implicit none (type, external)
    private

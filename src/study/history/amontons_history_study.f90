@@ -22,7 +22,7 @@ module amontons_history_study
    use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
-   use amontons_text, only: comma_separated, columns, counted, flush_right, heading, labeled, lower_case, &
+   use amontons_text, only: columns, counted, flush_right, heading, labeled, lower_case, &
       n_characters, newline, scientific, short_text, to_text, unit_of, with_unit
    use amontons_time_stepping, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers, new_time_stepping, &
       time_stepping_t
