@@ -110,6 +110,9 @@ contains
       call prepare_history(cache, config, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
+      call start_history(result, cache, model, start, error)
+      if (allocated(error)) error%message = config%history%start_origin//error%message
+      if (allocated(error)) return
       ! The tables of changes are among the files that were read.
       do i = 1, size(config%history%steps)
          if (allocated(config%history%steps(i)%file)) call result%files%manifest%add_input(config%history%steps(i)%file)
@@ -119,9 +122,6 @@ contains
       key = '! Amontons '//version//', a history under way; files '// &
          result%files%manifest%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline// &
          effective_deck(config)
-      call start_history(result, cache, model, start, error)
-      if (allocated(error)) error%message = config%history%start_origin//error%message
-      if (allocated(error)) return
       call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
       if (allocated(error)) return
       if (allocated(progress)) then

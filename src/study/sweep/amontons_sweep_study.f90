@@ -185,8 +185,8 @@ contains
          call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body, &
             config%sweep)))
          call result%checkpoint%open('! Amontons '//version//', a sweep under way; files '// &
-            files%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config), progress, &
-            error)
+            files%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config), &
+            progress, error)
          if (allocated(error)) return
          if (allocated(progress)) call statistics%visit(progress)
          result%n_resumed = statistics%n_cases
