@@ -528,37 +528,46 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       character(:), allocatable, intent(out) :: names !! the names, each with ', ' before it
       logical, intent(out) :: has_target !! whether that of the change is one of them
-      integer :: i
 
       names = ''
       has_target = .false.
-      select case (change%target)
-      case (stepped_load)
-         do i = 1, size(loads)
-            ! Rigid sets and preloads are among the loads, those without a force, too.
-            if (loads(i)%target == load_on_motion .and. all(abs([loads(i)%force, loads(i)%moment]) <= 0.0_dp)) cycle
-            call take(loads(i)%name)
-         end do
-      case (stepped_support)
-         do i = 1, size(supports)
-            if (any(supports(i)%is_held)) call take(supports(i)%name)
-         end do
-      case default
-         do i = 1, size(contacts)
-            if (change%target == stepped_obstacle .and. contacts(i)%pairing%is_pair()) cycle
-            call take(contacts(i)%name)
-            call take(contacts(i)%set)
-         end do
-      end select
+      call take_all(.false.)
+      if (.not. has_target) call take_all(.true.)
 
    contains
 
+      !> Takes all names.
+      subroutine take_all(is_listing)
+         logical, intent(in) :: is_listing !! whether they are listed, too, which takes long where there are many
+         integer :: i
+
+         select case (change%target)
+         case (stepped_load)
+            do i = 1, size(loads)
+               ! Rigid sets and preloads are among the loads, those without a force, too.
+               if (loads(i)%target == load_on_motion .and. all(abs([loads(i)%force, loads(i)%moment]) <= 0.0_dp)) cycle
+               call take(loads(i)%name, is_listing)
+            end do
+         case (stepped_support)
+            do i = 1, size(supports)
+               if (any(supports(i)%is_held)) call take(supports(i)%name, is_listing)
+            end do
+         case default
+            do i = 1, size(contacts)
+               if (change%target == stepped_obstacle .and. contacts(i)%pairing%is_pair()) cycle
+               call take(contacts(i)%name, is_listing)
+               call take(contacts(i)%set, is_listing)
+            end do
+         end select
+      end subroutine take_all
+
       !> Takes a name, if there is one.
-      subroutine take(name)
+      subroutine take(name, is_listing)
          character(:), allocatable, intent(in) :: name !! the name
+         logical, intent(in) :: is_listing !! whether it is listed
 
          if (.not. is_filled(name)) return
-         if (index(names//', ', ', '//name//', ') == 0) names = names//', '//name
+         if (is_listing .and. index(names//', ', ', '//name//', ') == 0) names = names//', '//name
          has_target = has_target .or. name == change%name
       end subroutine take
 

@@ -12,6 +12,7 @@ module amontons_history_study
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
+   use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: largest_t, quantity_t
    use amontons_report, only: member, study_files_t, write_report
@@ -103,6 +104,7 @@ contains
       type(history_model_t) :: model
       type(history_files_t) :: files
       type(archive_t), allocatable :: progress
+      type(manifest_t) :: inputs
       real(dp), allocatable :: start(:)
       character(:), allocatable :: key
       integer :: i
@@ -115,13 +117,12 @@ contains
       if (allocated(error)) return
       ! The tables of changes are among the files that were read.
       do i = 1, size(config%history%steps)
-         if (allocated(config%history%steps(i)%file)) call result%files%manifest%add_input(config%history%steps(i)%file)
+         if (allocated(config%history%steps(i)%file)) call inputs%add_input(config%history%steps(i)%file)
       end do
-      if (config%history%has_start()) call result%files%manifest%add_input(config%history%start)
+      if (config%history%has_start()) call inputs%add_input(config%history%start)
       ! From the start, or from the last step that an earlier run has saved.
       key = '! Amontons '//version//', a history under way; files '// &
-         result%files%manifest%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline// &
-         effective_deck(config)
+         inputs%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config)
       call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
       if (allocated(error)) return
       if (allocated(progress)) then
@@ -133,6 +134,7 @@ contains
       call take_steps(cache, model, files, monitor, result, error)
       if (.not. allocated(error)) call save_progress(files, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, files, result, error)
+      result%files%manifest%inputs = inputs%inputs
       result%checkpoint = files%checkpoint
       if (result%stepping%n_steps == 0 .and. .not. result%is_interrupted) then
          call result%checkpoint%discard()
