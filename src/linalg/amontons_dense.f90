@@ -11,7 +11,7 @@ module amontons_dense
 
    public :: add_product, allocate_matrix, bounded_remainder, cholesky_factor, cholesky_factor_regularized, &
       cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
-      symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve
+      squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -216,6 +216,14 @@ contains
       call dgemm('T', 'N', size(c, 1), size(c, 2), size(a, 1), 1.0_dp, a, max(1, size(a, 1)), b, max(1, size(b, 1)), &
          0.0_dp, c, max(1, size(c, 1)))
    end subroutine transposed_product
+
+   !> The product C = A^T A, in its lower triangle.
+   pure subroutine squares(a, c)
+      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix A (k, n)
+      real(dp), contiguous, intent(inout) :: c(:, :) !! the product (n, n); the strictly upper part is not changed
+
+      call dsyrk('L', 'T', size(c, 1), size(a, 1), 1.0_dp, a, max(1, size(a, 1)), 0.0_dp, c, max(1, size(c, 1)))
+   end subroutine squares
 
    !> The product y = A x of a symmetric matrix, reading half of it.
    pure subroutine symmetric_multiply(a, x, y)

@@ -27,7 +27,7 @@ module amontons_condensation
       new_stiffness_operator
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, transposed_product, &
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, squares, &
       triangular_solve
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_kinds, only: dp
@@ -553,7 +553,7 @@ contains
          ! G = H^T H with H = L^-1 C^T.
          call triangular_solve(m, half)
       end associate
-      call transposed_product(half, half, condensation%of_rows)
+      call squares(half, condensation%of_rows)
       deallocate (half)
       call cholesky_factor(condensation%of_rows, info)
       if (info /= 0) then
