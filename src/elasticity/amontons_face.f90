@@ -9,7 +9,7 @@ module amontons_face
    implicit none (type, external)
    private
 
-   public :: face_t, set_faces
+   public :: face_t, new_face, set_faces
 
    !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions.
    type :: face_t

@@ -1,5 +1,4 @@
-!> Reference elements: shape functions, sides and quadrature of linear and quadratic triangles and quadrilaterals; and
-!> sides of a mesh, straight or curved, with shape functions and tangents at their quadrature points.
+!> Reference elements: shape functions, sides and quadrature of linear and quadratic triangles and quadrilaterals.
 !>
 !> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the center.
 module amontons_element
@@ -9,8 +8,8 @@ module amontons_element
 
    public :: bubble_function, element_names, has_bubble, is_triangle, jacobian_degree, mapped_square, max_corners, &
       max_nodes, max_points, n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, &
-      n_side_points, new_side_geometry, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, &
-      side_abscissa, side_geometry_t, side_nodes, side_shapes, side_weight, tri3, tri6
+      n_side_points, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, &
+      side_abscissa, side_nodes, side_shapes, side_weight, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -56,14 +55,6 @@ module amontons_element
    real(dp), parameter :: side_abscissa(n_side_points) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
    !> Weights of these points.
    real(dp), parameter :: side_weight(n_side_points) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
-
-   !> A side of a mesh with shape functions and tangents at three Gauss points, exact for products of quadratic
-   !> functions.
-   type :: side_geometry_t
-      real(dp) :: values(3, 3) = 0.0_dp !! shape functions of first corner, second corner, middle (node, point) [-]
-      real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the points [L]
-      real(dp) :: along(2, 3) = 0.0_dp !! tangent times quadrature weight: they sum to the chord (x and y, point) [L]
-   end type side_geometry_t
 
 contains
 
@@ -254,28 +245,6 @@ contains
          ! All zero: an element without an area, which no mesh may have.
       end select
    end subroutine shape_functions
-
-   !> Evaluates shape functions and tangents of a side, or of a part of it.
-   pure subroutine new_side_geometry(geometry, side, coordinates, range)
-      type(side_geometry_t), intent(out) :: geometry !! the side at its quadrature points
-      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: range(2) !! where the part begins and ends; the whole side is -1, 1 [-]
-      real(dp) :: ends(2), slope(3), nodes(2, 3)
-      integer :: point
-
-      nodes = 0.0_dp
-      nodes(:, :2) = coordinates(:, side(:2))
-      if (side(3) > 0) nodes(:, 3) = coordinates(:, side(3))
-      ends = [-1.0_dp, 1.0_dp]
-      if (present(range)) ends = range
-      do point = 1, n_side_points
-         call side_shapes(side(3) > 0, 0.5_dp*(sum(ends) + (ends(2) - ends(1))*side_abscissa(point)), &
-            geometry%values(:, point), slope)
-         geometry%position(:, point) = matmul(nodes, geometry%values(:, point))
-         geometry%along(:, point) = 0.5_dp*(ends(2) - ends(1))*side_weight(point)*matmul(nodes, slope)
-      end do
-   end subroutine new_side_geometry
 
    !> Shape functions of a side and their derivatives: of first corner, second corner, middle.
    pure subroutine side_shapes(has_middle, xi, values, slopes)

@@ -7,9 +7,10 @@ module amontons_contact_cells
    use amontons_boundary, only: boundary_line_t
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: cell_partition_t
-   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, new_face
    use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: cell_pieces, held_slave_text, least_cover, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
    use amontons_surface, only: meshed_body_t, mortar_segment_t, side_order
@@ -64,7 +65,7 @@ contains
       call body%mesh%set_sides(set, sides, error)
       if (allocated(error)) return
       sides = sides(:, side_order(sides, line, body%mesh%n_nodes))
-      call cut_into_cells(cells, sides, body%mesh%coordinates, partition, error)
+      call cut_into_cells(cells, sides, body%mesh, partition, error)
       if (allocated(error)) return
       call integrate(cells, sides, body, direction)
       allocate (cells%is_held(cells%n_cells), cells%is_tangent_fixed(cells%n_cells))
@@ -85,11 +86,11 @@ contains
    end subroutine new_contact_cells
 
    !> Cuts each connected piece of a contact line into cells, by arc length along the line.
-   pure subroutine cut_into_cells(cells, sides, coordinates, partition, error)
+   pure subroutine cut_into_cells(cells, sides, mesh, partition, error)
       type(contact_cells_t), intent(inout) :: cells
          !! gains the number of cells, how they follow each other and their parts of the sides
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
       type(cell_partition_t), intent(in) :: partition !! the partition into cells
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       real(dp), allocatable :: ends(:)
@@ -100,7 +101,7 @@ contains
       type(segment_t) :: segment
       real(dp) :: begin
 
-      lengths = [(length_up_to(sides(:3, i), coordinates, 1.0_dp), i=1, size(sides, 2))]
+      lengths = [(length_up_to(sides(:, i), mesh, 1.0_dp), i=1, size(sides, 2))]
       allocate (cells%segments(0), cells%next(0))
       arc_length = 0.0_dp
       first = 1
@@ -115,7 +116,7 @@ contains
             return
          end if
          if (first > 1) arc_length = arc_length &
-            + norm2(coordinates(:, sides(1, first)) - coordinates(:, sides(2, first - 1)))
+            + norm2(mesh%coordinates(:, sides(1, first)) - mesh%coordinates(:, sides(2, first - 1)))
          call partition%cell_ends(lengths(first:last), ends, error)
          if (allocated(error)) return
          cell = 1
@@ -129,7 +130,7 @@ contains
                segment%range(1) = segment%range(2)
                segment%range(2) = 1.0_dp
                if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(first + k - 1)) segment%range(2) = &
-                  place_at(sides(:3, segment%side), coordinates, ends(cell + 1) - begin)
+                  place_at(sides(:, segment%side), mesh, ends(cell + 1) - begin)
                cells%segments = [cells%segments, segment]
                if (ends(cell + 1) < begin + (1.0_dp + near)*lengths(first + k - 1)) cell = min(cell + 1, size(ends) - 1)
                if (.not. segment%range(2) < 1.0_dp) exit
@@ -146,20 +147,20 @@ contains
    end subroutine cut_into_cells
 
    !> Length of a side from its first corner to a local coordinate on it [L].
-   pure real(dp) function length_up_to(side, coordinates, place) result(length)
-      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+   pure real(dp) function length_up_to(side, mesh, place) result(length)
+      integer, intent(in) :: side(4) !! first corner, second corner, middle node or 0, element
+      type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: place !! the place, from -1 to 1 [-]
-      type(side_geometry_t) :: geometry
+      type(face_t) :: face
 
-      call new_side_geometry(geometry, side, coordinates, [-1.0_dp, place])
-      length = sum(norm2(geometry%along, dim=1))
+      call new_face(face, side, mesh, range=[-1.0_dp, place])
+      length = sum(face%length)
    end function length_up_to
 
    !> The local coordinate on a side at a length from its first corner, by bisection [-].
-   pure real(dp) function place_at(side, coordinates, length) result(place)
-      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+   pure real(dp) function place_at(side, mesh, length) result(place)
+      integer, intent(in) :: side(4) !! first corner, second corner, middle node or 0, element
+      type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: length !! the length [L]
       integer, parameter :: n_halvings = 54
       real(dp) :: step
@@ -169,7 +170,7 @@ contains
       step = 2.0_dp
       do i = 1, n_halvings
          step = 0.5_dp*step
-         if (length_up_to(side, coordinates, place + step) <= length) place = place + step
+         if (length_up_to(side, mesh, place + step) <= length) place = place + step
       end do
    end function place_at
 
@@ -181,8 +182,8 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(segment_t) :: segment
       integer :: n_segments(cells%n_cells), side(4), i, cell, k, point, before, place
-      type(side_geometry_t) :: geometry
-      real(dp) :: normal(2), outward(2), area
+      type(face_t) :: face
+      real(dp) :: normal(2), outward(2)
 
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
@@ -192,14 +193,13 @@ contains
       do i = 1, size(cells%segments)
          segment = cells%segments(i)
          side = sides(:, segment%side)
-         call new_side_geometry(geometry, side(:3), body%mesh%coordinates, segment%range)
+         call new_face(face, side, body%mesh, body%materials, segment%range)
          before = n_segment_nodes*(i - 1)
          ! A straight side has no middle node; its part there is 0.
          cells%rows%node(before + 1:before + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
          do point = 1, n_segment_points
-            associate (along => geometry%along(:, point), position => geometry%position(:, point), own => segment%cell)
-               area = norm2(along)*body%materials%list(body%materials%of_element(side(4)))%depth(position(1))
-               outward = [along(2), -along(1)]/norm2(along)
+            associate (area => face%area(point), position => face%position(:, point), own => segment%cell)
+               outward = face%outward(:, point)/face%length(point)
                normal = outward
                if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
                place = n_segment_points*(i - 1) + point
@@ -209,14 +209,14 @@ contains
                cells%quadrature%share(place) = area
                cells%quadrature%arc_length(place) = segment%arc_length &
                   + norm2(position - body%mesh%coordinates(:, side(1)))
-               cells%length(own) = cells%length(own) + norm2(along)
+               cells%length(own) = cells%length(own) + face%length(point)
                cells%area(own) = cells%area(own) + area
                cells%center(:, own) = cells%center(:, own) + area*position
                cells%normal(:, own) = cells%normal(:, own) + area*normal
                do k = 1, n_segment_nodes
                   cells%rows%part(:, before + k) = cells%rows%part(:, before + k) &
-                     + geometry%values(k, point)*area*normal
-                  cells%rows%around(before + k) = cells%rows%around(before + k) + geometry%values(k, point)*area
+                     + face%values(k, point)*area*normal
+                  cells%rows%around(before + k) = cells%rows%around(before + k) + face%values(k, point)*area
                end do
             end associate
          end do

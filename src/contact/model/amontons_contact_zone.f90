@@ -13,8 +13,8 @@ module amontons_contact_zone
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
    use amontons_contact_set, only: contact_t
-   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_line, &
       mortar_pair_t, mortar_points_t, n_quadrature_points, new_mortar_pair
@@ -671,40 +671,36 @@ contains
       integer, intent(out) :: n !! number of free displacements on the line
       character(*), intent(in) :: set !! name of the boundary set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(side_geometry_t) :: geometry
+      type(face_t), allocatable :: faces(:)
       type(error_t), allocatable :: error
-      integer, allocatable :: sides(:, :)
-      real(dp) :: area, mass(3, 3), block(2, 2)
+      real(dp) :: mass, block(2, 2)
       logical :: is_free(2, body%mesh%n_nodes)
-      integer :: i, j, side, point, c, b
+      integer :: i, j, k, point, c, b
 
-      call body%mesh%set_sides(set, sides, error)
+      call set_faces(faces, body%mesh, set, error, body%materials)
       is_free = .false.
-      is_free(:, pack(sides(:3, :), sides(:3, :) > 0)) = .true.
+      do k = 1, size(faces)
+         is_free(:, faces(k)%node(:faces(k)%n_nodes)) = .true.
+      end do
       is_free = is_free .and. body%constraints%is_free(:2, :)
       n = count(is_free)
       place = unpack([(i, i=1, n)], is_free, 0)
-      do side = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, side), body%mesh%coordinates)
-         mass = 0.0_dp
-         do point = 1, size(geometry%along, 2)
-            area = norm2(geometry%along(:, point)) &
-               *body%materials%list(body%materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
-            do j = 1, 3
-               mass(:, j) = mass(:, j) + area*geometry%values(:, point)*geometry%values(j, point)
-            end do
-         end do
-         do j = 1, count(sides(:3, side) > 0)
-            do i = 1, count(sides(:3, side) > 0)
-               associate (of_row => body%constraints%frame(sides(i, side)), &
-                  of_column => body%constraints%frame(sides(j, side)))
-                  block = mass(i, j)*matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
-               end associate
-               do b = 1, 2
-                  do c = 1, 2
-                     call entries%add(place(c, sides(i, side)), place(b, sides(j, side)), block(c, b))
+      do k = 1, size(faces)
+         do j = 1, faces(k)%n_nodes
+            do i = 1, faces(k)%n_nodes
+               associate (face => faces(k), of_row => body%constraints%frame(faces(k)%node(i)), &
+                  of_column => body%constraints%frame(faces(k)%node(j)))
+                  mass = 0.0_dp
+                  do point = 1, size(face%area)
+                     mass = mass + face%area(point)*face%values(i, point)*face%values(j, point)
                   end do
-               end do
+                  block = mass*matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
+                  do b = 1, 2
+                     do c = 1, 2
+                        call entries%add(place(c, face%node(i)), place(b, face%node(j)), block(c, b))
+                     end do
+                  end do
+               end associate
             end do
          end do
       end do
