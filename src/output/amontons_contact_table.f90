@@ -59,42 +59,39 @@ contains
    pure subroutine new_master_line(line, zone)
       type(master_line_t), intent(out) :: line !! the lines
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer :: set, side
+      integer, allocatable :: place(:), ends(:)
+      integer :: set, side, i, n, n_segments
 
-      allocate (line%node(0), line%set(0), line%segment(2, 0), line%normal(2, 0))
+      n = sum(zone%pairs%master%n_sides)
+      allocate (line%node(3*n), line%set(3*n), line%segment(2, 2*n), line%normal(2, 3*n))
+      n_segments = 0
       do set = 1, size(zone%pairs)
          associate (master => zone%pairs(set)%master)
+            if (master%n_sides > 0) place = spread(0, 1, maxval(master%side(:3, :)))
             do side = 1, master%n_sides
-               if (master%side(3, side) > 0) then
-                  call add_segment(line, set, master%side([1, 3], side), master%normal(:, [1, 3], side))
-                  call add_segment(line, set, master%side([3, 2], side), master%normal(:, [3, 2], side))
-               else
-                  call add_segment(line, set, master%side(:2, side), master%normal(:, :2, side))
-               end if
+               ends = pack([1, 3, 2], master%side([1, 3, 2], side) > 0)
+               do i = 1, size(ends)
+                  associate (node => master%side(ends(i), side))
+                     if (place(node) == 0) then
+                        line%n_nodes = line%n_nodes + 1
+                        place(node) = line%n_nodes
+                        line%node(line%n_nodes) = node
+                        line%set(line%n_nodes) = set
+                        line%normal(:, line%n_nodes) = master%normal(:, ends(i), side)
+                     end if
+                  end associate
+                  if (i == 1) cycle
+                  n_segments = n_segments + 1
+                  line%segment(:, n_segments) = place(master%side(ends(i - 1:i), side))
+               end do
             end do
          end associate
       end do
-      line%n_nodes = size(line%node)
+      line%node = line%node(:line%n_nodes)
+      line%set = line%set(:line%n_nodes)
+      line%normal = line%normal(:, :line%n_nodes)
+      line%segment = line%segment(:, :n_segments)
    end subroutine new_master_line
-
-   !> Adds a segment and those of its ends that are new.
-   pure subroutine add_segment(line, set, ends, normals)
-      type(master_line_t), intent(inout) :: line !! the lines
-      integer, intent(in) :: set !! number of the contact set
-      integer, intent(in) :: ends(2) !! the nodes at its ends
-      real(dp), intent(in) :: normals(2, 2) !! their normals [-]
-      integer :: place(2), i
-
-      do i = 1, 2
-         place(i) = findloc(line%node == ends(i) .and. line%set == set, .true., dim=1)
-         if (place(i) > 0) cycle
-         line%node = [line%node, ends(i)]
-         line%set = [line%set, set]
-         place(i) = size(line%node)
-         line%normal = reshape([line%normal, normals(:, i)], [2, place(i)])
-      end do
-      line%segment = reshape([line%segment, place], [2, size(line%segment, 2) + 1])
-   end subroutine add_segment
 
    !> The forces of the contact points on the nodes of the masters (components, n_nodes) [F].
    pure function master_line_forces(self, zone, force, n_nodes) result(forces)
@@ -124,16 +121,23 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: of_master !! whether the nodes of the masters are wanted
       type(contact_rows_t) :: rows
-      logical :: is_wanted(size(zone%rows%node))
-      integer :: p, i
+      logical :: is_wanted(size(zone%rows%node)), is_master(0:maxval([0, zone%rows%node]))
+      integer :: p, i, set
 
       allocate (rows%start(zone%n_points + 1), source=1)
+      set = 0
       do p = 1, zone%n_points
-         associate (master => zone%pairs(zone%set(p))%master)
-            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-               is_wanted(i) = .not. of_master
-               if (master%n_sides > 0) is_wanted(i) = any(master%side(:3, :) == zone%rows%node(i)) .eqv. of_master
-            end do
+         associate (master => zone%pairs(zone%set(p))%master, &
+            nodes => zone%rows%node(zone%rows%start(p):zone%rows%start(p + 1) - 1))
+            if (zone%set(p) /= set) then
+               set = zone%set(p)
+               is_master = .false.
+               do i = 1, master%n_sides
+                  ! Nodes that no row has are counted as node 0.
+                  is_master(merge(master%side(:3, i), 0, master%side(:3, i) <= ubound(is_master, 1))) = .true.
+               end do
+            end if
+            is_wanted(zone%rows%start(p):zone%rows%start(p + 1) - 1) = is_master(nodes) .eqv. of_master
             rows%start(p + 1) = rows%start(p) + count(is_wanted(zone%rows%start(p):zone%rows%start(p + 1) - 1))
          end associate
       end do

@@ -454,7 +454,7 @@ contains
       call contact_columns(columns, body, result)
       call new_master_line(line, body%zone)
       associate (zone => body%zone)
-         call vtk%begin_grid(n_line_points(zone), count(zone%next > 0) + count(.not. have_neighbor(zone)) &
+         call vtk%begin_grid(zone%n_points + line%n_nodes, count(zone%next > 0) + count(.not. have_neighbor(zone)) &
             + size(line%segment, 2))
       end associate
       ! Displacements and normals; where there are pairs, how far they move apart, and the forces, too.
@@ -503,15 +503,6 @@ contains
       joined(:, :size(at_points, 2)) = at_points
       joined(:, size(at_points, 2) + 1:) = at_masters
    end function joined
-
-   !> Number of the points of the contact line's grid: contact points and nodes of masters.
-   pure integer function n_line_points(zone) result(n)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(master_line_t) :: line
-
-      call new_master_line(line, zone)
-      n = zone%n_points + line%n_nodes
-   end function n_line_points
 
    !> Whether each point is the end of a segment.
    pure function have_neighbor(zone)
