@@ -23,7 +23,7 @@ module amontons_manifest
    implicit none (type, external)
    private
 
-   public :: case_entries, collection_head, collection_tail, find_earlier_files, manifest_list_t, manifest_t, &
+   public :: case_entries, collection_head, collection_tail, find_earlier_files, manifest_t, &
       read_manifest, read_summary, with_manifest
 
    !> Text before and after the checksum of the summary.
