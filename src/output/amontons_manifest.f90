@@ -29,6 +29,9 @@ module amontons_manifest
    !> Text before and after the checksum of the summary.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
 
+   !> Text before the number of files that were read and are in no list.
+   character(*), parameter :: unlisted = '  "unlisted_inputs": '
+
    !> Name, size and checksum of a file.
    type :: manifest_file_t
       character(:), allocatable :: name !! its name: seen from the output directory if written, as it was read otherwise
@@ -52,6 +55,7 @@ module amontons_manifest
    type :: manifest_t
       type(manifest_list_t) :: outputs !! those written
       type(manifest_list_t) :: inputs !! those read: mesh, tables, reduced problem
+      integer :: n_unlisted = 0 !! number of files read that cannot be read again, such as pipes
    contains
       procedure :: add_case => manifest_add_case
       procedure :: add_input => manifest_add_input
@@ -155,13 +159,14 @@ contains
       text = to_text(checksum%value())
    end function manifest_fingerprint
 
-   !> Adds a file that was read, if there is one. A file that cannot be read again, such as a pipe, is left out.
+   !> Adds a file that was read, if there is one. A file that cannot be read again, such as a pipe, is only counted.
    subroutine manifest_add_input(self, path)
       class(manifest_t), intent(inout) :: self !! the manifest
       character(*), intent(in) :: path !! its name; empty for none
       type(error_t), allocatable :: unreadable
 
       if (len(path) > 0) call self%inputs%append(path, path, unreadable)
+      if (allocated(unreadable)) self%n_unlisted = self%n_unlisted + 1
    end subroutine manifest_add_input
 
    !> Appends a file with its present size and checksum.
@@ -235,6 +240,7 @@ contains
       complete = text(:index(text, newline//'}', back=.true.) - 1)//','//newline// &
          '  "files": ['//list_text(manifest%outputs)//'],'//newline// &
          '  "inputs": ['//list_text(manifest%inputs)//'],'//newline
+      if (manifest%n_unlisted > 0) complete = complete//unlisted//to_text(manifest%n_unlisted)//','//newline
       complete = complete//before_checksum//to_text(text_checksum(complete))//behind_checksum
    end function with_manifest
 
@@ -305,6 +311,7 @@ contains
          fault = ''
          call read_list(manifest%outputs, text, '  "files": [')
          call read_list(manifest%inputs, text, '  "inputs": [')
+         if (index(text, newline//unlisted) > 0) manifest%n_unlisted = 1
       end if
    end subroutine read_manifest
 

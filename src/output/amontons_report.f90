@@ -223,7 +223,7 @@ contains
    !=summary `files` | | `name`, `bytes` and `checksum` of every other file that the case left, grids of a sweep
    !=   included: its [manifest](#verification)
    !=summary `inputs` | | the same of the files that it was read from: mesh, tables, reduced problem. A pipe, or a file
-   !=   that was gone when the results were written, is not in the list
+   !=   that was gone when the results were written, is not in the list but counted in `unlisted_inputs`
    !=summary `checksum` | | checksum of the summary itself, up to the line of this member
    !> Makes the summary.
    subroutine new_summary(summary, label, body, result)

@@ -10,7 +10,7 @@ module amontons_batch_table
    use amontons_error, only: error_t, fault_list_t, warning_list_t
    use amontons_input_file, only: read_text_file
    use amontons_kinds, only: dp
-   use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
+   use amontons_manifest, only: manifest_t, read_summary
    use amontons_output_file, only: file_lock_t, lock_directory, output_file_t, write_text_file
    use amontons_quantity, only: quantity_t, value_of
    use amontons_report, only: member_value
@@ -217,7 +217,7 @@ contains
       if (deck /= config%deck_text()) return
       call manifest%outputs%check(faults, directory//'/')
       call manifest%inputs%check(faults, '')
-      is_unchanged = faults%n == 0 .and. lists_inputs(config, manifest%inputs)
+      is_unchanged = faults%n == 0 .and. manifest%n_unlisted == 0
       if (is_unchanged) numbers = summary_numbers(summary)
    end subroutine find_unchanged
 
@@ -249,48 +249,5 @@ contains
          if (ok) numbers = [numbers, quantity_t(number_keys(i), '', number)]
       end do
    end function summary_numbers
-
-   !> Whether every file that a deck names is listed. A pipe is never listed.
-   logical function lists_inputs(config, inputs)
-      type(config_t), intent(in) :: config !! the deck
-      type(manifest_list_t), intent(in) :: inputs !! the files that were read
-      integer :: i
-
-      lists_inputs = .true.
-      if (config%reduced%is_given) then
-         call check(lists_inputs, inputs, config%reduced%path)
-         return
-      end if
-      do i = 1, size(config%meshes)
-         call check(lists_inputs, inputs, config%meshes(i)%file)
-      end do
-      do i = 1, size(config%contacts)
-         associate (contact => config%contacts(i))
-            call check(lists_inputs, inputs, contact%friction%file)
-            call check(lists_inputs, inputs, contact%slip_bound%file)
-            call check(lists_inputs, inputs, contact%extra_gap%file)
-            call check(lists_inputs, inputs, contact%obstacle%file)
-         end associate
-      end do
-      do i = 1, size(config%loads)
-         call check(lists_inputs, inputs, config%loads(i)%temperature_file)
-      end do
-      call check(lists_inputs, inputs, config%history%start)
-      if (.not. allocated(config%history%steps)) return
-      do i = 1, size(config%history%steps)
-         call check(lists_inputs, inputs, config%history%steps(i)%file)
-      end do
-   end function lists_inputs
-
-   !> Checks that a file, if one is named, is among those that are listed.
-   pure subroutine check(lists_inputs, inputs, path)
-      logical, intent(inout) :: lists_inputs !! becomes false if the file is not listed
-      type(manifest_list_t), intent(in) :: inputs !! the files that were read
-      character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
-      integer :: i
-
-      if (.not. allocated(path)) return
-      if (len(path) > 0) lists_inputs = lists_inputs .and. any([(inputs%files(i)%name == path, i=1, inputs%n)])
-   end subroutine check
 
 end module amontons_batch_table

@@ -207,6 +207,14 @@ class Unchanged(Runs):
             mesh.write("\n")
         self.assert_solved_again("mesh")
 
+    def test_table_from_a_pipe_is_never_unchanged(self):
+        # What it brought cannot be compared.
+        self.write("case.nml", SOUND.replace("friction = 0.3", "friction_table = '/dev/stdin'"))
+        for _ in range(2):
+            run = self.run_command(["sh", "-c", "printf '0.0 0.3\n4.0 0.2\n' | "
+                                    f"{PROGRAM} --output results --skip-unchanged case.nml"])
+            self.assertTrue(run.stdout.startswith("case: solved, "), run.stdout)
+
     def test_sweeps_and_reduced_problems(self):
         self.write("case.nml", SOUND + "&sweep friction = 0.2, 0.3 /\n")
         self.assertTrue(self.skip().stdout.startswith("case: 2 cases, all solved"))

@@ -113,7 +113,6 @@ module amontons_time_stepping
       procedure :: numbers => time_stepping_numbers
       procedure :: point_record => time_stepping_point_record
       procedure :: restore => time_stepping_restore
-      procedure :: shorten_to => time_stepping_shorten_to
       procedure, private :: can_halve => time_stepping_can_halve
       procedure, private :: next_time => time_stepping_next_time
    end type time_stepping_t
@@ -462,7 +461,8 @@ contains
             answer_time = time
          end if
          if (has_balance(next, model%history) .or. .not. self%can_halve(model%history)) exit
-         call halve_step(self)
+         self%n_rejected = self%n_rejected + 1
+         self%length = self%length/2
       end do
       if (allocated(answer) .and. next%outcome == outcome_not_converged .and. .not. allocated(error)) then
          ! No equilibrium of a longer step is more informative than no convergence of a shorter one.
@@ -507,29 +507,6 @@ contains
       stepping%fault = 'step '//to_text(stepping%n_steps + 1)//' (to '//to_text(time)//'): '//reason// &
          '; the history ends at step '//to_text(stepping%n_steps)
    end subroutine end_stepping
-
-   !> Rejects the next step in favor of one of half its length.
-   pure subroutine halve_step(stepping)
-      type(time_stepping_t), intent(inout) :: stepping !! the time stepping
-
-      stepping%n_rejected = stepping%n_rejected + 1
-      stepping%length = stepping%length/2
-   end subroutine halve_step
-
-   !> Halves the next step until it ends at a given time, as `advance` did in an earlier run.
-   pure subroutine time_stepping_shorten_to(self, history, time, leads_there)
-      class(time_stepping_t), intent(inout) :: self !! the time stepping; its next step becomes shorter
-      type(history_t), intent(in) :: history !! the history
-      real(dp), intent(in) :: time !! the time [-]
-      logical, intent(out) :: leads_there !! whether a step of this history leads to the time
-      real(dp) :: rounding
-
-      rounding = 1.0e-12_dp*maxval(abs(history%times))
-      do while (self%next_time(history) > time + rounding .and. self%can_halve(history))
-         call halve_step(self)
-      end do
-      leads_there = abs(self%next_time(history) - time) <= rounding
-   end subroutine time_stepping_shorten_to
 
    !> Accepts a step. The next one is twice as long if it then begins at a multiple of its own length.
    pure subroutine time_stepping_accept(self, model, state)
