@@ -4,8 +4,9 @@
 !> force; the law of the material gives the stress along the surface and the one out of the plane. Everything is linear
 !> in the factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
 module amontons_surface_stress
-   use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
+   ! gfortran 12 crashes where this line comes first.
+   use amontons_body, only: body_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
    use amontons_error, only: error_t, input_refused, new_error
