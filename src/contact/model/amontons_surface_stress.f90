@@ -4,9 +4,8 @@
 !> force; the law of the material gives the stress along the surface and the one out of the plane. Everything is linear
 !> in the factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
 module amontons_surface_stress
-   ! allow(S271): gfortran 12 crashes where amontons_body comes first
-   use amontons_contact_set, only: contact_t
    use amontons_body, only: body_t
+   use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
    use amontons_error, only: error_t, input_refused, new_error
@@ -61,7 +60,7 @@ contains
       end if
       associate (zone => body%zone, m => body%zone%n_points)
          allocate (surface%part(2*m, size(parts)), surface%share(2, 2*m), surface%outward(2, m), &
-            surface%compliance(4, 4, m), surface%column(0), surface%row(0))
+            surface%compliance(4, 4, m), surface%column(1), surface%row(1))
          allocate (surface%start(2*m + 1), source=1)
          surface%area = zone%area
          set = 0
@@ -156,8 +155,7 @@ contains
       real(dp), allocatable :: field(:, :, :)
       real(dp) :: thermal(2, size(parts)), share(2, 2), outward(2), tangent(2), row(2*body%zone%n_points)
       real(dp) :: weight, values(3), slopes(3), along(2), position(2), compliance(4, 4), law(2, 2), form(4), expansion
-      integer, allocatable :: used(:)
-      integer :: i, j, k, first
+      integer :: i, j, k
 
       allocate (field(2, body%mesh%n_nodes, 2), source=0.0_dp)
       thermal = 0.0_dp
@@ -213,16 +211,18 @@ contains
       do k = 1, 2
          associate (sum_number => 2*(p - 1) + k)
             row = condensed_force(body, field(:, :, k))
-            used = pack([(j, j=1, size(row))], abs(row) > 0.0_dp)
-            first = surface%start(sum_number)
-            ! Room for many rows at once: one by one all rows before would be copied each time.
-            if (first + size(used) > size(surface%row)) then
-               surface%column = [surface%column, spread(0, 1, first + size(used))]
-               surface%row = [surface%row, spread(0.0_dp, 1, first + size(used))]
-            end if
-            surface%start(sum_number + 1) = first + size(used)
-            surface%column(first:first + size(used) - 1) = used
-            surface%row(first:first + size(used) - 1) = row(used)
+            surface%start(sum_number + 1) = surface%start(sum_number)
+            do j = 1, size(row)
+               if (.not. abs(row(j)) > 0.0_dp) cycle
+               ! A full list doubles its length; the second half is overwritten later.
+               if (surface%start(sum_number + 1) > size(surface%row)) then
+                  surface%column = [surface%column, surface%column]
+                  surface%row = [surface%row, surface%row]
+               end if
+               surface%column(surface%start(sum_number + 1)) = j
+               surface%row(surface%start(sum_number + 1)) = row(j)
+               surface%start(sum_number + 1) = surface%start(sum_number + 1) + 1
+            end do
             surface%share(:, sum_number) = share(k, :)
             surface%part(sum_number, :) = [(sum(field(:, :, k)*fields(:, :, j)), j=1, size(parts))] - thermal(k, :)
          end associate
