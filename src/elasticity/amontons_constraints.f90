@@ -85,6 +85,7 @@ module amontons_constraints
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
       integer, allocatable :: rigid_of(:) !! the set that each node belongs to, 0 for none (n_nodes)
+      real(dp), allocatable :: place(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :)
@@ -94,6 +95,7 @@ module amontons_constraints
       procedure :: frame => constraints_frame
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
+      procedure :: guides => constraints_guides
       procedure :: leaves_free => constraints_leaves_free
       procedure :: supported_part => constraints_supported_part
       procedure :: rigid_moves => constraints_rigid_moves
@@ -304,6 +306,7 @@ contains
       allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
       allocate (constraints%skew(n_components, mesh%n_nodes), source=0.0_dp)
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
+      constraints%place = mesh%coordinates
       allocate (constraints%rigid(0))
    end subroutine begin_constraints
 
@@ -363,7 +366,7 @@ contains
          block = rigid%displacement(mesh%coordinates(:, node))
          moved = matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
             + matmul(block(:, :, 2), prescribed(:, rigid%lead(3)))
-         if (constraints%rigid_moves(node, mesh%coordinates(:, node), direction)) then
+         if (constraints%rigid_moves(node, direction)) then
             call new_error(error, input_refused, 'the support holds the node at '// &
                place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
          else if (abs(dot_product(direction, moved) - displacement) > negligible*(abs(displacement) &
@@ -374,18 +377,17 @@ contains
       end associate
    end subroutine check_on_rigid
 
-   !> Whether a node belongs to a rigid set that may move along a direction at a given position.
-   pure logical function constraints_rigid_moves(self, node, place, direction) result(moves)
+   !> Whether a node belongs to a rigid set that may move it along a direction.
+   pure logical function constraints_rigid_moves(self, node, direction) result(moves)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: place(2) !! where it is [L]
       real(dp), intent(in) :: direction(:) !! unit vector, in the plane or with that around the axis [-]
       real(dp), allocatable :: block(:, :, :)
 
       moves = self%rigid_of(node) > 0
       if (.not. moves) return
       associate (rigid => self%rigid(self%rigid_of(node)))
-         block = rigid%displacement(place)
+         block = rigid%displacement(self%place(:, node))
          block = block(:size(direction), :, :)
          moves = any(abs([matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]) > negligible &
             .and. [self%is_free(:, rigid%lead(1)), self%is_free(:, rigid%lead(3))])
@@ -518,7 +520,18 @@ contains
       end do
    end function constraints_supported_part
 
-   !> Whether a node is free in some direction that is not perpendicular to a given one; no node of a rigid set is.
+   !> Whether supports leave a node, or its rigid set, one direction at the most, so that they bear the shear on a
+   !> surface with a given normal.
+   pure logical function constraints_guides(self, node, normal) result(guides)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: normal(2) !! unit normal of the surface [-]
+
+      guides = .not. (all(self%is_free(:2, node)) .or. self%rigid_moves(node, [-normal(2), normal(1)]))
+   end function constraints_guides
+
+   !> Whether the supports leave a node free in some direction that is not perpendicular to a given one, alone or with
+   !> its rigid set.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
@@ -530,7 +543,7 @@ contains
             is_free = any(self%is_free(:2, node) .and. abs(matmul(direction, frame(:2, :2))) > negligible)
          end associate
       end if
-      is_free = is_free .and. self%rigid_of(node) == 0
+      if (self%rigid_of(node) > 0) is_free = self%rigid_moves(node, direction)
    end function constraints_leaves_free
 
    !> The projector on the directions in which supports leave a node free (components, components) [-].

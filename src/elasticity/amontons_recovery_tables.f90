@@ -187,7 +187,8 @@ contains
       logical :: held(2)
 
       associate (normal => side%normal(:, 2), node => side%corner(corner))
-         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, [-normal(2), normal(1)])]
+         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, [-normal(2), normal(1)])] &
+            .or. constraints%rigid_of(node) > 0
       end associate
    end function held
 

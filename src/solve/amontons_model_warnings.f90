@@ -80,7 +80,6 @@ contains
          if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
             pack(load_case%gap, body%zone%set == i), pack(load_case%extra_gap, body%zone%set == i))
       end do
-      call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
       do i = 1, size(body%ties)
          call add_pair_warnings(warnings, body%ties(i))
       end do
@@ -297,7 +296,9 @@ contains
       if (size(pair%open_node) > 0) call warnings%add(name//'left open: '// &
          counted(size(pair%open_node), 'node')//' of the slave, without a master within '// &
          warnings%number(pair%search, 'L'))
-      call add_idle_sides(warnings, name, pair%idle_side)
+      if (size(pair%idle_side, 2) > 0) call warnings%add(name//'nothing acts on '// &
+         counted(size(pair%idle_side, 2), 'side')//', the first at '//warnings%place(pair%idle_side(:, 1))// &
+         ': both ends belong to ties or to contact sets named before; refine the mesh there, or name this set first')
       lengths = facing_lengths(pair)
       if (exceeds(lengths(1), coarse*lengths(2))) call warnings%add(name// &
          'the slave is coarser than the master (sides '// &
@@ -308,17 +309,6 @@ contains
          short_text(depths(1))//', '//warnings%number(depths(2), 'L')//'): forces are matched, stresses '// &
          'are those of the slave')
    end subroutine add_pair_warnings
-
-   !> Warns of sides without contact points, because earlier sets have both ends.
-   pure subroutine add_idle_sides(warnings, name, places)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      character(*), intent(in) :: name !! beginning of the warning
-      real(dp), intent(in) :: places(:, :) !! middles of the sides (2, sides) [L]
-
-      if (size(places, 2) > 0) call warnings%add(name//'nothing acts on '//counted(size(places, 2), 'side')// &
-         ', the first at '//warnings%place(places(:, 1))//': both ends belong to ties or to contact sets named '// &
-         'before; refine the mesh there, or name this set first')
-   end subroutine add_idle_sides
 
    !> Adds the warnings on the gaps that the meshes of a pair in contact have.
    pure subroutine add_gap_warnings(warnings, pair, gap, extra_gap)

@@ -79,7 +79,7 @@ contains
             normal = normal/norm2(normal)
             associate (node => cells%rows%node(cells%rows%start(cell):cells%rows%start(cell + 1) - 1))
                cells%is_held(cell) = .not. any([(body%constraints%leaves_free(node(k), normal), k=1, size(node))])
-               cells%is_tangent_fixed(cell) = .not. any(all(body%constraints%is_free(:2, node), dim=1))
+               cells%is_tangent_fixed(cell) = all([(body%constraints%guides(node(k), normal), k=1, size(node))])
             end associate
          end associate
       end do

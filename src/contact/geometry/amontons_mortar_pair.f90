@@ -571,7 +571,7 @@ contains
                pair%held_node = [pair%held_node, node]
             else
                pair%node = [pair%node, node]
-               pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. all(constraints%is_free(:2, node))]
+               pair%is_tangent_fixed = [pair%is_tangent_fixed, constraints%guides(node, normal(:, node))]
             end if
          end associate
       end do

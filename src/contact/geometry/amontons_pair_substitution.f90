@@ -147,6 +147,7 @@ contains
       if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
       do i = 1, size(pair%node)
+         if (constraints%rigid_of(pair%node(i)) > 0) cycle
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
          sums(pair%node(i))%line = pair%line%node(1)
       end do

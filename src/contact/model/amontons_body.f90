@@ -159,7 +159,7 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       call new_constraints(body%constraints, prescribed, mesh, supports, error, body%materials)
-      if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, contacts, error, all_ties)
+      if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, error, all_ties)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
@@ -293,58 +293,26 @@ contains
       list(i)%member = [list(i)%member, number]
    end subroutine add_name
 
-   !> Refuses rigid sets that share nodes with the slave of a tie, which could follow only one of them, or with a
-   !> contact set along whose normal they may move, since no contact forces act on them. A cell has further nodes, and a
-   !> corner may be represented by the next node; both are allowed.
-   subroutine check_rigid_sets(body, contacts, error, ties)
+   !> Refuses rigid sets that share nodes with the slave of a tie, which could follow only one of them.
+   subroutine check_rigid_sets(body, error, ties)
       type(meshed_body_t), intent(in) :: body !! mesh and supports
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(error_t), allocatable, intent(out) :: error !! there is such a node
       type(tie_t), intent(in) :: ties(:) !! the bonded sets
       type(error_t), allocatable :: fault
-      type(boundary_line_t) :: line
-      logical, allocatable :: is_lost(:)
       integer, allocatable :: nodes(:)
       integer :: i, k
 
-      if (size(body%constraints%rigid) == 0) return
-      do i = 1, size(contacts)
-         call new_boundary_line(line, body%mesh, contacts(i)%set, fault)
-         ! A missing set is reported later.
-         if (allocated(fault)) return
-         is_lost = [.false., (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), &
-            merge(contacts(i)%direction, line%normal(:, k), any(abs(contacts(i)%direction) > 0.0_dp))), &
-            k=1, line%n_nodes)]
-         associate (has_means => contacts(i)%partition%is_constant .or. .not. contacts(i)%pairing%is_pair())
-            if (has_means) is_lost(2:) = is_lost(2:) .and. is_lost(line%next + 1)
-            k = findloc(is_lost(2:), .true., dim=1)
-            if (k > 0) call refuse(contacts(i)%set, contacts(i)%origin, line%node(k), 'that moves along the '// &
-               'normal: no contact force could act there; '//trim(merge('end the rigid set there      ', &
-               "give multipliers = 'constant'", has_means)))
-         end associate
-         if (allocated(error)) return
-      end do
       do i = 1, size(ties)
          call body%mesh%set_nodes(ties(i)%set, nodes, fault)
+         ! A missing set is reported later.
          if (allocated(fault)) return
          k = findloc(body%constraints%rigid_of(nodes) > 0, .true., dim=1)
-         if (k > 0) call refuse(ties(i)%set, ties(i)%origin, nodes(k), 'that moves it already; exchange set and to')
-         if (allocated(error)) return
+         if (k == 0) cycle
+         call new_error(error, input_refused, ties(i)%origin//"set '"//ties(i)%set//"' shares the node at "// &
+            place_text(body%mesh%coordinates(:, nodes(k)))//' with a rigid set that moves it already; exchange set '// &
+            'and to')
+         return
       end do
-
-   contains
-
-      !> Makes the error that a set shares a node with a rigid one.
-      subroutine refuse(set, origin, node, why)
-         character(*), intent(in) :: set !! name of the set
-         character(*), intent(in) :: origin !! position in the deck, as messages begin
-         integer, intent(in) :: node !! the node
-         character(*), intent(in) :: why !! end of the message
-
-         call new_error(error, input_refused, origin//"set '"//set//"' shares the node at "// &
-            place_text(body%mesh%coordinates(:, node))//' with a rigid set '//why)
-      end subroutine refuse
-
    end subroutine check_rigid_sets
 
    !> Makes the jumps of preloads free or prescribed, as in the supports of the preloads, and turns an axis of the

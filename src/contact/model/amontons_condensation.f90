@@ -198,7 +198,7 @@ contains
          allocate (condensation%unknown(n, zone%n_points), source=0)
          allocate (condensation%map(n, n, zone%n_points), source=0.0_dp)
       end associate
-      if (.not. zone%is_nodal) then
+      if (.not. all(zone%is_own)) then
          ! The rows of C on the contact unknowns. A slip that a support prevents has no row.
          is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
          n_own = size(dof_map%dof, 1)
@@ -460,7 +460,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, parameter :: least_points = 501
 
-      may_suit_band = form /= 'dense' .and. zone%is_nodal .and. zone%n_tangents == 1
+      may_suit_band = form /= 'dense' .and. all(zone%is_own) .and. zone%n_tangents == 1
       associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
          if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
             .and. .not. slowness*n*(n/m)**2 > m**3

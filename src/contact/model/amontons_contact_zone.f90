@@ -36,8 +36,9 @@ module amontons_contact_zone
       integer :: n_points = 0 !! number m of contact points
       integer :: n_tangents = 1 !! number of tangential directions of a point; 2 in a twisted body
       integer :: n_rows = 0 !! number of rows of C: (1 + n_tangents) m
-      logical :: is_nodal = .true. !! whether the displacement of each point is made of one node's own unknowns
-      integer, allocatable :: node(:) !! these nodes, point by point; with cells those of their lines, too
+      logical, allocatable :: is_own(:)
+         !! whether the displacement of the point is made of the own unknowns of one node, and no other point's is (m)
+      integer, allocatable :: node(:) !! these nodes, one for each of these points
       integer, allocatable :: mean_point(:)
          !! points on rigid obstacles whose displacement is a mean of that of their node and of others (any)
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
@@ -56,16 +57,12 @@ module amontons_contact_zone
       logical, allocatable :: is_slip_fixed(:)
          !! the same of each tangential row of C: in a twisted body of those around the axis, too (n_rows - m)
       logical, allocatable :: is_shear_fixed(:) !! whether supports bear its shear along all tangents (m)
-      logical, allocatable :: is_slave_guided(:)
-         !! whether it is a corner of a slave that a support guides, while its master may slip (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
-      integer, allocatable :: shared_node(:) !! nodes between two contact sets: they belong to the set named first
+      integer, allocatable :: shared_node(:)
+         !! nodes between two contact sets that are points of the set named first alone
       integer, allocatable :: passed_point(:, :)
          !! contact sets whose line continues that of an earlier set, and the point between the two (2, any)
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
-      real(dp), allocatable :: idle_side(:, :)
-         !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,
-         !! sides) [L]
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    contains
       procedure :: own_nodes => contact_zone_own_nodes
@@ -74,8 +71,8 @@ module amontons_contact_zone
 contains
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
-   !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two contact sets belongs to
-   !> the first of them.
+   !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two rigid obstacles is a point
+   !> of each; of a slave and another set it is one of the first of them.
    subroutine new_contact_zone(zone, body, contacts, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
@@ -86,9 +83,9 @@ contains
       integer :: follower(body%mesh%n_nodes), nothing(0), i, k
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%idle_side(2, 0), zone%is_cell(0), &
+         zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%is_own(0), zone%is_cell(0), &
          zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
-         zone%is_tangent_fixed(0), zone%is_slave_guided(0))
+         zone%is_tangent_fixed(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
@@ -136,7 +133,7 @@ contains
          end if
       end associate
       holds = .not. any([(constraints%is_free(3, nodes(i)) .or. constraints%rigid_moves(nodes(i), &
-         zone%position(:, point), [0.0_dp, 0.0_dp, 1.0_dp]), i=1, size(nodes))])
+         [0.0_dp, 0.0_dp, 1.0_dp]), i=1, size(nodes))])
    end function holds_twist
 
    !> Adds the points of a set that faces a rigid obstacle.
@@ -152,16 +149,14 @@ contains
 
       call new_boundary_line(line, body%mesh, contact%set, error, body%materials)
       if (allocated(error)) return
-      if (all(follower(line%node) > 0)) then
-         call new_error(error, input_refused, 'every node of this contact set belongs to an earlier '// &
-            'one; a set meets one obstacle: split its curve where the other begins, or draw both as one polyline')
-         return
-      end if
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, line, body, error)
       else
          call add_line(zone, set, contact%direction, line, body, follower)
       end if
+      if (all(zone%set /= set) .and. all(follower(line%node) > 0)) call new_error(error, input_refused, &
+         'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve where '// &
+         'the other begins, or draw both as one polyline')
       call mark_line(follower, line)
    end subroutine add_set
 
@@ -211,8 +206,7 @@ contains
             if (norm2(rest) < least_share*whole) cycle
             basis = reshape([basis, rest/norm2(rest)], [size(row), size(basis, 2) + 1])
             zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) = .false.
-            zone%is_slave_guided(p) = .true.
-            zone%is_nodal = .false.
+            zone%is_own(p) = .false.
          end do
       end do
       zone%is_tangent_fixed = zone%is_slip_fixed(:zone%n_points)
@@ -262,10 +256,9 @@ contains
       integer, allocatable :: own(:)
       integer :: p
 
-      own = self%node
-      if (self%is_nodal) return
-      own = substitution%element_nodes([own, self%rows%node(picked_places(self%rows%start, &
-         pack([(p, p=1, self%n_points)], self%is_cell .or. self%is_slave_guided)))])
+      own = substitution%element_nodes(self%rows%node(picked_places(self%rows%start, &
+         pack([(p, p=1, self%n_points)], .not. self%is_own))))
+      own = [self%node, pack(own, [(all(self%node /= own(p)), p=1, size(own))])]
    end function contact_zone_own_nodes
 
    !> Appends the contact points of one set to the zone.
@@ -282,6 +275,7 @@ contains
       zone%next = [zone%next, merge(zone%n_points + points%next, 0, points%next > 0)]
       zone%n_points = zone%n_points + n
       zone%is_cell = [zone%is_cell, spread(is_cell, 1, n)]
+      zone%is_own = [zone%is_own, points%is_own]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
       zone%acting = reshape([zone%acting, points%acting], [2, zone%n_points])
@@ -290,17 +284,14 @@ contains
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
-      zone%is_slave_guided = [zone%is_slave_guided, spread(.false., 1, n)]
       call zone%rows%add(points%rows)
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
 
    !> Adds the nodes of one line as points.
    !>
-   !> If the line continues that of an earlier set, the pressure at the node between them acts on the sides of both. At
-   !> a corner, where the law of the earlier set has another direction, the next node represents both nodes: its
-   !> displacement and its force are means over them, as those of the slave of a pair are. The same holds for a node
-   !> that moves with a rigid set, on which no contact force acts.
+   !> If the line continues that of an earlier set, the pressure at the node between them acts on the sides of both. A
+   !> corner, where the law of the earlier set has another direction, is a point of either set.
    !>
    !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
    !> function N_a. With a share of that of the middle node, N_a + alpha N_b and (1 - alpha) N_b, both have one: the
@@ -316,8 +307,9 @@ contains
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
-      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), ends(2), i, k, n, n_corners
+      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:)
+      logical :: is_own, points_are_own(line%n_nodes)
 
       point_of = 0
       n = 0
@@ -336,33 +328,23 @@ contains
          arc_length(k) = along
          normal(:, k) = line%normal(:, k)
          if (any(abs(direction) > 0.0_dp)) normal(:, k) = unit_vector(direction)
-         if (body%constraints%rigid_moves(line%node(k), body%mesh%coordinates(:, line%node(k)), normal(:, k))) then
-            n_corners = n_corners + 1
-            corner(n_corners) = k
-         else if (follower(line%node(k)) > 0) then
+         is_own = follower(line%node(k)) <= 0 .and. body%constraints%rigid_of(line%node(k)) == 0
+         i = 0
+         if (follower(line%node(k)) > 0) i = point_before(zone, line%node(k), normal(:, k))
+         if (i > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
-            i = point_before(zone, line%node(k), normal(:, k))
-            if (i > 0) then
-               zone%weight(i) = zone%weight(i) + line%weight(k)
-               zone%area(i) = zone%area(i) + line%area(k)
-               zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
-            else
-               n_corners = n_corners + 1
-               corner(n_corners) = k
-            end if
-            if (line%next(k) == 0) cycle
-            ends = line%node([k, line%next(k)])
-            ! A side whose ends both belong to earlier sets, but not the side itself.
-            if (follower(ends(2)) > 0 .and. follower(ends(1)) /= ends(2)) zone%idle_side = reshape( &
-               [zone%idle_side, 0.5_dp*sum(body%mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
+            zone%weight(i) = zone%weight(i) + line%weight(k)
+            zone%area(i) = zone%area(i) + line%area(k)
+            zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
          else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
-         else if (.not. abs(area(k)) > 0.0_dp) then
+         else if (.not. abs(area(k)) > 0.0_dp .or. (area(k) < 0.0_dp .and. .not. is_own)) then
             zone%zero_area_node = [zone%zero_area_node, line%node(k)]
          else
             n = n + 1
             kept(n) = k
             point_of(k) = n
+            points_are_own(n) = is_own
             if (area(k) > 0.0_dp) cycle
             n_corners = n_corners + 1
             corner(n_corners) = k
@@ -372,8 +354,6 @@ contains
       stand_in = point_of(line%next(corner(:n_corners)))
       do i = 1, n_corners
          if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))
-         ! There is no share if another set has the corner on the axis, or if a rigid set moves it.
-         if (point_of(corner(i)) == 0) area(corner(i)) = max(0.0_dp, area(corner(i)))
       end do
       zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
@@ -389,7 +369,8 @@ contains
       end do
       own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
       points%next = point_of(line%next(kept(:n)))
-      points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:2, line%node(kept(i)))), i=1, n)]
+      points%is_own = points_are_own(:n)
+      points%is_tangent_fixed = [(body%constraints%guides(line%node(kept(i)), normal(:, kept(i))), i=1, n)]
       points%position = body%mesh%coordinates(:, line%node(kept(:n)))
       points%normal = normal(:, kept(:n))
       associate (share => area(place)/points%area(own), node => line%node(place))
@@ -405,7 +386,7 @@ contains
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [2, n])
       end associate
       points%area = abs(points%area) + line%bare_area(kept(:n))
-      zone%node = [zone%node, line%node(kept(:n))]
+      zone%node = [zone%node, pack(line%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
    end subroutine add_line
 
@@ -441,8 +422,6 @@ contains
 
       call new_contact_cells(cells, body, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
-      zone%is_nodal = .false.
-      zone%node = [zone%node, pack(line%node, [(all(zone%node /= line%node(k)), k=1, line%n_nodes)])]
       zone%n_held_cells = zone%n_held_cells + count(cells%is_held)
       kept = pack([(k, k=1, cells%n_cells)], .not. cells%is_held)
       allocate (point_of(0:cells%n_cells), source=0)
@@ -456,6 +435,7 @@ contains
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
       points%is_tangent_fixed = cells%is_tangent_fixed(kept)
+      points%is_own = spread(.false., 1, size(kept))
       call add_points(zone, set, .true., points)
    end subroutine add_cells
 
@@ -491,10 +471,11 @@ contains
          points%is_tangent_fixed = pair%is_tangent_fixed
          points%normal = pair%normal
          if (contact%partition%is_constant) then
-            zone%is_nodal = .false.
+            points%is_own = spread(.false., 1, size(pair%next))
             points%position = integrals%center
          else
-            zone%node = [zone%node, pair%node]
+            points%is_own = body%constraints%rigid_of(pair%node) == 0
+            zone%node = [zone%node, pack(pair%node, points%is_own)]
             points%position = body%mesh%coordinates(:, pair%node)
          end if
          zone%held_node = [zone%held_node, pair%held_node]
