@@ -302,11 +302,16 @@ contains
       !$omp end critical (texts_of_solver)
       newton = newton_t(tolerance=tolerance, max_iterations=n_newton_steps)
       lacking = imbalance_of_points(body, load_case, solution%displacement + strained, solution%force)
+      remaining = lacking
       largest = problem%largest(lacking)
       do step = 1, most_steps
          if (solution%is_converged .and. largest <= least_residual*scale) exit
          change = problem_from(origin + solution%displacement, body, problem)
          change%load = lacking + solution%force
+         if (allocated(problem%softness)) then
+            call problem%matrix%multiply_stiffness(problem%softness*solution%force, remaining)
+            change%load = change%load - remaining
+         end if
          next = solution
          next%displacement = 0.0_dp
          call solve_components(newton, change, next, error)

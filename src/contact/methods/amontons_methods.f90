@@ -61,7 +61,7 @@ contains
    end subroutine new_contact_method
 
    !> Solves each component of a problem by itself.
-   subroutine solve_components(method, problem, solution, error)
+   recursive subroutine solve_components(method, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
@@ -78,6 +78,10 @@ contains
       integer :: i, k, n_components, n
       type(effort_t) :: effort
 
+      if (allocated(problem%softness)) then
+         call solve_without_springs(method, problem, solution, error)
+         return
+      end if
       call problem%matrix%find_parts(problem%n_points, component, n_components)
       if (n_components < 2) then
          call method%solve(problem, solution, error)
@@ -140,6 +144,37 @@ contains
       if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
       solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
    end subroutine solve_components
+
+   !> Solves a problem whose points depend on each other, by proximal steps: the springs between them and the body are
+   !> strained by the change of the forces alone, S v = q + S E lambda_0 - lambda, and then not at all.
+   recursive subroutine solve_without_springs(method, problem, solution, error)
+      class(contact_method_t), intent(in) :: method !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
+      type(error_t), allocatable, intent(out) :: error !! the method does not accept the problem
+      ! A step leaves about a thousandth of the way, where points depend on each other by friction more.
+      integer, parameter :: n_steps = 20
+      type(contact_problem_t) :: step
+      type(contact_solution_t) :: before
+      integer :: i
+
+      step = problem
+      deallocate (step%softness)
+      call solution%reset()
+      do i = 1, n_steps
+         before = solution
+         call problem%matrix%multiply_stiffness(problem%softness*solution%force, step%load)
+         step%load = problem%load + step%load
+         call solve_components(method, step, solution, error)
+         if (allocated(error)) return
+         call solution%prepend(before)
+         if (.not. solution%is_converged) return
+         call solution%measure(problem)
+         solution%is_converged = solution%residual <= method%tolerance
+         if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
+         if (solution%is_converged) return
+      end do
+   end subroutine solve_without_springs
 
    !> Opens the points of a body whose forces are 0 to within the tolerance: otherwise zones and centroids of an
    !> unloaded surface would depend on rounding.

@@ -595,6 +595,7 @@ contains
       call body%condensation%condense_stiffness(error)
       if (allocated(error)) return
       call new_contact_problem(problem, body%condensation%matrix)
+      if (allocated(body%condensation%softness)) problem%softness = body%condensation%softness
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
       allocate (force(body%zone%n_rows))
       do i = 1, size(body%travel, 2)

@@ -19,6 +19,11 @@
 !> `T w = p - lambda`, exactly, also where S is only semidefinite: the kernel of T is C times that of S. Motions r of
 !> this kernel that no row notices, C r = 0, take no part: M gains a multiple of r r^T for each, which changes neither T
 !> nor p, and leaves out their displacements.
+!>
+!> Rows that depend on each other, as those of a corner between two obstacles, get springs between the body and the
+!> multipliers: w = C v - E lambda with E = s R^-1 and a share s. Then T = (G_s^-1 - R)/(1 - s) and p = G_s^-1 C M^-1 q
+!> with G_s = (1 - s) G + s R^-1, the kernel of T is the same, and S v = q - C^T lambda exactly. The solution of the
+!> contact problem takes the springs out again (`solve_components`).
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_condenser, only: cholesky_t, condenser_t
@@ -44,7 +49,9 @@ module amontons_condensation
       real(dp) :: least_augmentation = 0.0_dp !! a small share of the least entry of R [F/L]
       type(entries_t), private :: rows !! C (r, n) [-]
       real(dp), allocatable, private :: factor(:, :) !! Cholesky factor of M (n, n)
-      real(dp), allocatable, private :: of_rows(:, :) !! Cholesky factor of G (r, r)
+      real(dp), allocatable, private :: of_rows(:, :) !! Cholesky factor of G_s (r, r)
+      real(dp), private :: share = 0.0_dp !! s: 0 where the rows are independent [-]
+      real(dp), allocatable :: softness(:) !! E, not allocated where the rows are independent (r) [L/F]
    contains
       procedure :: condense => row_condensation_condense
       procedure :: expand => row_condensation_expand
@@ -91,12 +98,14 @@ module amontons_condensation
       real(dp), allocatable, private :: map(:, :, :)
          !! unknowns of a point = map (u_N, u_T) (components, components, m) [-]
       ! Allocatable: gfortran 12 does not empty the list of a condensation that is made anew.
-      type(entries_t), allocatable, private :: rows !! C, if there are cells (any, n_unknowns) [-]
+      type(entries_t), allocatable, private :: rows !! C, unless all points have own unknowns (any, n_unknowns) [-]
       integer, allocatable, private :: next(:) !! the point that follows along the line of its set, 0 for none (m)
       real(dp), allocatable :: unnoticed(:, :)
          !! rigid motions of the contact unknowns that no row of C notices; none unless they are set (n_unknowns, any)
          !! [-]
-      type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
+      type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are rows
+      real(dp), allocatable :: softness(:)
+         !! springs between (u_N; u_T) and the multipliers; not allocated where rows are independent (components m) [L/F]
       logical :: is_held = .true. !! whether supports alone hold the body
    contains
       procedure :: condense_load => condensation_condense_load
@@ -284,9 +293,13 @@ contains
       if (allocated(error)) return
       least = 0.0_dp
       if (allocated(self%rows)) then
-         call new_row_condensation(self%to_rows, schur, self%rows, self%unknown, self%next, self%unnoticed, error)
+         call new_row_condensation(self%to_rows, schur, self%diagonal(:size(schur, 1)), self%rows, self%unknown, &
+            self%next, self%unnoticed, error)
          if (allocated(error)) return
          least = self%to_rows%least_augmentation
+         if (allocated(self%softness)) deallocate (self%softness)
+         if (allocated(self%to_rows%softness)) self%softness = [([(merge(self%to_rows%softness(max(1, &
+            self%unknown(k, p))), 0.0_dp, self%unknown(k, p) > 0), p=1, m)], k=1, n)]
       end if
       call allocate_matrix(stiffness, n*m, n*m, 'the contact points', error)
       if (allocated(error)) return
@@ -467,16 +480,17 @@ contains
       end associate
    end function may_suit_band
 
-   !> Condenses the stiffness S of the nodes to the means w = C v: G = C M^-1 C^T with M = S + C^T R C.
-   pure subroutine new_row_condensation(condensation, stiffness, rows, of_point, next, unnoticed, error)
+   !> Condenses the stiffness S to rows w = C v: G = C M^-1 C^T with M = S + C^T R C.
+   pure subroutine new_row_condensation(condensation, stiffness, whole, rows, of_point, next, unnoticed, error)
       type(row_condensation_t), intent(out) :: condensation !! the condensation
       real(dp), allocatable, intent(inout) :: stiffness(:, :) !! S (n, n); T on return (r, r) [F/L]
-      type(entries_t), intent(in) :: rows !! C (r, n), of full rank [-]
+      real(dp), intent(in) :: whole(:) !! diagonal of the stiffness that S was condensed from (n) [F/L]
+      type(entries_t), intent(in) :: rows !! C (r, n) [-]
       integer, intent(in) :: of_point(:, :) !! the rows of each point, 0 for none (components, m)
       integer, intent(in) :: next(:) !! the point that follows along the line of its set, 0 for none (m)
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
-         !! the rows are dependent, or leave another part of S's kernel free
+         !! the rows leave another part of S's kernel free, or memory ran out
       ! Largest rounding error of the square of a row that depends on others.
       real(dp), parameter :: negligible = 1.0e-12_dp
       ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
@@ -484,8 +498,6 @@ contains
       real(dp), parameter :: small_share = 1.0e-3_dp
       ! Of the stiffest row of the same point or of one next to it.
       real(dp), parameter :: least_share = 1.0e-3_dp
-      character(*), parameter :: dependent = 'the constant multipliers are not independent on this mesh, or depend '// &
-         'on the points of another contact set: make their cells larger, or the sides of the mesh smaller'
       real(dp), allocatable :: half(:, :), own(:), rho(:)
       real(dp), dimension(0:size(next)) :: stiffest, around
       integer :: i, k, n, r, info
@@ -506,15 +518,13 @@ contains
       call cholesky_factor(condensation%of_rows, info)
       if (info == 0) info = findloc([(condensation%of_rows(i, i)**2 <= negligible*sum(half(:, i)**2), i=1, r)], &
          .true., dim=1)
-      if (info /= 0) then
-         call new_error(error, input_refused, dependent)
-         return
-      end if
+      if (info /= 0) condensation%share = small_share
       condensation%rows = rows
       ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
       ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
       own = [(stiffness(i, i), i=1, n)]
-      own = max(own, epsilon(own)*maxval(own))
+      ! All that is left in S of a rigid set that nothing holds is rounding.
+      own = max(own, max(condensation%share, sqrt(epsilon(own)))*whole)
       rho = 1.0_dp/[(sum(half(:, i)**2/own), i=1, r)]
       ! A loose body on two mortar points has no stiffness along their normals.
       stiffest = 0.0_dp
@@ -547,7 +557,7 @@ contains
          call cholesky_factor(m, info)
          if (info /= 0) then
             call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
-               'definite: neither supports nor the cells of constant multipliers hold the body')
+               'definite: neither supports nor contact points hold the body')
             return
          end if
          ! G = H^T H with H = L^-1 C^T.
@@ -555,9 +565,17 @@ contains
       end associate
       call squares(half, condensation%of_rows)
       deallocate (half)
+      if (condensation%share > 0.0_dp) then
+         condensation%softness = condensation%share/rho
+         condensation%of_rows(:, :) = (1.0_dp - condensation%share)*condensation%of_rows
+         do i = 1, r
+            condensation%of_rows(i, i) = condensation%of_rows(i, i) + condensation%softness(i)
+         end do
+      end if
       call cholesky_factor(condensation%of_rows, info)
+      ! not raised: dependent rows have springs
       if (info /= 0) then
-         call new_error(error, numerical_failure, dependent)
+         call new_error(error, numerical_failure, 'the contact points are not independent of each other')
          return
       end if
       call allocate_matrix(stiffness, r, r, 'the cells', error)
@@ -567,6 +585,7 @@ contains
       do i = 1, r
          stiffness(i, i) = stiffness(i, i) - rho(i)
       end do
+      if (condensation%share > 0.0_dp) stiffness(:, :) = stiffness/(1.0_dp - condensation%share)
    end subroutine new_row_condensation
 
    !> Condenses a load q on the displacements v to the load p = G^-1 C M^-1 q on the means w = C v [F].
@@ -592,7 +611,7 @@ contains
 
       displacement = load
       call cholesky_solve(self%factor, displacement)
-      force = values - self%rows%multiply(displacement, size(values))
+      force = values - (1.0_dp - self%share)*self%rows%multiply(displacement, size(values))
       call cholesky_solve(self%of_rows, force)
       displacement = load + self%rows%multiply_transposed(force, size(load))
       call cholesky_solve(self%factor, displacement)

@@ -331,7 +331,10 @@ contains
          is_own = follower(line%node(k)) <= 0 .and. body%constraints%rigid_of(line%node(k)) == 0
          i = 0
          if (follower(line%node(k)) > 0) i = point_before(zone, line%node(k), normal(:, k))
-         if (i > 0) then
+         if (follower(line%node(k)) > 0 .and. (is_taken(k) .and. is_taken(findloc(line%next, k, dim=1)))) then
+            ! Earlier sets have all sides beside it.
+            zone%shared_node = [zone%shared_node, line%node(k)]
+         else if (i > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
             zone%weight(i) = zone%weight(i) + line%weight(k)
             zone%area(i) = zone%area(i) + line%area(k)
@@ -388,6 +391,18 @@ contains
       points%area = abs(points%area) + line%bare_area(kept(:n))
       zone%node = [zone%node, pack(line%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
+
+   contains
+
+      !> Whether an earlier set has the side, or the part of one, that begins at a place on the line; true without one.
+      pure logical function is_taken(first)
+         integer, intent(in) :: first !! the place, 0 for none
+
+         is_taken = first == 0
+         if (.not. is_taken) is_taken = line%next(first) == 0
+         if (.not. is_taken) is_taken = follower(line%node(first)) == line%node(line%next(first))
+      end function is_taken
+
    end subroutine add_line
 
    !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the

@@ -419,7 +419,7 @@ contains
 
       amounts = 0.0_dp
       if (.not. body%is_motion_strained) amounts = least_squares_amounts(body%rigid_modes, solution)
-      call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts))
+      call recover_displacement(displacement, body, load_case, solution - matmul(body%rigid_modes, amounts), force)
       displacement = displacement + displacement_of_nodes(body%motions, body%mesh%coordinates, amounts)
       call refine_displacement(displacement, body, load_case, force)
    end subroutine recover_with_travel
@@ -456,7 +456,7 @@ contains
       type(condensed_load_t) :: rest
       real(dp), allocatable :: displacement(:, :)
 
-      call recover_displacement(displacement, body, load_case, solution)
+      call recover_displacement(displacement, body, load_case, solution, force)
       call body%condensation%condense_load(imbalance(body, load_case, displacement, force), rest)
       lacking = rest%load
    end function imbalance_of_points

@@ -340,25 +340,27 @@ contains
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.
-   subroutine recover_displacement(displacement, body, load_case, solution)
+   subroutine recover_displacement(displacement, body, load_case, solution, force)
       real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: one(:, :, :)
 
-      call recover_displacements(one, body, [load_case], reshape(solution, [size(solution), 1]))
+      call recover_displacements(one, body, [load_case], spread(solution, 2, 1), spread(force, 2, 1))
       displacement = one(:, :, 1)
    end subroutine recover_displacement
 
    !> Computes the displacements of all nodes from the solutions of several contact problems, with one pass over the
    !> factor.
-   subroutine recover_displacements(displacement, body, load_cases, solution)
+   subroutine recover_displacements(displacement, body, load_cases, solution, force)
       real(dp), allocatable, intent(out) :: displacement(:, :, :)
          !! displacements of all nodes (components, n_nodes, problems) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_cases(:) !! the load cases, condensed (problems)
       real(dp), intent(in) :: solution(:, :) !! displacements v of the contact problems (n_rows, problems) [L]
+      real(dp), intent(in) :: force(:, :) !! their contact forces (lambda_N; lambda_T) (n_rows, problems) [F]
       real(dp), allocatable :: unknowns(:, :), v(:, :)
       integer :: k, m
 
@@ -366,6 +368,7 @@ contains
       v = solution
       do k = 1, size(load_cases)
          v(m + 1:, k) = v(m + 1:, k) - prescribed_slip(body, load_cases(k))
+         if (allocated(body%condensation%softness)) v(:, k) = v(:, k) - body%condensation%softness*force(:, k)
       end do
       call body%condensation%recover(load_cases%condensed, v, unknowns)
       allocate (displacement(size(load_cases(1)%prescribed, 1), body%mesh%n_nodes, size(load_cases)))

@@ -297,8 +297,9 @@ contains
          allocate (fields(n_components, body%mesh%n_nodes, size(parts)), loads(n_components, body%mesh%n_nodes, &
             size(parts)))
       end associate
-      allocate (at_rest(body%zone%n_rows), source=0.0_dp)
       do i = 1, size(parts)
+         at_rest = 0.0_dp*parts(i)%condensed%load
+         if (allocated(body%condensation%softness)) at_rest = body%condensation%softness*parts(i)%condensed%load
          call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
          fields(:, :, i) = field
          call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%element_load)
@@ -339,6 +340,8 @@ contains
                form%of_part(i, j) = form%of_part(i, j) + sum(forces*fields(:, :, j))
             end do
             form%of_displacement(:, i) = condensed_force(body, forces)
+            if (allocated(body%condensation%softness)) form%of_contact(:, i) = form%of_contact(:, i) &
+               - body%condensation%softness*form%of_displacement(:, i)
          end associate
       end do
    end subroutine new_force_form

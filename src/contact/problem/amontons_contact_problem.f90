@@ -38,6 +38,9 @@ module amontons_contact_problem
       real(dp), allocatable :: anchor(:) !! tangential displacements a that slips are counted from (n - m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
+      real(dp), allocatable :: softness(:)
+         !! E of springs in S between the body and points that depend on each other: S (v - E lambda) = q - lambda; not
+         !! allocated without them (n) [L/F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
       real(dp) :: rounding = 0.0_dp
          !! largest force that S gives a point under a rigid motion of a loose body, over its largest displacement [F/L]
@@ -55,6 +58,7 @@ module amontons_contact_problem
       procedure :: reference => contact_problem_reference
       procedure :: measure => contact_problem_measure
       procedure :: residual => contact_problem_residual
+      procedure :: strained => contact_problem_strained
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
       procedure :: violation_weights => contact_problem_violation_weights
@@ -298,6 +302,17 @@ contains
       end associate
    end function contact_problem_violation_weights
 
+   !> The displacements that S belongs to: v - E lambda (n) [L].
+   pure function contact_problem_strained(self, displacement, force) result(strained)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: displacement(:) !! v (n) [L]
+      real(dp), intent(in) :: force(:) !! lambda (n) [F]
+      real(dp), allocatable :: strained(:)
+
+      strained = displacement
+      if (allocated(self%softness)) strained = displacement - self%softness*force
+   end function contact_problem_strained
+
    !> The residual of a pair (v, lambda) [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
@@ -325,7 +340,7 @@ contains
          imbalance = [(self%violation_weights(), i=0, self%matrix%n_tangents)]*self%matrix%augmentation*(imbalance &
             - self%free_displacement + displacement)
       else
-         call self%matrix%multiply_stiffness(displacement, imbalance)
+         call self%matrix%multiply_stiffness(self%strained(displacement, force), imbalance)
          imbalance = imbalance - self%load + force
       end if
       scale = self%force_scale(force, displacement)

@@ -483,7 +483,7 @@ contains
          forces = model%energies%forces%values(factor, v, force)
          state%reaction = forces(:size(factor))
          state%named = forces(size(factor) + 1:)
-         state%strain_energy = model%energies%strain_energy(problem, factor, v)
+         state%strain_energy = model%energies%strain_energy(problem, factor, problem%strained(v, force))
       end associate
    end subroutine complete
 
@@ -604,7 +604,7 @@ contains
       real(dp), parameter :: limit = 1.0e-9_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing, way
       real(dp) :: slip(size(after%slip))
-      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, whole_change, moved, stiffness
+      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, strained, whole_change, moved, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
       integer :: m
@@ -614,7 +614,8 @@ contains
       v_change = after%solution%displacement - before%solution%displacement
       moved = matmul(model%energies%prescribed, change)
       mean_force = 0.5_dp*(after%solution%force + before%solution%force)
-      load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
+      strained = problem%strained(v_change, after%solution%force - before%solution%force)
+      load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, strained)
       support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
       ! An obstacle that loses or meets a point does no work on the jump of the gap.
       approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
@@ -653,8 +654,8 @@ contains
       whole_change = v_change
       whole_change(:m) = v_change(:m) + moved(:m)
       energy_change = after%strain_energy - before%strain_energy
-      own_energy = model%energies%strain_energy(problem, change, v_change)
-      end_work = model%energies%load_work(after%instant%factor, change, v_change) + dot_product(after%reaction, change)
+      own_energy = model%energies%strain_energy(problem, change, strained)
+      end_work = model%energies%load_work(after%instant%factor, change, strained) + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
          abs(load_work), abs(support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
          max(rounding_share*model%energies%stiffness, problem%rounding/limit)*max(sum(after%solution%displacement**2), &

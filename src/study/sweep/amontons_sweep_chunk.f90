@@ -583,8 +583,8 @@ contains
       integer, allocatable :: cases(:)
       type(load_case_t) :: load_cases(n_together)
       type(acting_t) :: acting
-      real(dp), allocatable :: displacement(:, :), field(:, :, :), stress(:, :, :), strains(:, :), nodal(:, :)
-      real(dp), allocatable :: whole(:, :)
+      real(dp), allocatable :: displacement(:, :), force(:, :), field(:, :, :), stress(:, :, :), strains(:, :)
+      real(dp), allocatable :: nodal(:, :), whole(:, :)
       logical :: is_far(n_together)
       type(materials_t) :: twist
       integer :: first, i, k, n
@@ -601,17 +601,19 @@ contains
       do first = 1, size(cases), n_together
          ! These cases take one pass over the factor and the elements.
          associate (some => cases(first:min(size(cases), first + n_together - 1)), loads => task%solver%loads)
-            allocate (displacement(body%zone%n_rows, size(some)), stress(4, body%mesh%n_nodes, size(some)))
+            allocate (displacement(body%zone%n_rows, size(some)), force(body%zone%n_rows, size(some)), &
+               stress(4, body%mesh%n_nodes, size(some)))
             do k = 1, size(some)
                acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
                displacement(:, k) = solutions(some(k))%displacement
                is_far(k) = loses_digits(displacement(:, k))
+               force(:, k) = solutions(some(k))%force
                call loads%load_case(body, acting, load_cases(k))
                if (.not. allocated(load_cases(k)%element_load)) cycle
                if (.not. allocated(strains)) allocate (strains(size(load_cases(k)%element_load), size(some)))
                strains(:, k) = load_cases(k)%element_load
             end do
-            call recover_displacements(field, body, load_cases(:size(some)), displacement)
+            call recover_displacements(field, body, load_cases(:size(some)), displacement, force)
             do k = 1, size(some)
                if (.not. is_far(k)) cycle
                call recover_with_travel(whole, body, load_cases(k), solutions(some(k))%displacement, &
@@ -630,7 +632,7 @@ contains
                peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), nodal)
             end do
          end associate
-         deallocate (displacement, stress)
+         deallocate (displacement, force, stress)
          if (allocated(strains)) deallocate (strains)
       end do
 
