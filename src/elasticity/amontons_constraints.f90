@@ -48,6 +48,7 @@ module amontons_constraints
          !! the length that scales the turn: their distance, in a twisted body the radius of the second [L]
    contains
       procedure :: displacement => rigid_set_displacement
+      procedure :: own_unknowns => rigid_set_own_unknowns
       procedure :: lead_forces => rigid_set_lead_forces
    end type rigid_set_t
 
@@ -108,7 +109,7 @@ module amontons_constraints
 
    !> Components of a unit vector below this limit count as 0: mesh files carry about eight digits, so that directions
    !> which should agree differ in the last of them.
-   real(dp), parameter :: negligible = 1.0e-6_dp
+   real(dp), parameter, public :: negligible = 1.0e-6_dp
 
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
@@ -212,6 +213,24 @@ contains
       block(3:, 3:, 2) = place(1)/self%length
       if (self%axis(3) == 1) block(:, 1, 2) = [self%point(2) - place(2), place(1) - self%point(1)]/self%length
    end function rigid_set_displacement
+
+   !> The own unknowns of the leading nodes in a rigid motion (components, 2) [L].
+   pure function rigid_set_own_unknowns(self, moved) result(own)
+      class(rigid_set_t), intent(in) :: self !! the set
+      real(dp), intent(in) :: moved(:, :) !! displacements of the leading nodes (components, 2) [L]
+      real(dp) :: own(size(moved, 1), 2), block(size(moved, 1), size(moved, 1), 2)
+
+      own(:, 1) = moved(:, 1)
+      own(:, 2) = 0.0_dp
+      if (self%axis(3) > 1) then
+         own(3, :) = [0.0_dp, moved(3, 2)]
+      else
+         own(1, 2) = dot_product([self%place(2, 1) - self%place(2, 2), self%place(1, 2) - self%place(1, 1)], &
+            moved(:, 2) - moved(:, 1))/self%length
+         block = self%displacement(self%place(:, 1))
+         own(:, 1) = moved(:, 1) - block(:, 1, 2)*own(1, 2)
+      end if
+   end function rigid_set_own_unknowns
 
    !> Forces on the leading nodes with a given resultant (components, 2) [F].
    pure function rigid_set_lead_forces(self, resultant) result(forces)

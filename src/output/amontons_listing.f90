@@ -332,6 +332,7 @@ contains
       ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
       real(dp), parameter :: rounding = 1.0e-12_dp
       integer :: i, n_free, p, k
+      integer, allocatable :: held(:)
       logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
       character(4) :: noun
 
@@ -344,7 +345,11 @@ contains
             text = labeled('Note', to_text(n_free)// &
                ' rigid-body modes are not constrained by supports; only contact holds them')
          end if
-         text = text//places_text(body%mesh%coordinates(:, zone%held_node), 'node', &
+         held = zone%held_node
+         do i = 1, size(zone%pairs)
+            if (zone%pairs(i)%is_set()) held = [held, zone%pairs(i)%held_node]
+         end do
+         text = text//places_text(body%mesh%coordinates(:, held), 'node', &
             ' is not a contact point: supports hold it', ' are not contact points: supports hold them', units)
          text = text//places_text(body%mesh%coordinates(:, zone%zero_area_node), 'node', &
             ' is not a contact point: at the axis it has no area that a pressure could act on', &

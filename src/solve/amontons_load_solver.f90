@@ -118,6 +118,16 @@ contains
 
       reason = ''
       error_kind = numerical_failure
+      !$omp critical (texts_of_solver)
+      call self%loads%check_held_nodes(body, acting, error)
+      if (allocated(error)) reason = error%message
+      !$omp end critical (texts_of_solver)
+      if (allocated(error)) then
+         outcome = outcome_no_equilibrium
+         error_kind = no_equilibrium
+         call solution%reset()
+         return
+      end if
       call find_idle_motion(idle, body, problem, solution%displacement, solution%force)
       start = solution
       call solution%reset()

@@ -148,19 +148,6 @@ class Tables(ProgramTest):
             value = "extra_gap" if table == "gap" else table
             self.assertEqual(run.stderr, f"case.nml:5: give either {value} and {table}_slope, or {table}_table\n")
 
-    def test_cells_that_depend_on_the_nodes_of_another_set(self):
-        # Both sets have the corner: its two displacements and those of the other node of the side are too few.
-        deck = self.write("case.nml", "&mesh size = 2.0, 0.5  cells = 8, 1 /\n"
-                          "&material young = 1000.0  poisson = 0.3 /\n"
-                          "&load set = 'top'  pressure = 1.0 /\n"
-                          "&contact set = 'bottom'  friction = 0.3 /\n"
-                          "&contact set = 'right'  point = 2.0, 0.0  normal = -1.0, 0.0"
-                          "  multipliers = 'constant'  cells = 2 /\n")
-        run = self.run_program("--output", "results", deck, status=1)
-        self.assertEqual(run.stderr, "case.nml: the constant multipliers are not independent on this mesh, or depend on"
-                         " the points of another contact set: make their cells larger, or the sides of the mesh"
-                         " smaller\n")
-
     def test_line_of_a_plane(self):
         self.write("table.txt", "0.0 0.0\n1.0 0.0\n")
         deck = SOUND.replace("friction = 0.3", "line = 'table.txt'")

@@ -34,6 +34,46 @@ class RigidRims(ProgramTest):
                 n_compared += 1
         self.assertGreaterEqual(n_compared, 20)
 
+    def check(self, deck, status=0):
+        """Solves and verifies a deck; its key results."""
+        found = self.solve(deck, status=status).summary
+        self.assertTrue(found["certificate"]["passed"])
+        self.run_program("--verify", ".")
+        return found["key_results"]
+
+    def test_corners_may_depend_on_each_other(self):
+        # Of a rigid head between two walls, a rigid side on the floor, a corner between two walls, and one that belongs
+        # to a node and a cell.
+        material = "&material young = 1000.0  poisson = 0.3 /\n"
+        right = "&contact name = 'r'  set = 'right'  friction = 0.2  point = {}, 0.0  normal = -1.0, 0.0"
+        for deck, forces in (
+                ("&mesh size = 2.0, 4.0  cells = 4, 8 /\n&support set = 'bottom'  ux = 0.0  uy = 0.0 /\n"
+                 "&rigid name = 'head'  set = 'top'  force = 30.0, -20.0 /\n" + right.format(2.1) + " /\n"
+                 "&contact name = 'l'  set = 'left'  friction = 0.2  point = -0.1, 0.0  normal = 1.0, 0.0 /\n", {}),
+                ("&mesh size = 4.0, 1.0  cells = 8, 2 /\n&rigid name = 'a'  set = 'bottom'  force = 0.5, -1.0 /\n"
+                 "&load set = 'top'  pressure = 1.0 /\n&contact name = 'f'  set = 'bottom'  friction = 0.9 /\n",
+                 {"force_y_f": 5.0, "force_x_f": -0.5}),
+                ("&mesh size = 4.0, 1.0  cells = 8, 2 /\n&support set = 'top'  ux = 0.1  uy = -0.1 /\n"
+                 "&contact set = 'bottom'  friction = 0.3 /\n" + right.format(4.05) + " /\n", {}),
+                ("&mesh size = 2.0, 0.5  cells = 8, 1 /\n&load set = 'top'  pressure = 1.0 /\n"
+                 "&contact name = 'f'  set = 'bottom'  friction = 0.3 /\n" + right.format(2.0)
+                 + "  multipliers = 'constant'  cells = 2 /\n", {"force_y_f": 2.0})):
+            with self.subTest(deck=deck):
+                found = self.check(material + deck)
+                for key, force in forces.items():
+                    self.assertAlmostEqual(found[key], force, delta=1e-9)
+
+    def test_nodes_that_supports_push_into_a_rigid_obstacle_are_refused(self):
+        mesh = "&mesh size = 4.0, 1.0  cells = 8, 2 /\n&material young = 1000.0  poisson = 0.3 /\n" \
+            "&load set = 'top'  pressure = 1.0 /\n&contact set = 'bottom'  friction = 0.9 /\n"
+        for group, name in (("support set = 'left'  ux = 0.0", "left"),
+                            ("rigid name = 'a'  set = 'left'  ux = 0.0  turn = 0.0", "a")):
+            with self.subTest(group=group):
+                self.check(mesh + f"&{group}  uy = 0.0 /\n")
+                run = self.run_program("--quiet", self.write("case.nml", mesh + f"&{group}  uy = -0.001 /\n"), status=2)
+                self.assertIn(f"the support '{name}' holds the node at 0.0, 0.0 of the contact set 'bottom' 0.001 deep "
+                              "in its rigid obstacle", run.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -13,6 +13,7 @@ module sample_contacts
       recover_displacement
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
+   use amontons_methods, only: solve_components
    use amontons_terminal, only: new_timings, timings_t
    use sample_bodies, only: sample_material
    implicit none (type, external)
@@ -98,9 +99,9 @@ contains
       if (allocated(error)) return
       call new_contact_solution(solution, body%zone%n_points, 1)
       method%tolerance = 1.0e-12_dp
-      call method%solve(problem, solution, error)
+      call solve_components(method, problem, solution, error)
       if (allocated(error)) return
-      call recover_displacement(displacement, body, load_case, solution%displacement)
+      call recover_displacement(displacement, body, load_case, solution%displacement, solution%force)
    end subroutine solve_loaded_body
 
 end module sample_contacts

@@ -11,7 +11,7 @@ $\delta$, and at the end turns by $w$ about a far point, which shifts it on by $
 dissipation and strain energy. All is exact to rounding, but for the turn, which changes the height of the floor by $R
 w^2/2 + w \delta$, $1.5\cdot 10^{-6} y$.
 """
-from benchmark import main
+from benchmark import DECKS, main
 from convergence import ValueTable
 from history_benchmark import HistoryBenchmark
 
@@ -45,6 +45,7 @@ class Jenkins(HistoryBenchmark):
     def test_moving_floor(self):
         table = ValueTable("A floor that moves", ["steps between turns", "motion", "quantity"])
         pressing = NORMAL**2/(2*STIFFNESS)
+        self.write("moving_floor.csv", (DECKS/"moving_floor.csv").read_text(encoding="utf-8"))
         for n in NUMBERS:
             rows = self.steps(self.deck("moving_floor", substeps=n))
             after = {"rise": (0.0, pressing, ROUNDING), "shift": (CYCLE/4, pressing + SPRING, ROUNDING),

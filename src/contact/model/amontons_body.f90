@@ -630,6 +630,11 @@ contains
             own = merge(own, own + moved - body%dof_map%substitution%displacement(own), &
                spread(is_at_rest, 1, size(moved, 1)))
          end do
+         do i = 1, size(body%constraints%rigid)
+            associate (rigid => body%constraints%rigid(i))
+               own(:, rigid%lead(2:)) = rigid%own_unknowns(moved(:, rigid%lead(2:)))
+            end associate
+         end do
          do i = 1, size(own, 2)
             own(:, i) = matmul(transpose(body%constraints%frame(i)), own(:, i))
             do axis = 1, size(own, 1)

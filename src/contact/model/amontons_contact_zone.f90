@@ -57,7 +57,11 @@ module amontons_contact_zone
       logical, allocatable :: is_slip_fixed(:)
          !! the same of each tangential row of C: in a twisted body of those around the axis, too (n_rows - m)
       logical, allocatable :: is_shear_fixed(:) !! whether supports bear its shear along all tangents (m)
-      integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
+      integer, allocatable :: held_node(:)
+         !! contact nodes on rigid obstacles that are no points since supports hold them, or hold them along the normal
+      integer, allocatable :: held_set(:) !! the contact set of each
+      real(dp), allocatable :: held_normal(:, :) !! its unit normal, towards the obstacle (2, any) [-]
+      real(dp), allocatable :: held_arc_length(:) !! length along the line up to it (any) [L]
       integer, allocatable :: shared_node(:)
          !! nodes between two contact sets that are points of the set named first alone
       integer, allocatable :: passed_point(:, :)
@@ -82,7 +86,8 @@ contains
          !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
       integer :: follower(body%mesh%n_nodes), nothing(0), i, k
 
-      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
+      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%held_set(0), zone%held_normal(2, 0), &
+         zone%held_arc_length(0), zone%shared_node(0), &
          zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%is_own(0), zone%is_cell(0), &
          zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
          zone%is_tangent_fixed(0))
@@ -341,6 +346,9 @@ contains
             zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
          else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
+            zone%held_set = [zone%held_set, set]
+            zone%held_normal = reshape([zone%held_normal, normal(:, k)], [2, size(zone%held_node)])
+            zone%held_arc_length = [zone%held_arc_length, along]
          else if (.not. abs(area(k)) > 0.0_dp .or. (area(k) < 0.0_dp .and. .not. is_own)) then
             zone%zero_area_node = [zone%zero_area_node, line%node(k)]
          else
@@ -493,7 +501,6 @@ contains
             zone%node = [zone%node, pack(pair%node, points%is_own)]
             points%position = body%mesh%coordinates(:, pair%node)
          end if
-         zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
          call mark_facing_sides(follower, pair)
       end associate

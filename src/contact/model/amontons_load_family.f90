@@ -11,18 +11,18 @@ module amontons_load_family
    use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
-   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_constraints, only: constraints_t, negligible, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector, spread_total_force, sum_element_loads
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
-   use amontons_text, only: place_text, to_text
+   use amontons_text, only: place_text, short_text, to_text
    implicit none (type, external)
    private
 
@@ -109,6 +109,7 @@ module amontons_load_family
       real(dp), allocatable, private :: largest(:) !! its largest prescribed displacement or expansion (parts) [L]
    contains
       procedure :: at_rest => load_family_at_rest
+      procedure :: check_held_nodes => load_family_check_held_nodes
       procedure :: condense => load_family_condense
       procedure :: contacts_of => load_family_contacts_of
       procedure :: friction_of => load_family_friction_of
@@ -629,6 +630,45 @@ contains
 
       gap = acting%gap - matmul(self%prescribed, acting%factor)
    end function load_family_gap_of
+
+   !> Refuses prescribed displacements that take a node of a contact set into its rigid obstacle: no contact force acts
+   !> on a node that supports hold along the normal.
+   subroutine load_family_check_held_nodes(self, body, acting, error)
+      class(load_family_t), intent(in) :: self !! the family
+      type(body_t), intent(in) :: body !! the body
+      class(acting_t), intent(in) :: acting !! the member
+      type(error_t), allocatable, intent(out) :: error !! names support, node and set
+      type(contact_t), allocatable :: contacts(:)
+      character(:), allocatable :: support
+      real(dp) :: place(2), push, depth(2), largest
+      integer :: i, k
+
+      if (size(body%zone%held_node) == 0) return
+      contacts = self%contacts_of(acting)
+      largest = maxval(maxval(body%mesh%coordinates, dim=2) - minval(body%mesh%coordinates, dim=2))
+      do i = 1, size(body%zone%held_node)
+         associate (node => body%zone%held_node(i), contact => contacts(body%zone%held_set(i)), &
+            normal => body%zone%held_normal(:, i))
+            place = body%mesh%coordinates(:, node)
+            push = dot_product(normal, [(dot_product(acting%factor, [(self%parts(k)%prescribed(1, node), k=1, &
+               size(self%parts))])), dot_product(acting%factor, [(self%parts(k)%prescribed(2, node), k=1, &
+               size(self%parts))])])
+            ! Before and after the displacement. Meshes lie in obstacles by the rounding of their files.
+            depth = [contact%obstacle%depth(place), contact%obstacle%depth(place + push*normal)] &
+               - contact%extra_gap%at(place, body%zone%held_arc_length(i))
+            if (depth(2) <= negligible*abs(push) + max(0.0_dp, min(depth(1), negligible*largest))) cycle
+            associate (holder => self%base%supports(maxval(body%constraints%holder(:, node))))
+               support = holder%set
+               if (len(holder%name) > 0) support = holder%name
+               if (len(support) == 0) support = 'at '//place_text(holder%point)
+               call new_error(error, no_equilibrium, holder%origin//"the support '"//support//"' holds the node at "// &
+                  place_text(place)//" of the contact set '"//contact%set//"' "//short_text(depth(2))// &
+                  ' deep in its rigid obstacle: no contact force can move it out')
+            end associate
+         end associate
+         return
+      end do
+   end subroutine load_family_check_held_nodes
 
    !> The load case of a member, condensed if the family is.
    subroutine load_family_load_case(self, body, acting, load_case)
