@@ -54,10 +54,10 @@ class RigidRims(ProgramTest):
                  "&load set = 'top'  pressure = 1.0 /\n&contact name = 'f'  set = 'bottom'  friction = 0.9 /\n",
                  {"force_y_f": 5.0, "force_x_f": -0.5}),
                 ("&mesh size = 4.0, 1.0  cells = 8, 2 /\n&support set = 'top'  ux = 0.1  uy = -0.1 /\n"
-                 "&contact set = 'bottom'  friction = 0.3 /\n" + right.format(4.05) + " /\n", {}),
+                 "&contact set = 'bottom'  friction = 0.3 /\n" + right.format(4.1) + " /\n", {}),
                 ("&mesh size = 2.0, 0.5  cells = 8, 1 /\n&load set = 'top'  pressure = 1.0 /\n"
                  "&contact name = 'f'  set = 'bottom'  friction = 0.3 /\n" + right.format(2.0)
-                 + "  multipliers = 'constant'  cells = 2 /\n", {"force_y_f": 2.0})):
+                 + "  multipliers = 'constant'  cells = 2 /\n", {})):
             with self.subTest(deck=deck):
                 found = self.check(material + deck)
                 for key, force in forces.items():
