@@ -118,16 +118,6 @@ contains
 
       reason = ''
       error_kind = numerical_failure
-      !$omp critical (texts_of_solver)
-      call self%loads%check_held_nodes(body, acting, error)
-      if (allocated(error)) reason = error%message
-      !$omp end critical (texts_of_solver)
-      if (allocated(error)) then
-         outcome = outcome_no_equilibrium
-         error_kind = no_equilibrium
-         call solution%reset()
-         return
-      end if
       call find_idle_motion(idle, body, problem, solution%displacement, solution%force)
       start = solution
       call solution%reset()
@@ -225,10 +215,12 @@ contains
       logical :: is_near
 
       is_near = solution%is_converged .and. maxval([0.0_dp, abs(solution%displacement)]) <= self%size_of_body
-      if (self%may_spin .or. .not. is_near) then
+      if (self%may_spin .or. .not. is_near .or. size(body%zone%held_node) > 0) then
          ! gfortran 12 keeps the length of the text that a function returns in a place that all threads share.
          !$omp critical (texts_of_solver)
-         call check_spin(body, acting%is_in_reach, problem, solution, is_near, self%size_of_body, error)
+         call self%loads%check_held_nodes(body, acting, error)
+         if (.not. allocated(error) .and. (self%may_spin .or. .not. is_near)) call check_spin(body, &
+            acting%is_in_reach, problem, solution, is_near, self%size_of_body, error)
          if (allocated(error)) reason = error%message
          !$omp end critical (texts_of_solver)
       end if

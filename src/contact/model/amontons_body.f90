@@ -2,7 +2,6 @@
 !> leave free, as displacements of the contact points.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
       new_condensation, new_distributed_condensation
    use amontons_condenser, only: cholesky_t, condenser_t
@@ -776,7 +775,7 @@ contains
       ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
       ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
       n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%zone%n_rows, dp)**2
-      if (.not. body%zone%is_nodal) n_entries = n_entries + real(body%dof_map%n_schur + body%zone%n_rows, dp)**2
+      if (.not. all(body%zone%is_own)) n_entries = n_entries + real(body%dof_map%n_schur + body%zone%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))

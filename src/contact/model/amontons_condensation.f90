@@ -34,7 +34,7 @@ module amontons_condensation
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, squares, &
       triangular_solve
-   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: entries_t, half_bandwidth, reverse_cuthill_mckee, sparse_matrix_t
@@ -105,7 +105,8 @@ module amontons_condensation
          !! [-]
       type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are rows
       real(dp), allocatable :: softness(:)
-         !! springs between (u_N; u_T) and the multipliers; not allocated where rows are independent (components m) [L/F]
+         !! springs between (u_N; u_T) and the multipliers; not allocated where rows are independent (components m)
+         !! [L/F]
       logical :: is_held = .true. !! whether supports alone hold the body
    contains
       procedure :: condense_load => condensation_condense_load

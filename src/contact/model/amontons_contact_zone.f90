@@ -75,8 +75,8 @@ module amontons_contact_zone
 contains
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
-   !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two rigid obstacles is a point
-   !> of each; of a slave and another set it is one of the first of them.
+   !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two rigid obstacles is a
+   !> point of each; of a slave and an earlier set it is one of the latter alone.
    subroutine new_contact_zone(zone, body, contacts, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports

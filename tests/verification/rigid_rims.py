@@ -5,6 +5,8 @@ and the forces of all contact nodes together, and Newton's steps from status to 
 """
 import random
 
+from linear_equations import solve
+
 YOUNG, POISSON = 1000.0, 0.3
 
 
@@ -75,8 +77,8 @@ class Block:
         for element in self.elements:
             x = [self.place[node] for node in element]
             area = 0.5*((x[1][0] - x[0][0])*(x[2][1] - x[0][1]) - (x[2][0] - x[0][0])*(x[1][1] - x[0][1]))
-            slope = [((x[(k + 1) % 3][1] - x[(k + 2) % 3][1])/(2*area), (x[(k + 2) % 3][0] - x[(k + 1) % 3][0])/(2*area))
-                     for k in range(3)]
+            sides = [[x[(k + 2) % 3][i] - x[(k + 1) % 3][i] for i in range(2)] for k in range(3)]
+            slope = [(-side[1]/(2*area), side[0]/(2*area)) for side in sides]
             for a in range(3):
                 for b in range(3):
                     for i in range(2):
@@ -149,7 +151,7 @@ class Block:
                     system[at][at] = 1.0
                     if axis == 1 and now != "open":
                         system[at][at - 1] = -wall.friction*now
-        return eliminate(system)
+        return solve(system)
 
     @staticmethod
     def next_status(y, n, p, point, now):
@@ -165,26 +167,6 @@ class Block:
         if now == "stick":
             return "stick" if abs(shear) <= wall.friction*pressed else 1 if shear > 0.0 else -1
         return now if slip*now >= 0.0 else "stick"
-
-
-def eliminate(system):
-    """Solves linear equations, the right side in the last column, with exchanges of rows."""
-    n = len(system)
-    for k in range(n):
-        pivot = max(range(k, n), key=lambda i: abs(system[i][k]))
-        system[k], system[pivot] = system[pivot], system[k]
-        head = system[k]
-        columns = [j for j in range(k + 1, n + 1) if head[j] != 0.0]
-        for i in range(k + 1, n):
-            row = system[i]
-            if row[k] != 0.0:
-                factor = row[k]/head[k]
-                for j in columns:
-                    row[j] -= factor*head[j]
-    solution = [0.0]*n
-    for k in reversed(range(n)):
-        solution[k] = (system[k][n] - sum(system[k][j]*solution[j] for j in range(k + 1, n)))/system[k][k]
-    return solution
 
 
 def random_block(seed):
