@@ -586,7 +586,7 @@ contains
       do i = 1, r
          stiffness(i, i) = stiffness(i, i) - rho(i)
       end do
-      if (condensation%share > 0.0_dp) stiffness(:, :) = stiffness/(1.0_dp - condensation%share)
+      stiffness(:, :) = stiffness/(1.0_dp - condensation%share)
    end subroutine new_row_condensation
 
    !> Condenses a load q on the displacements v to the load p = G^-1 C M^-1 q on the means w = C v [F].

@@ -160,8 +160,8 @@ contains
          call add_line(zone, set, contact%direction, line, body, follower)
       end if
       if (all(zone%set /= set) .and. all(follower(line%node) > 0)) call new_error(error, input_refused, &
-         'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve where '// &
-         'the other begins, or draw both as one polyline')
+         'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve '// &
+         'where the other begins, or draw both as one polyline')
       call mark_line(follower, line)
    end subroutine add_set
 
@@ -336,7 +336,7 @@ contains
          is_own = follower(line%node(k)) <= 0 .and. body%constraints%rigid_of(line%node(k)) == 0
          i = 0
          if (follower(line%node(k)) > 0) i = point_before(zone, line%node(k), normal(:, k))
-         if (follower(line%node(k)) > 0 .and. (is_taken(k) .and. is_taken(findloc(line%next, k, dim=1)))) then
+         if (is_taken(line, k, follower)) then
             ! Earlier sets have all sides beside it.
             zone%shared_node = [zone%shared_node, line%node(k)]
          else if (i > 0) then
@@ -399,19 +399,20 @@ contains
       points%area = abs(points%area) + line%bare_area(kept(:n))
       zone%node = [zone%node, pack(line%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
-
-   contains
-
-      !> Whether an earlier set has the side, or the part of one, that begins at a place on the line; true without one.
-      pure logical function is_taken(first)
-         integer, intent(in) :: first !! the place, 0 for none
-
-         is_taken = first == 0
-         if (.not. is_taken) is_taken = line%next(first) == 0
-         if (.not. is_taken) is_taken = follower(line%node(first)) == line%node(line%next(first))
-      end function is_taken
-
    end subroutine add_line
+
+   !> Whether earlier sets have a node and all sides of a line, or parts of quadratic ones, beside it.
+   pure logical function is_taken(line, place, follower)
+      type(boundary_line_t), intent(in) :: line !! the line
+      integer, intent(in) :: place !! place of the node on it
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
+      integer :: before
+
+      before = findloc(line%next, place, dim=1)
+      is_taken = follower(line%node(place)) > 0
+      if (line%next(place) > 0) is_taken = is_taken .and. follower(line%node(place)) == line%node(line%next(place))
+      if (before > 0) is_taken = is_taken .and. follower(line%node(before)) == line%node(place)
+   end function is_taken
 
    !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the
    !> earlier one; 0 at a corner and where there is none.
