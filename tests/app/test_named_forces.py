@@ -33,7 +33,7 @@ def random_block(choice):
     # Along the bottom the origin is the corner; moments of tractions on the right side count from there as well.
     load = [traction[0]*SIZE[1] + point[2], traction[1]*SIZE[1] - pressed + point[3],
             SIZE[0]*traction[1]*SIZE[1] - traction[0]*SIZE[1]**2/2 - moment + point[0]*point[3] - point[1]*point[2]]
-    hold = choice.choice(("ux = 0.0", "ux = 0.0  uy = 0.01", "un = -0.01", "ux = 0.0  spring_t = 20.0",
+    hold = choice.choice(("ux = 0.0", "ux = 0.0  uy = 0.03", "un = -0.01", "ux = 0.0  spring_t = 20.0",
                           "spring_n = 30.0  spring_t = 10.0"))
     groups = [f"support set = 'left'  {hold}",
               f"load set = 'right'  traction = {traction[0]!r}, {traction[1]!r}",
@@ -44,7 +44,7 @@ def random_block(choice):
         slide = "ut = 0.0  " if "-0.01" not in hold else ""
         groups.append(f"support name = 'roof'  set = 'top'  {slide}spring_n = {choice.uniform(1.0, 20.0)!r}")
     elif choice.random() < 0.5:
-        groups.append("support point = 4.0, 2.0  ux = 0.002")
+        groups.append("support point = 4.0, 2.0  ux = -0.02")
     tilt = choice.uniform(-0.01, 0.01)
     kind = choice.choice(("plane", "circle"))
     radius = "  radius = 100.0" if kind == "circle" else ""
