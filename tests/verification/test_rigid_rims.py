@@ -62,6 +62,24 @@ class RigidRims(ProgramTest):
                 found = self.check(material + deck)
                 for key, force in forces.items():
                     self.assertAlmostEqual(found[key], force, delta=1e-9)
+        # No bound of S is one of the body, and S alone does not have all solutions.
+        self.write("case.nml", material + "&mesh size = 1.0, 1.0  cells = 1, 1 /\n"
+                   "&rigid name = 'head'  set = 'top'  force = 3.0, -20.0 /\n"
+                   "&contact set = 'bottom'  friction = 0.6 /\n" + right.format(1.001) + " /\n")
+        run = self.run_program("--quiet", "--all-solutions", "case.nml", status=1)
+        self.assertIn("all solutions cannot be found where contact points depend on each other", run.stderr)
+
+    def test_history_of_a_head_between_two_walls_balances_its_energies(self):
+        deck = "&mesh size = 2.0, 4.0  cells = 4, 8 /\n&material young = 1000.0  poisson = 0.3 /\n" \
+            "&support set = 'bottom'  ux = 0.0  uy = 0.0 /\n" \
+            "&rigid name = 'head'  set = 'top'  force = 30.0, -20.0 /\n" \
+            "&contact name = 'r'  set = 'right'  friction = 0.2  point = 2.1, 0.0  normal = -1.0, 0.0 /\n" \
+            "&contact name = 'l'  set = 'left'  friction = 0.2  point = -0.1, 0.0  normal = 1.0, 0.0 /\n" \
+            "&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4 /\n" \
+            "&steps load = 'head'  factor = 0.0, 1.0, -1.0, 0.5 /\n"
+        self.check(deck)
+        # Two identities hold in each step to the tolerance of its solution.
+        self.assertLess(self.result("case").summary["load_history"]["energy_identities"], 1e-8)
 
     def test_nodes_that_supports_push_into_a_rigid_obstacle_are_refused(self):
         mesh = "&mesh size = 4.0, 1.0  cells = 8, 2 /\n&material young = 1000.0  poisson = 0.3 /\n" \

@@ -102,10 +102,11 @@ contains
          .and. all(known%has_slip_bound .eqv. uniqueness%has_slip_bound)
       if (is_known) then
          uniqueness = known
-      else if (problem%n_points > 0 .and. problem%matrix%n <= most_rows) then
+      else if (problem%n_points > 0 .and. problem%matrix%n <= most_rows .and. .not. allocated(problem%softness)) then
          call bound_friction(uniqueness, problem)
       end if
-      ! Without Coulomb friction the problem is a convex program, and S determines the forces.
+      ! Without Coulomb friction the problem is a convex program, and S determines the forces, but for those that points
+      ! which depend on each other share.
       uniqueness%is_unique = problem%matrix%has_stiffness() .and. .not. any(problem%friction > 0.0_dp)
       if (uniqueness%has_bound) uniqueness%is_unique = uniqueness%is_unique .or. uniqueness%is_for_any &
          .or. maxval(problem%friction) < uniqueness%friction
@@ -357,6 +358,9 @@ contains
       if (problem%matrix%n_tangents == 2) then
          call new_error(error, input_refused, 'all solutions can be found in the plane only: friction in space is '// &
             'no linear complementarity problem')
+      else if (allocated(problem%softness)) then
+         call new_error(error, input_refused, 'all solutions cannot be found where contact points depend on each '// &
+            'other, as at a corner between two obstacles or on a rigid set: their forces have no single value')
       else if (problem%n_points > most) then
          call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &
             ' contact points'//trim(merge(' where a slip bound is given', repeat(' ', 28), most < most_points))// &

@@ -169,6 +169,8 @@ contains
       call problem%matrix%multiply_stiffness(v, force)
       energy = dot_product(v, 0.5_dp*force + matmul(self%strain_row, factor)) &
          + 0.5_dp*dot_product(factor, matmul(self%strain, factor))
+      ! What S stores in springs is not in the body.
+      if (allocated(problem%softness)) energy = energy - 0.5_dp*sum(problem%softness*force**2)
    end function energy_form_strain_energy
 
    !> Work of the loads with given factors on a change of the field [F L].
