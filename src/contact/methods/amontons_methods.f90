@@ -146,7 +146,8 @@ contains
    end subroutine solve_components
 
    !> Solves a problem whose points depend on each other, by proximal steps: the springs between them and the body are
-   !> strained by the change of the forces alone, S v = q + S E lambda_0 - lambda, and then not at all.
+   !> strained by the change of the forces alone, S v = q + S E lambda_0 - lambda, and then not at all. The first step has
+   !> lambda_0 = 0, so that which of many forces are found does not depend on the starting point.
    recursive subroutine solve_without_springs(method, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -156,14 +157,16 @@ contains
       integer, parameter :: n_steps = 20
       type(contact_problem_t) :: step
       type(contact_solution_t) :: before
+      real(dp) :: center(problem%matrix%n)
       integer :: i
 
       step = problem
       deallocate (step%softness)
+      center = 0.0_dp
       call solution%reset()
       do i = 1, n_steps
          before = solution
-         call problem%matrix%multiply_stiffness(problem%softness*solution%force, step%load)
+         call problem%matrix%multiply_stiffness(problem%softness*center, step%load)
          step%load = problem%load + step%load
          call solve_components(method, step, solution, error)
          if (allocated(error)) return
@@ -173,6 +176,7 @@ contains
          solution%is_converged = solution%residual <= method%tolerance
          if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
          if (solution%is_converged) return
+         center = solution%force
       end do
    end subroutine solve_without_springs
 
