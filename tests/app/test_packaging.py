@@ -25,13 +25,20 @@ class Packaging(ProgramTest):
         self.version = self.run_program("--version").stdout.split()[1]
 
     def test_every_file_has_the_version_of_the_program(self):
-        for name, pattern in (("CITATION.cff", r"^version: (.*)$"),
-                              ("packaging/spack/package.py", r'version\("(.*)"\)'),
+        for name, pattern in (("packaging/spack/package.py", r'version\("(.*)"\)'),
                               ("packaging/conda-forge/recipe.yaml", r'^  version: "(.*)"$')):
             self.assertEqual(re.findall(pattern, text(name), re.MULTILINE), [self.version], name)
         # A wheel takes its version from where the program has it.
         pattern, = re.findall(r"^regex = '(.*)'$", text("pyproject.toml"), re.MULTILINE)
         self.assertEqual(re.search(pattern, text("CMakeLists.txt"))["value"], self.version)
+
+    def test_citation_is_of_the_last_release(self):
+        # The newest section of the changelog is that of the program, the newest dated one that of the last release.
+        sections = re.findall(r"^## \[(.*)\] - (.*)$", text("CHANGELOG.md"), re.MULTILINE)
+        self.assertEqual(sections[0][0], self.version)
+        released = next(section for section in sections if section[1] != "Unreleased")
+        self.assertEqual(re.findall(r"^(?:version|date-released): (.*)$", text("CITATION.cff"), re.MULTILINE),
+                         list(released))
 
     def test_page_asks_for_the_present_version(self):
         for name in ("doc/library.md", "doc/examples/CMakeLists.txt"):
