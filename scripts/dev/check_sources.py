@@ -8,6 +8,7 @@ Usage: check_sources.py [ROOT]
   at every dummy argument and component, one per declaration. Interfaces of foreign procedures are exempt.
 * What `use, only` and `import` name is used, and a private procedure is called, in src/. A public name of a module in
   src/, other than the two that users take, is one that another module or a test takes.
+* A constant that is a tolerance, a small number, has its reason in a comment above it or behind it.
 * The library neither stops nor prints; nothing passes through a preprocessor.
 """
 import re
@@ -43,6 +44,9 @@ SEARCH_IN_SECTION = re.compile(
 USE = re.compile(r"(?:use\b[^:]*(?:::)?\s*\w+\s*,\s*only\s*:|import\s*::)(?P<names>.*)")
 # A component, a binding or the name of an argument in a call: not what an import or a procedure of that name is.
 OTHER_NAME = re.compile(r"%\s*\w+|(?<=[(,])\s*\w+\s*=(?![=>])")
+# Constants that are small numbers: negative powers of ten, or some rounding errors of 1.
+CONSTANTS = re.compile(r"\s*(?:real|double)\b.*\bparameter\b.*?::(.*)")
+SMALL = re.compile(r"\s*(\w+)[^=]*=.*(?:\de-\d|\bepsilon\()")
 C_STOP_OR_PRINT = re.compile(r"\b(?:printf|fprintf|puts|putchar|perror|exit|abort|assert)\s*\(")
 
 
@@ -248,6 +252,16 @@ def length_faults(statements):
             begun.pop()
 
 
+def tolerances_of(lines):
+    """Yields line number and names of each declaration of tolerances, and whether a comment gives a reason."""
+    for number, (code, comment) in enumerate(split_comments(lines), start=1):
+        match = CONSTANTS.match(code.lower())
+        parts = re.split(r",(?=\s*\w+(?:\([^()]*\))?\s*=)", match[1]) if match else []
+        if names := [small[1] for part in parts if (small := SMALL.match(part))]:
+            above = lines[number - 2].strip() if number > 1 else ""
+            yield number, names, any(text.startswith(("! ", "!> ")) for text in (comment, above))
+
+
 def faults_of_file(path, root=ROOT):
     """Yields line number and text of every fault of one file."""
     lines = path.read_text(encoding="utf-8").splitlines()
@@ -273,6 +287,9 @@ def faults_of_file(path, root=ROOT):
         yield from comment_faults(statements)
         yield from import_faults(statements, lines)
         yield from call_faults(statements)
+        for number, names, has_reason in tolerances_of(lines):
+            if not has_reason:
+                yield number, f"a tolerance without its reason: {', '.join(names)}"
     if in_library:
         for s in statements:
             if STOP_OR_PRINT.search(s.code):

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Prints two measures of the sources: code lines of src/, and modules that the smallest run enters.
+"""Prints measures of the sources: code lines and tolerances of src/, and modules that the smallest run enters.
 
-A code line is a line of a Fortran file that is neither blank nor only a comment. The run is that of
+A code line is a line of a Fortran file that is neither blank nor only a comment; a tolerance is a constant that is a
+small number, counted by declarations. The run is that of
 input/long_bar_1.nml on one thread, watched by `valgrind --tool=callgrind`; a module is entered where any of its
 procedures is called. The program is that of a release build, build/release/bin/amontons unless another is given.
 
@@ -17,17 +18,21 @@ import sys
 import tempfile
 from pathlib import Path
 
+from check_sources import tolerances_of
+
 ROOT = Path(__file__).resolve().parents[2]
 DECK = ROOT/"input"/"long_bar_1.nml"
 MODULE = re.compile(r"\b__(amontons_\w+?)_MOD_")
 
 
 def count_lines():
-    """Returns the code lines of src/ and the number of its modules."""
+    """Returns the code lines of src/, the number of its modules and that of its declarations of tolerances."""
     files = sorted((ROOT/"src").rglob("*.f90"))
-    lines = [line.strip() for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    texts = [file.read_text(encoding="utf-8").splitlines() for file in files]
+    lines = [line.strip() for text in texts for line in text]
     modules = {file.name.split(".")[0] for file in files if file.name.startswith("amontons_")}
-    return sum(1 for line in lines if line and not line.startswith("!")), len(modules)
+    return sum(1 for line in lines if line and not line.startswith("!")), len(modules), \
+        sum(len(list(tolerances_of(text))) for text in texts)
 
 
 def entered_modules(program):
@@ -43,8 +48,8 @@ def entered_modules(program):
 def main(arguments):
     """Prints the numbers; returns the exit status."""
     program = Path(arguments[0] if arguments else ROOT/"build"/"release"/"bin"/"amontons")
-    n_lines, n_modules = count_lines()
-    print(f"{n_lines} lines of code in {n_modules} modules")
+    n_lines, n_modules, n_tolerances = count_lines()
+    print(f"{n_lines} lines of code in {n_modules} modules; {n_tolerances} declarations of tolerances")
     if not (program.is_file() and shutil.which("valgrind")):
         print("the modules of the smallest run need valgrind and a release build", file=sys.stderr)
         return 1

@@ -9,12 +9,16 @@ A table stands between two lines that begin with <!-- from and <!-- end. What it
     amontons.1 SECTION              the paragraphs of a section of the manual page, each below its heading
     sources: NAME                   comments of the sources, `!=NAME names | unit | meaning`, in the order of the files;
                                     a line that begins with `!=   ` continues the one before
+    tolerances shared               the constants of `amontons_rounding`, their values and the comments above them
+    tolerances own                  the names of those of other modules, by rooms
 """
 import difflib
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+from check_sources import tolerances_of
 
 ROOT = Path(__file__).resolve().parents[2]
 # What it is from, its head, its rows.
@@ -55,6 +59,26 @@ def rows_of_comments(name):
         yield from (f"| {row} |" for row in re.findall(rf"^ *!={re.escape(name)} (.*)$", text, re.MULTILINE))
 
 
+def rows_of_tolerances(kind):
+    """The rows of the constants that modules share, or of the rooms whose modules have their own."""
+    shared = ROOT / "src" / "base" / "amontons_rounding.f90"
+    if kind == "shared":
+        found = re.findall(r"((?: *!> .*\n)+) *real\(dp\), parameter, public :: (\w+) = (\S+)_dp$",
+                           shared.read_text(encoding="utf-8"), re.MULTILINE)
+        for comment, name, value in found:
+            reason = " ".join(line.strip().removeprefix("!> ") for line in comment.splitlines())
+            yield f"| `{name}` | {value.replace('1.0e', '1e')} | {reason} |"
+        return
+    rooms = {}
+    for file in sorted((ROOT / "src").rglob("*.f90")):
+        lines = file.read_text(encoding="utf-8").splitlines()
+        if file != shared and (names := [name for _, part, _ in tolerances_of(lines) for name in part]):
+            words = ", ".join(f"`{name}`" for name in dict.fromkeys(names))
+            rooms.setdefault(file.parent.relative_to(ROOT / "src"), []).append(
+                f"{file.stem.removeprefix('amontons_')} {words}")
+    yield from (f"| `{room}` | {'; '.join(parts)} |" for room, parts in sorted(rooms.items()))
+
+
 def main():
     """Returns the exit status."""
     bodies, shown, status = reference(sys.argv[1]), [], 0
@@ -64,7 +88,8 @@ def main():
         if kind == "amontons":
             shown.append(names[-1])
             return match[1] + " -->\n" + bodies[names[-1]]
-        rows = rows_of_manual(" ".join(names)) if kind == "amontons.1" else rows_of_comments(*names)
+        rows = {"amontons.1": lambda: rows_of_manual(" ".join(names)), "sources:": lambda: rows_of_comments(*names),
+                "tolerances": lambda: rows_of_tolerances(*names)}[kind]()
         return match[1] + match[2] + "\n".join(rows) + "\n"
 
     for page in sorted((ROOT / "doc").glob("*.md")):

@@ -232,7 +232,7 @@ contains
       class(condenser_t), intent(inout) :: self !! the condenser; loses the known loads
       real(dp), intent(in) :: solutions(:, :) !! what its factor makes of these (n, 2)
       type(error_t), allocatable, intent(out) :: error !! the matrix is singular to rounding
-      real(dp), parameter :: most = 1.0e-2_dp
+      real(dp), parameter :: most = 1.0e-2_dp ! between both of these numbers
       integer :: i
 
       deallocate (self%known_load)

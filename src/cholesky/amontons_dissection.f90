@@ -13,6 +13,7 @@ module amontons_dissection
    use amontons_integer_list, only: fill_bins, integer_list_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dgemv, dtrsm, dtrsv
+   use amontons_rounding, only: computed_rounding
    use amontons_sparse_matrix, only: graph_t, positions, sparse_matrix_t
    use amontons_threads, only: n_threads
    implicit none (type, external)
@@ -37,8 +38,6 @@ module amontons_dissection
    integer, parameter :: leaf_size = 8
    !> Domains of more supervariables are a task for a thread of its own.
    integer, parameter :: task_size = 4000
-   !> Distance between positions that is taken for a rounding error, relative to the bounding box.
-   real(dp), parameter :: margin = 1.0e-9_dp
 
    !> Blocks of at most so many columns are faster without BLAS, whose calls have a lock for all threads; measured.
    integer, parameter :: most_narrow = 16
@@ -188,12 +187,12 @@ contains
       allocate (is_before(size(place, 2)), source=.false.)
       if (size(place, 2) == 0) return
       extent = [(maxval(place(k, :)) - minval(place(k, :)), k=1, 2)]
-      across = merge(2, 1, extent(2) > (1.0_dp + margin)*extent(1))
+      across = merge(2, 1, extent(2) > (1.0_dp + computed_rounding)*extent(1))
       if (.not. extent(across) > 0.0_dp) return
       cut = median(place(across, :))
       ! A little before the median, so that rounding errors do not divide a row of places on one line.
-      is_before = place(across, :) < cut - margin*extent(across)
-      if (.not. any(is_before)) is_before = place(across, :) < cut + margin*extent(across)
+      is_before = place(across, :) < cut - computed_rounding*extent(across)
+      if (.not. any(is_before)) is_before = place(across, :) < cut + computed_rounding*extent(across)
       if (all(is_before)) is_before = place(across, :) < cut
    end subroutine cut_places
 

@@ -5,6 +5,7 @@ module amontons_boundary
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
+   use amontons_rounding, only: input_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -38,8 +39,6 @@ contains
          !! no such set, more than two of its sides meet in a node, or two fold back on each other
       type(materials_t), intent(in), optional :: materials
          !! materials of the elements, which give the depth; it is 1 without them
-      ! Length of the sum of two unit normals that cancel but for the digits of a mesh file.
-      real(dp), parameter :: negligible = 1.0e-6_dp
       type(face_t), allocatable :: faces(:)
       integer, allocatable :: after(:), before(:)
       real(dp) :: length
@@ -85,7 +84,7 @@ contains
       call measure_faces(line, faces, mesh, materials)
       do i = 1, line%n_nodes
          length = norm2(line%normal(:, i))
-         if (.not. length > negligible*line%weight(i)) then
+         if (.not. length > input_rounding*line%weight(i)) then
             associate (position => mesh%coordinates(:, line%node(i)))
                call new_error(error, input_refused, "the sides of the set '"//set//"' fold back on each other at "// &
                   'the node '//to_text(position(1))//', '//to_text(position(2))//', which leaves it no normal')

@@ -315,7 +315,7 @@ contains
    !> Von Mises stress of a stress tensor [F/L^2].
    pure real(dp) function von_mises(stress)
       real(dp), intent(in) :: stress(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
-      real(dp), parameter :: least = tiny(least)/epsilon(least)
+      real(dp), parameter :: least = tiny(least)/epsilon(least) ! smaller squares lose digits
       real(dp) :: square
       integer :: power
 

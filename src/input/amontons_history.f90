@@ -8,6 +8,7 @@ module amontons_history
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, names_text
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_motion, load_t
+   use amontons_rounding, only: computed_rounding, difference_rounding, input_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -193,14 +194,13 @@ contains
       nearest = self%planned(minloc(abs(self%planned - time), dim=1))
    end function history_nearest_planned_time
 
-   !> Number of complete cycles within the history, at most the number of planned steps.
+   !> Number of complete cycles within the history, at most the number of planned steps. One that ends behind the last
+   !> time by rounding is complete.
    pure integer function history_n_cycles(self) result(n)
       class(history_t), intent(in) :: self !! the history, with a period
-      ! A cycle that ends this little behind the last time, over its length, is whole.
-      real(dp), parameter :: rounding = 1.0e-6_dp
 
       n = int(max(0.0_dp, min(real(size(self%planned), dp), (self%times(size(self%times)) - self%cycles(1)) &
-         /self%period + rounding)))
+         /self%period + input_rounding)))
    end function history_n_cycles
 
    !> The times at which cycles begin and end, which are times of planned steps; empty without cycles [-].
@@ -224,7 +224,6 @@ contains
       integer, intent(in) :: which !! index of the change
       real(dp), intent(in) :: time !! the time, not outside of the history [-]
       real(dp), allocatable :: numbers(:)
-      real(dp), parameter :: rounding = 4.0_dp*epsilon(1.0_dp)
       real(dp) :: share
       integer :: next
 
@@ -236,7 +235,7 @@ contains
          share = (time - times(next - 1))/(times(next) - times(next - 1))
          numbers = values(:, next - 1) + share*(values(:, next) - values(:, next - 1))
          ! A number that passes 0 at this time leaves the rounding errors of both: a load that is none must be 0.
-         where (abs(numbers) <= rounding*(1.0_dp + maxval(abs(times))/(times(next) - times(next - 1))) &
+         where (abs(numbers) <= difference_rounding*(1.0_dp + maxval(abs(times))/(times(next) - times(next - 1))) &
             *(abs(values(:, next - 1)) + abs(values(:, next)))) numbers = 0.0_dp
       end associate
    end function history_numbers
@@ -386,8 +385,6 @@ contains
       real(dp), allocatable :: ends(:)
       real(dp) :: nearest, before
       integer :: i
-      ! How far the end of a cycle may be from that of a planned step, over the whole history.
-      real(dp), parameter :: near = 1.0e-9_dp
 
       if (.not. visitor%deck%is_sound(visitor%place)) return
       ends = history%cycles
@@ -401,7 +398,7 @@ contains
       before = -huge(1.0_dp)
       do i = 1, size(ends)
          nearest = history%nearest_planned_time(ends(i))
-         call visitor%require(nearest > before .and. abs(nearest - ends(i)) <= near*(history%times(size( &
+         call visitor%require(nearest > before .and. abs(nearest - ends(i)) <= computed_rounding*(history%times(size( &
             history%times)) - history%times(1)), 'cycles', 'no planned step ends at '//to_text(ends(i))// &
             ', where a cycle should begin or end; the nearest ends at '//to_text(nearest))
          if (.not. visitor%deck%is_sound(visitor%place)) return

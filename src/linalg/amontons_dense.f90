@@ -5,6 +5,7 @@ module amontons_dense
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dgemv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
+   use amontons_rounding, only: sum_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -17,9 +18,6 @@ module amontons_dense
    interface cholesky_solve
       module procedure :: cholesky_solve_vector, cholesky_solve_matrix
    end interface cholesky_solve
-
-   !> Rounding error of a number that should be 0, over the numbers from which it was computed.
-   real(dp), parameter :: negligible = 1.0e-13_dp
 
 contains
 
@@ -54,7 +52,7 @@ contains
       real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix, both triangles (n, n); on return L in the lower one
       real(dp), intent(in) :: scales(:) !! the diagonal D, positive (n)
       logical, intent(out) :: is_regularized !! whether r is not 0
-      real(dp), parameter :: least = 1.0e-12_dp, growth = 100.0_dp
+      real(dp), parameter :: least = 1.0e-12_dp, growth = 100.0_dp ! first well above the rounding of a pivot
       real(dp) :: diagonal(size(scales)), regularization
       integer :: i, info
 
@@ -273,12 +271,12 @@ contains
       is_full = .false.
       remainder = vector
       do step = 1, 3*size(columns, 2)
-         if (norm2(remainder) <= negligible*norm2(vector)) exit
+         if (norm2(remainder) <= sum_rounding*norm2(vector)) exit
          gain = matmul(remainder, unit)
          where (is_full) gain = -gain
          i = maxloc(gain, dim=1, mask=.not. is_used .and. most > 0.0_dp)
          if (i == 0) exit
-         if (gain(i) <= negligible*norm2(remainder)) exit
+         if (gain(i) <= sum_rounding*norm2(remainder)) exit
          is_used(i) = .true.
          factor(i) = merge(longest(i), 0.0_dp, is_full(i))
          is_full(i) = .false.
@@ -297,8 +295,8 @@ contains
                share = min(share, abs(bound - factor(i))/max(abs(trial(i) - factor(i)), tiny(share)))
             end do
             factor = factor + share*(trial - factor)
-            is_full = is_full .or. (is_used .and. factor >= (1.0_dp - negligible)*longest)
-            is_used = is_used .and. .not. is_full .and. factor > negligible*maxval(factor)
+            is_full = is_full .or. (is_used .and. factor >= (1.0_dp - sum_rounding)*longest)
+            is_used = is_used .and. .not. is_full .and. factor > sum_rounding*maxval(factor)
             factor = merge(factor, 0.0_dp, is_used)
          end do
          factor = trial

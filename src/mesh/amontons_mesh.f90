@@ -10,6 +10,7 @@ module amontons_mesh
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp, int64
+   use amontons_rounding, only: difference_rounding
    use amontons_text, only: lower_case, nearest_word, to_text
    implicit none (type, external)
    private
@@ -143,8 +144,6 @@ contains
    pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
-      ! Rounding errors of a product of two differences of coordinates.
-      real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp)
       ! From values at equal distances to Bernstein coefficients of cubic polynomials.
       real(dp), parameter :: to_bernstein(4, 4) = reshape([6.0_dp, -5.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 18.0_dp, -9.0_dp, &
          0.0_dp, 0.0_dp, -9.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, -5.0_dp, 6.0_dp], [4, 4])/6.0_dp
@@ -156,8 +155,8 @@ contains
 
       kind = self%element_kind(element)
       associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)))
-         least = min(rounding*dot_product(maxval(abs(x), dim=2), abs(cshift(maxval(x, dim=2) - minval(x, dim=2), 1))), &
-            huge(least))
+         least = min(difference_rounding*dot_product(maxval(abs(x), dim=2), &
+            abs(cshift(maxval(x, dim=2) - minval(x, dim=2), 1))), huge(least))
       end associate
       n = jacobian_degree(kind) + 1
       do j = 1, n

@@ -172,7 +172,7 @@ contains
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      real(dp), parameter :: known_share = 1.0e-2_dp
+      real(dp), parameter :: known_share = 1.0e-2_dp ! 1e-10 over 1e-8, see below
       real(dp) :: at_points(body%zone%n_rows), motion(body%zone%n_rows - body%zone%n_points), length, &
          slip_scales(size(slip_keys))
       integer :: i

@@ -329,8 +329,6 @@ contains
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      ! Rounding error of a gap of 0, made of sums and differences of coordinates, over the largest coordinate.
-      real(dp), parameter :: rounding = 1.0e-12_dp
       integer :: i, n_free, p, k
       integer, allocatable :: held(:)
       logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
@@ -383,7 +381,7 @@ contains
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          p = minloc(load_case%gap, dim=1)
          if (p == 0) return
-         if (.not. -load_case%gap(p) > rounding*maxval(abs(body%mesh%coordinates))) return
+         if (.not. load_case%gap(p) < 0.0_dp) return
          text = text//labeled('Note', trim(merge('the bodies overlap            ', 'the body overlaps the obstacle', &
             zone%pairs(zone%set(p))%is_set()))//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')// &
             ' at the start')

@@ -22,7 +22,7 @@ module amontons_key_results
    use amontons_model_warnings, only: body_size
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
-   use amontons_rounding, only: exceeds
+   use amontons_rounding, only: computed_rounding, exceeds, first_largest, input_rounding, sum_rounding
    use amontons_stress_field, only: von_mises
    implicit none (type, external)
    private
@@ -248,9 +248,6 @@ contains
       ! Which slips are used where three, four, or five points and more in a row slip: if possible two corners or two
       ! middles.
       integer, parameter :: slips(2, fewest:most) = reshape([2, 3, 2, 4, 3, 5], shape(slips))
-      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force; one as
-      ! small beside the lengths, what it leaves of coordinates.
-      real(dp), parameter :: negligible = 1.0e-6_dp, rounding = 1.0e-12_dp
       ! Powers of the stress over the distance from the end: where it grows towards it, and where it falls.
       real(dp), parameter :: falling = 2.0_dp/3.0_dp, growing = 2.0_dp
       real(dp) :: outer, inner
@@ -273,7 +270,8 @@ contains
          zone_end = max(bound(n - 1), min(arc(1), zone_end))
       end if
       if (.not. is_growing .and. n_growing(gap) >= gaps(3)) then
-         if (gap(1) > max(negligible*gap(2), rounding*(arc(gaps(3)) - arc(0)))) zone_end = max(bound(n - 1), &
+         ! A smaller gap may be what rounding leaves of a point that touches without force.
+         if (gap(1) > max(input_rounding*gap(2), sum_rounding*(arc(gaps(3)) - arc(0)))) zone_end = max(bound(n - 1), &
             min(arc(1), extrapolated_zero(arc(gaps), gap(gaps))))
       end if
       n = min(n_growing(slip), most)
@@ -440,8 +438,6 @@ contains
       real(dp), intent(in) :: bound(:) !! slip bounds g + phi lambda_N of the tangential forces (m) [F]
       real(dp), intent(in) :: motion(:) !! gaps and slips of the points (2m) [L]
       real(dp), intent(in) :: displacement(:) !! displacements of the points, normal and tangential (2m) [L]
-      ! Slips that are as small beside the displacements are what rounding leaves of none.
-      real(dp), parameter :: rounding = 1.0e-12_dp
       type(trace_t) :: trace
       real(dp), allocatable :: slip(:)
       logical :: has_middles
@@ -461,7 +457,7 @@ contains
       trace%n_summed = merge(2, 1, has_middles)
       trace%gap = 0.0_dp*motion(:m)
       if (has_middles) trace%slip = merge(slip, 0.0_dp, (status == slip_plus .or. status == slip_minus .or. &
-         status == slip_point) .and. abs(slip) > rounding*maxval(abs(displacement)))
+         status == slip_point) .and. abs(slip) > sum_rounding*maxval(abs(displacement)))
       ! Without friction rounding makes a point stick or slip.
       call find_intervals(stuck, body%zone, status == stick_point .and. bound > 0.0_dp, trace)
    end subroutine find_zones
@@ -572,11 +568,10 @@ contains
       type(quantity_t), intent(inout) :: quantity !! 0, with its scale; gains value and place
       real(dp), intent(in) :: values(:) !! the values (any)
       real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
-      real(dp), parameter :: rounding = 1.0e-9_dp
       integer :: i
 
-      if (.not. any(values > rounding*quantity%scale)) return
-      i = findloc(values >= (1.0_dp - rounding)*maxval(values), .true., dim=1)
+      if (.not. any(values > computed_rounding*quantity%scale)) return
+      i = first_largest(values)
       quantity%value = values(i)
       quantity%place = places(:, i)
    end subroutine find_peak

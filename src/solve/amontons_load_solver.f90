@@ -281,7 +281,7 @@ contains
       type(contact_solution_t), intent(inout) :: solution
          !! a solution, or one that is not converged for rounding errors; improved if it can be
       integer, parameter :: most_steps = 4
-      real(dp), parameter :: least_gain = 0.5_dp, explained = 10.0_dp, few_digits = 1.0e-6_dp
+      real(dp), parameter :: least_gain = 0.5_dp, explained = 10.0_dp, few_digits = 1.0e-6_dp ! digits of a force
       type(contact_problem_t) :: change
       type(contact_solution_t) :: next
       type(load_case_t) :: load_case
@@ -412,7 +412,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem, posed
       type(contact_solution_t), intent(in) :: solution !! displacements and forces
       real(dp), intent(in) :: carried_force !! largest sum of the points' forces before [F]
-      real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp), rounding_share = 1.0e-5_dp
+      real(dp), parameter :: rounding = 100.0_dp*epsilon(1.0_dp), rounding_share = 1.0e-5_dp ! of coordinates, of forces
       real(dp), dimension(problem%matrix%n) :: motion, strains
       type(contact_problem_t) :: counted
       real(dp) :: scale, of_coordinates
@@ -494,7 +494,7 @@ contains
       real(dp), intent(in) :: size_of_body !! the larger side of the bounding box of the mesh [L]
       real(dp), allocatable :: on_round(:, :), spins(:, :)
       real(dp) :: rounding
-      real(dp), parameter :: of_loads = 1.0e-13_dp
+      real(dp), parameter :: of_loads = 1.0e-13_dp ! the rounding of sums of loads
       logical :: is_driven
       integer :: trial
 
@@ -634,7 +634,7 @@ contains
       ! With more points this would take minutes.
       real(dp), parameter :: weak(*) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp, 1.0e-9_dp, 1.0e-11_dp]
       integer, parameter :: most_points = 2000
-      real(dp), parameter :: most_residual = 1.0e-6_dp, far = 10.0_dp
+      real(dp), parameter :: most_residual = 1.0e-6_dp, far = 10.0_dp ! of a solution that is near enough
       type(contact_solution_t) :: found
       type(error_t), allocatable :: error
       real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), inexact

@@ -13,7 +13,7 @@ module amontons_model_warnings
    use amontons_mesh, only: find_set, number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing
-   use amontons_rounding, only: exceeds
+   use amontons_rounding, only: exceeds, input_rounding
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, pair_text, short_text, to_text
@@ -153,12 +153,10 @@ contains
       character(*), intent(in) :: what !! support or load
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: point(2) !! the point [L]
-      ! Rounding error of a distance of 0 in mesh files, over the size of the bodies.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: reach
       integer :: n
 
-      reach = rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
+      reach = input_rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
       n = count(hypot(coordinates(1, :) - point(1), coordinates(2, :) - point(2)) <= reach)
       if (n > 1) call warnings%add('the '//what//' at the point '//warnings%place(point)//' acts on one node, of '// &
          to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
@@ -170,8 +168,6 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       integer, intent(in) :: set !! number of the contact set, which has points
-      ! Largest rounding error of a depth of 0, as a share of the body's size.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       character(:), allocatable :: name
       logical :: is_of_set(body%zone%n_points), crosses
       real(dp) :: place(2)
@@ -198,7 +194,7 @@ contains
          call add_table_warning(warnings, name//'friction_table', load_case%contacts(set)%friction, zone, set)
          call add_table_warning(warnings, name//'slip_bound_table', load_case%contacts(set)%slip_bound, zone, set)
          call add_table_warning(warnings, name//'gap_table', load_case%contacts(set)%extra_gap, zone, set)
-         associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
+         associate (n_buried => count(is_of_set .and. load_case%depth > input_rounding*size))
             if (n_buried > 0) call warnings%add(name//'left open inside the obstacle: '// &
                counted(n_buried, 'point')//'; their normals do not meet its surface, or at more than '// &
                '84 degrees; check set and obstacle')
@@ -316,8 +312,6 @@ contains
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: gap(:) !! gaps of its points, with what the deck adds [L]
       real(dp), intent(in) :: extra_gap(:) !! addition of the deck [L]
-      ! Rounding error of a gap of 0 in mesh files, over the longest side.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       ! Gaps larger than the bulge of sides by this factor are well resolved.
       real(dp), parameter :: resolved = 10.0_dp
       character(:), allocatable :: name
@@ -327,11 +321,11 @@ contains
       name = pair%label//': '
       bulge = largest_bulge(pair%slave) + largest_bulge(pair%master)
       overlap = maxval(extra_gap - gap)
-      if (bulge > rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
+      if (bulge > input_rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
          call warnings%add(name//'gaps and interference of up to '// &
             warnings%number(maxval(abs(gap)), 'L')//' are not much larger than the distance between the two '// &
             'polygons ('//warnings%number(bulge, 'L')//"): refine, use quadratic elements, or gap = 'touching'")
-      else if (overlap > rounding*pair%slave%longest) then
+      else if (overlap > input_rounding*pair%slave%longest) then
          call warnings%add(name//'the meshes overlap by up to '// &
             warnings%number(overlap, 'L')//' before any load: give '// &
             "extra_gap for an interference, or gap = 'touching'")

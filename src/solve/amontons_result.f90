@@ -16,6 +16,7 @@ module amontons_result
    use amontons_loads, only: add_point_forces, load_on_nodes
    use amontons_methods, only: method_options_t
    use amontons_quantity, only: quantity_t
+   use amontons_rounding, only: result_rounding
    use amontons_stress_field, only: error_estimate_t, stress_field_t
    use amontons_terminal, only: timings_t
    use amontons_text, only: pair_text
@@ -271,8 +272,6 @@ contains
       type(result_t), intent(inout) :: result !! the result on the finest mesh; gains the judgments, and a warning
       type(body_t), intent(in) :: body !! its body
       real(dp), intent(in) :: values(:, :) !! `refined_quantities` of each mesh, a column for a mesh, the coarsest first
-      ! Residuals of the contact problem are at most 1e-10 of the largest force; rounding is some ten times as large.
-      real(dp), parameter :: rounding = 1.0e-8_dp
       type(quantity_t), allocatable :: list(:)
       type(error_t), allocatable :: error
       character(:), allocatable :: names
@@ -307,7 +306,7 @@ contains
       do i = 1, size(list)
          result%convergence(i)%quantity = list(i)
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
-            rounding*max(maxval(abs(values(i, :))), list(i)%scale))
+            result_rounding*max(maxval(abs(values(i, :))), list(i)%scale))
          if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
          node = body%mesh%nearest_node(list(i)%place)
          if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &

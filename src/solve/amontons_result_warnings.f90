@@ -16,7 +16,7 @@ module amontons_result_warnings
    use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
-   use amontons_rounding, only: exceeds
+   use amontons_rounding, only: exceeds, result_rounding
    use amontons_text, only: counted, pair_text, to_text
    implicit none (type, external)
    private
@@ -298,15 +298,13 @@ contains
       type(body_t), intent(in) :: body !! the body
       ! Largest couple without a warning, as a share of the moment that a pair transmits [-].
       real(dp), parameter :: large = 0.05_dp
-      ! Largest share of a force that the certificate takes for 0 [-].
-      real(dp), parameter :: rounding = 1.0e-8_dp
       character(:), allocatable :: label
       integer :: i
 
       associate (couple => abs(result%certificate%couple), scale => result%certificate%couple_scale, &
          n_pairs => size(body%zone%pairs))
          do i = 1, size(couple)
-            if (couple(i) <= max(large*scale(i), rounding*result%certificate%force_scale*body_size(body))) cycle
+            if (couple(i) <= max(large*scale(i), result_rounding*result%certificate%force_scale*body_size(body))) cycle
             if (i <= n_pairs) label = body%zone%pairs(i)%label
             if (i > n_pairs) label = body%ties(i - n_pairs)%label
             call result%warnings%add(label//': the forces across the gap make a couple of '// &

@@ -33,6 +33,7 @@ module amontons_solve_case
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
    use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
+   use amontons_rounding, only: computed_rounding
    use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, new_stress_field, &
       recovered_stress_t
    use amontons_surface, only: surface_t
@@ -302,7 +303,7 @@ contains
       type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
-      real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
+      real(dp), parameter :: few_digits = 1.0e-6_dp ! of imbalances: six correct digits of a force
       ! A condition number that costs less than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition, forces, strained_share, uncanceled
@@ -318,8 +319,8 @@ contains
       ! Violations may come from the rounding errors of an ill-conditioned stiffness if one that depends on the whole
       ! model is well above rounding, or if the forces have fewer than six correct digits.
       associate (certificate => result%certificate)
-         if (max(certificate%equilibrium, certificate%resultant, certificate%moment, certificate%energy) <= suspicious &
-            .and. certificate%imbalance <= few_digits) return
+         if (max(certificate%equilibrium, certificate%resultant, certificate%moment, certificate%energy) &
+            <= computed_rounding .and. certificate%imbalance <= few_digits) return
       end associate
       condition = body%condensation%condenser%condition()
       ! Cancellation of the forces of the elements, |K| |u| / |f|: for a body held by supports a lower bound of the
@@ -468,8 +469,6 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its contact sets
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      ! Areas that are rounding errors of those of the other nodes.
-      real(dp), parameter :: negligible = 1.0e-10_dp
       real(dp), allocatable :: traction(:, :), area(:)
       logical :: is_joined(body%mesh%n_nodes), is_meant(body%zone%n_points)
       integer, allocatable :: place(:)
@@ -490,7 +489,7 @@ contains
          line%area = max(line%area, area(line%node))
          ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle node.
          place = [(k, k=1, line%n_nodes)]
-         where (line%area <= negligible*maxval(line%area)) place = merge(line%next, place - 1, line%next > 0)
+         where (line%area <= computed_rounding*maxval(line%area)) place = merge(line%next, place - 1, line%next > 0)
          traction(:, line%node) = traction(:, line%node(place))/spread(max(line%area(place), tiny(1.0_dp)), 1, 2)
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
       end do

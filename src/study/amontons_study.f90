@@ -13,6 +13,7 @@ module amontons_study
    use amontons_report, only: study_files_t, write_report
    use amontons_result, only: certificate_limit, outcome_word, result_t, solution_word, status_not_converged, &
       word_no_equilibrium, word_not_certified, word_not_converged, word_numerical_failure, word_solved
+   use amontons_rounding, only: difference_rounding
    use amontons_solve_case, only: cache_t
    use amontons_text, only: counted, scientific, to_text
    implicit none (type, external)
@@ -185,13 +186,12 @@ contains
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
       integer, intent(out) :: status !! 0 or `status_not_converged`
       character(:), allocatable, intent(out) :: fault !! what is wrong with the solution; empty if nothing
-      ! A residual of sums of some hundred products; seldom is it less.
-      real(dp), parameter :: rounding = 1.0e-14_dp
 
       status = status_not_converged
       if (.not. is_converged) then
          fault = 'not converged: residual '//scientific(residual)//', tolerance '//scientific(tolerance)
-         if (tolerance < rounding) fault = fault//', which is below rounding (about '//scientific(rounding)//')'
+         if (tolerance < difference_rounding) fault = fault//', which is below rounding (about '// &
+            scientific(difference_rounding)//')'
       else if (.not. violation <= certificate_limit(tolerance)) then
          fault = 'the certificate FAILED: largest violation '//scientific(violation)//', limit '// &
             scientific(certificate_limit(tolerance))//'; see the listing'

@@ -67,6 +67,16 @@ class Sources(CheckerTest):
                                  "text = 'a;b'; stop", "text = 'it''s'; stop", "value = 1; ; if (value > 0) stop",
                                  "value = 1 + &\n   2; stop", "text = 'it goes on &\n   &here'; stop")
 
+    def test_tolerance_without_a_reason_is_found(self):
+        for declaration, names in (("near = 1.0e-6_dp", "near"), ("near = 4.0_dp*epsilon(1.0_dp)", "near"),
+                                   ("most = 2.0_dp, near = 1.0e-6_dp", "near"),
+                                   ("weak(*) = [1.0e-3_dp, 1.0_dp], near = 1e-6", "weak, near")):
+            body = f"real(dp), parameter :: {declaration}"
+            self.assert_refused(body, (14, f"a tolerance without its reason: {names}"), body=body)
+            self.assert_refused("a reason above", body=f"! A reason.\n{body}")
+            self.assert_refused("a reason behind", body=f"{body} ! a reason")
+        self.assert_refused("no tolerances", body="real(dp), parameter :: far = 1.0e3_dp, half = 0.5_dp\nx = 1.0e-3_dp")
+
     def test_search_beside_a_section_is_found(self):
         for body in ("x = a(:, findloc(b, .true., 1))", "x = a(1:2, &\n   minloc(b, 1))",
                      "associate (x => a(:, size(a, 2)))"):

@@ -13,6 +13,7 @@ module amontons_contact_cells
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: cell_pieces, held_slave_text, least_cover, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
+   use amontons_rounding, only: computed_rounding
    use amontons_surface, only: meshed_body_t, mortar_segment_t, side_order
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -96,8 +97,6 @@ contains
       real(dp), allocatable :: ends(:)
       real(dp) :: lengths(size(sides, 2)), arc_length
       integer :: first, last, i, n, cell, k
-      ! A cell that ends so near to a node ends there, as a share of the side.
-      real(dp), parameter :: near = 1.0e-9_dp
       type(segment_t) :: segment
       real(dp) :: begin
 
@@ -129,10 +128,12 @@ contains
                segment%cell = cells%n_cells + cell
                segment%range(1) = segment%range(2)
                segment%range(2) = 1.0_dp
-               if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(first + k - 1)) segment%range(2) = &
+               ! A cell that ends next to a node ends there.
+               if (ends(cell + 1) < begin + (1.0_dp - computed_rounding)*lengths(first + k - 1)) segment%range(2) = &
                   place_at(sides(:, segment%side), mesh, ends(cell + 1) - begin)
                cells%segments = [cells%segments, segment]
-               if (ends(cell + 1) < begin + (1.0_dp + near)*lengths(first + k - 1)) cell = min(cell + 1, size(ends) - 1)
+               if (ends(cell + 1) < begin + (1.0_dp + computed_rounding)*lengths(first + k - 1)) cell = min( &
+                  cell + 1, size(ends) - 1)
                if (.not. segment%range(2) < 1.0_dp) exit
             end do
             begin = begin + lengths(first + k - 1)

@@ -32,6 +32,7 @@ module amontons_mortar_pair
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, outer_sides, side_element, side_place
    use amontons_obstacle, only: cross_product
+   use amontons_rounding, only: exceeds, first_largest, input_rounding
    use amontons_surface, only: find_segments, meet_side, meshed_body_t, mortar_segment_t, new_surface, &
       surface_place_t, surface_t
    use amontons_text, only: place_text, short_text
@@ -418,7 +419,6 @@ contains
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
       type(boundary_line_t) :: master_line
-      real(dp), parameter :: least_share = 1.0e-6_dp
       real(dp), allocatable :: share(:)
       integer :: i
 
@@ -457,7 +457,7 @@ contains
       call find_segments(pair%segments, pair%slave, pair%master, pair%search)
       ! Sides that face next to nothing are left out.
       share = sum(covered_parts(pair), dim=1)
-      pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
+      pair%segments = pack(pair%segments, share(pair%segments%slave) >= input_rounding)
       if (size(pair%segments) == 0) then
          call explain_distance(pair, error)
          return
@@ -473,8 +473,6 @@ contains
    pure subroutine check_rays(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
       type(error_t), allocatable, intent(out) :: error !! they do
-      ! Rounding error of a length of 0, over the length on the slave.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       type(surface_place_t) :: place(2), foot
       real(dp) :: feet(2, 2), way(2)
       integer :: i, k
@@ -488,7 +486,7 @@ contains
                feet(:, k) = foot%position
             end do
             way = place(2)%position - place(1)%position
-            if (dot_product(feet(:, 2) - feet(:, 1), way) > -rounding*sum(way**2)) cycle
+            if (dot_product(feet(:, 2) - feet(:, 1), way) > -input_rounding*sum(way**2)) cycle
             call new_error(error, input_refused, "normals of '"//pair%set//"' cross before they meet '"// &
                pair%against//"', as at "//place_text(place(1)%position)// &
                ': the gap is larger than the radius of the hollow; exchange the sets, or give a smaller search')
@@ -604,8 +602,8 @@ contains
       real(dp), intent(in) :: share(:) !! their sums: the covered share of each side (sides) [-]
       type(constraints_t), intent(in) :: constraints !! the supports
       ! Share of a whole side: a corner so close beyond the master's end has a multiplier. It is irrational, as
-      ! `least_cover` is. Rounding error of a mean.
-      real(dp), parameter :: whole = sqrt(0.9_dp), rounding = 1.0e-6_dp
+      ! `least_cover` is.
+      real(dp), parameter :: whole = sqrt(0.9_dp)
       real(dp) :: length(size(share))
       integer :: i, k, n
 
@@ -617,11 +615,11 @@ contains
          do k = 1, 2
             ! The mean of a corner's hat over a part that begins at the other corner is half its share.
             n = findloc(pair%slave%side(3 - k, :), pair%slave%side(k, i), dim=1)
-            if (n == 0 .or. part(3 - k, i) > 0.5_dp*(1.0_dp + rounding)*share(i)**2) cycle
+            if (n == 0 .or. exceeds(part(3 - k, i), 0.5_dp*share(i)**2)) cycle
             if (.not. all(constraints%is_free(:2, pair%slave%side(:2, n)))) cycle
-            if (share(n) < 1.0_dp - rounding) then
+            if (exceeds(1.0_dp, share(n))) then
                if (share(i) > least_cover .or. .not. share(n) > least_cover) cycle
-               if (part(k, n) > 0.5_dp*(1.0_dp + rounding)*share(n)**2) cycle
+               if (exceeds(part(k, n), 0.5_dp*share(n)**2)) cycle
                pair%reach(k, n) = share(n) - 1.0_dp
             end if
             pair%lead_side(i) = n
@@ -662,8 +660,6 @@ contains
    pure subroutine mark_facing_sides(follower, pair)
       integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      ! Rounding error of the length of a side.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       real(dp) :: share(pair%slave%n_sides)
       integer :: nodes(3), i
 
@@ -673,8 +669,8 @@ contains
          ! The corner beyond the master's end has no function.
          if (pair%lead_side(i) /= i) nodes(:2) = nodes(3)
          if (.not. share(i) > 0.0_dp .or. nodes(2) == 0) cycle
-         if (nodes(3) > 0) call mark_side(follower, nodes([1, 3]), share(i) >= 1.0_dp - rounding)
-         call mark_side(follower, nodes([merge(3, 1, nodes(3) > 0), 2]), share(i) >= 1.0_dp - rounding)
+         if (nodes(3) > 0) call mark_side(follower, nodes([1, 3]), .not. exceeds(1.0_dp, share(i)))
+         call mark_side(follower, nodes([merge(3, 1, nodes(3) > 0), 2]), .not. exceeds(1.0_dp, share(i)))
       end do
    end subroutine mark_facing_sides
 
@@ -753,21 +749,17 @@ contains
       type(mortar_points_t), intent(in) :: points !! its integrals
       type(mesh_t), intent(in) :: mesh !! the mesh of both
       type(error_t), allocatable, intent(out) :: error !! they do
-      ! Rounding error of a gap of 0 in mesh files, over the longest side.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       character(:), allocatable :: overlap
       real(dp) :: thickness
       integer :: q
 
-      if (size(points%quadrature%gap) == 0) return
-      ! Of places that differ by rounding alone the first.
-      q = findloc(points%quadrature%gap <= (1.0_dp - rounding)*minval(points%quadrature%gap), .true., dim=1)
+      q = first_largest(-points%quadrature%gap)
       if (q == 0) return
       associate (depth => -points%quadrature%gap(q), position => points%quadrature%position(:, q))
-         if (depth <= rounding*pair%slave%longest) return
+         if (depth <= input_rounding*pair%slave%longest) return
          overlap = "'"//pair%set//"' and '"//pair%against//"' overlap by up to "//short_text(depth)// &
             ' before any load (side at '//place_text(position)//'), '
-         if (depth > (0.5_dp + rounding)*pair%slave%longest) then
+         if (exceeds(depth, 0.5_dp*pair%slave%longest)) then
             call new_error(error, input_refused, overlap//'more than half a side: give extra_gap for an '// &
                "interference, or gap = 'touching'")
             return
@@ -786,8 +778,7 @@ contains
       real(dp), intent(in) :: position(2) !! the place, on the boundary of a body [L]
       real(dp), intent(in) :: direction(2) !! the way into it, a unit vector [-]
       real(dp), intent(in) :: depth !! largest thickness of interest [L]
-      ! The surfaces that overlap themselves lie at both ends of the way; 0.906 is the cosine of 25 degrees.
-      real(dp), parameter :: at_an_end = 1.0e-6_dp, aslant = 0.906_dp
+      real(dp), parameter :: aslant = 0.906_dp ! the cosine of 25 degrees
       integer, allocatable :: outer(:)
       real(dp) :: corner(2, 3), xi(2), values(3), slopes(3), way, along(2)
       integer :: i, k
@@ -806,7 +797,8 @@ contains
             call side_shapes(.true., xi(k), values, slopes)
             along = matmul(corner, slopes)
             way = dot_product(matmul(corner, values) - position, direction)
-            if (way <= at_an_end*depth .or. way >= (1.0_dp - at_an_end)*depth) cycle
+            ! The surfaces that overlap themselves lie at both ends of the way.
+            if (way <= input_rounding*depth .or. .not. exceeds(depth, way)) cycle
             if (abs(cross_product(along, direction)) > aslant*norm2(along)) thickness = min(thickness, way)
          end do
       end do

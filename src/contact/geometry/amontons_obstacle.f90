@@ -8,6 +8,7 @@
 !> itself, since no side of it would then be the inside.
 module amontons_obstacle
    use amontons_kinds, only: dp
+   use amontons_rounding, only: computed_rounding, sum_rounding
    implicit none (type, external)
    private
 
@@ -15,10 +16,6 @@ module amontons_obstacle
 
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
-
-   !> Rounding errors of directions and positions: a line through the end of a segment crosses it, a line parallel to a
-   !> plane or a segment does not [-].
-   real(dp), parameter :: rounding = 1.0e-12_dp
 
    !> A rigid obstacle.
    type :: obstacle_t
@@ -75,7 +72,7 @@ contains
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
       case default
-         if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
+         if (abs(e(2)) > sum_rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
       end select
    end function obstacle_crossings
 
@@ -95,10 +92,10 @@ contains
          to_start = line(:, i) - x
          ! Most segments lie on one side of the line.
          if (abs(to_start(1)*e(2) - to_start(2)*e(1) - 0.5_dp*cross) > 0.5_dp*abs(cross) &
-            + rounding*max(sum(abs(along)), maxval(abs(x)))) cycle
-         if (.not. abs(cross) > rounding*norm2(along)) cycle
+            + sum_rounding*max(sum(abs(along)), maxval(abs(x)))) cycle
+         if (.not. abs(cross) > sum_rounding*norm2(along)) cycle
          place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
-         near = rounding*max(norm2(along), maxval(abs(x)))/norm2(along)
+         near = sum_rounding*max(norm2(along), maxval(abs(x)))/norm2(along)
          if (place < -near .or. place > 1.0_dp + near) cycle
          way = (to_start(1)*along(2) - to_start(2)*along(1))/cross
          ! At their common end two segments are crossed at the same position.
@@ -138,7 +135,7 @@ contains
       has_ends = .false.
       if (self%kind /= 'polyline') return
       n = size(self%line, 2)
-      has_ends = norm2(self%line(:, n) - self%line(:, 1)) > rounding*maxval(abs(self%line))
+      has_ends = norm2(self%line(:, n) - self%line(:, 1)) > sum_rounding*maxval(abs(self%line))
    end function obstacle_has_ends
 
    !> Whether a point lies beyond an end of the surface: the nearest position of the surface is an end.
@@ -161,7 +158,7 @@ contains
          end associate
          if (.not. distance < nearest) cycle
          nearest = distance
-         is_passed = (i == 1 .and. share < -rounding) .or. (i == n .and. share > 1.0_dp + rounding)
+         is_passed = (i == 1 .and. share < -sum_rounding) .or. (i == n .and. share > 1.0_dp + sum_rounding)
       end do
    end function obstacle_is_passed
 
@@ -269,15 +266,14 @@ contains
    !> There is none either for a start on a surface that the line leaves there: the points behind the start lie inside.
    pure integer function find_entry(crossings) result(found)
       type(crossing_t), intent(in) :: crossings(:) !! the crossings of the line with the surface
-      ! Relative distance within which a point lies on a surface that it faces away from.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       logical :: is_here(size(crossings)), enters(size(crossings))
       integer :: last, next
 
       found = 0
       enters = crossings%cosine > 0.0_dp
       associate (way => crossings%way)
-         is_here = abs(way) <= rounding*maxval(abs(way))
+         ! The start lies on a surface that it faces away from.
+         is_here = abs(way) <= computed_rounding*maxval(abs(way))
          if (any(is_here .and. .not. enters)) then
             ! If the line enters and leaves a tip at the same position, its start is outside.
             found = minloc(abs(way), dim=1, mask=is_here .and. enters)
@@ -292,7 +288,8 @@ contains
             if (way(last) > maxval(way, mask=way <= 0.0_dp .and. .not. enters)) found = last
          end if
          ! At a corner of a polyline the line meets the segment that faces it more.
-         if (found > 0) found = maxloc(crossings%cosine, dim=1, mask=abs(way - way(found)) <= rounding*maxval(abs(way)))
+         if (found > 0) found = maxloc(crossings%cosine, dim=1, mask=abs(way - way(found)) &
+            <= computed_rounding*maxval(abs(way)))
       end associate
    end function find_entry
 
@@ -338,13 +335,11 @@ contains
       real(dp), intent(in) :: along(2) !! its way to the end [L]
       real(dp), intent(in) :: a(2) !! one point [L]
       real(dp), intent(in) :: b(2) !! the other one [L]
-      ! Relative distance within which a point is on the line.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: sides(2)
 
       sides = [cross_product(along, a - start), cross_product(along, b - start)]
       separates = minval(sides) < 0.0_dp .and. maxval(sides) > 0.0_dp .and. &
-         minval(abs(sides)) > rounding*norm2(along)*max(norm2(along), norm2(b - a))
+         minval(abs(sides)) > computed_rounding*norm2(along)*max(norm2(along), norm2(b - a))
    end function separates
 
    !> The third component of the cross product of two vectors.

@@ -14,6 +14,7 @@ module amontons_pair_substitution
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, &
       mortar_points_t, n_quadrature_points, new_mortar_pair
+   use amontons_rounding, only: input_rounding, sum_rounding
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)
@@ -162,8 +163,6 @@ contains
       integer, intent(in) :: ends(:, :) !! the corners beside each middle node beside points, 0 for others (2, n_nodes)
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
-      ! Rounding error of the products of dual functions with other corners' hats.
-      real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
       real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, frame, share, push
       real(dp) :: own(size(constraints%is_free, 1))
@@ -199,7 +198,7 @@ contains
          end associate
       end if
       do i = 1, size(row%node)
-         if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
+         if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= sum_rounding) cycle
          call corner%add(row%node(i), times_axes(along, pair%normal(:, p), -[(row%block(k, k, i), k=1, n)]/own), &
             row%is_own(i))
       end do
@@ -268,8 +267,6 @@ contains
       type(sum_t), intent(inout) :: sums(:) !! the sums, not allocated for a node without one (nodes)
       integer, intent(in) :: node !! the node to resolve
       integer, intent(inout) :: fault !! a node that depends on itself through other bodies, 0 for none
-      ! Of a part of a side, squared: less than the least that faces the master.
-      real(dp), parameter :: singular = 1.0e-13_dp
       real(dp), dimension(size(sums(node)%block, 1), size(sums(node)%block, 1)) :: rest
       type(sum_t) :: expanded, resolved
       integer :: i, k, other
@@ -301,7 +298,8 @@ contains
          if (expanded%node(i) == node) rest = rest - expanded%block(:, :, i)
          if (sums(expanded%node(i))%line /= sums(node)%line) fault = node
       end do
-      if (abs(rest(1, 1)*rest(2, 2) - rest(1, 2)*rest(2, 1)) < singular) fault = node
+      ! The least part of a side that faces the master is `input_rounding`.
+      if (abs(rest(1, 1)*rest(2, 2) - rest(1, 2)*rest(2, 1)) < 0.1_dp*input_rounding**2) fault = node
       if (fault > 0) return
       rest(:2, :2) = inverse(rest(:2, :2))
       rest(3:, 3:) = 1.0_dp/rest(3:, 3:)
@@ -354,8 +352,7 @@ contains
          !! areas of the nodes on the contact sets that have more than one linear side (n_nodes) [L^2]
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      ! Mesh files carry about eight digits; the walls of both continue as one line.
-      real(dp), parameter :: negligible = 1.0e-6_dp, least_cosine = 0.7_dp
+      real(dp), parameter :: least_cosine = 0.7_dp ! the walls of both continue as one line
       real(dp) :: normal(2, body%mesh%n_nodes)
       integer, allocatable :: facing(:)
       type(boundary_line_t) :: line
@@ -382,8 +379,8 @@ contains
                      .not. all(body%constraints%is_free(:, node))) cycle
                   place = findloc(hypot(body%mesh%coordinates(1, facing) - body%mesh%coordinates(1, node), &
                      body%mesh%coordinates(2, facing) - body%mesh%coordinates(2, node)) &
-                     <= negligible*tie%slave%longest .and. matmul(normal(:, node), normal(:, facing)) > least_cosine, &
-                     .true., dim=1)
+                     <= input_rounding*tie%slave%longest .and. matmul(normal(:, node), normal(:, facing)) &
+                     > least_cosine, .true., dim=1)
                   if (place == 0) cycle
                   tie%partner(k) = facing(place)
                   tie%point_of(beside(1), beside(2)) = 0
@@ -400,8 +397,6 @@ contains
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points; gains direction and corner
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! supports hold all corners along it, or guide them aslant
-      ! Mesh files carry about eight digits.
-      real(dp), parameter :: negligible = 1.0e-6_dp
       real(dp) :: projector(size(constraints%is_free, 1), size(constraints%is_free, 1))
       integer :: i
 
@@ -413,7 +408,7 @@ contains
       pair%jump = pair%jump/norm2(pair%jump)
       do i = 1, size(pair%node)
          projector = constraints%free_projector(pair%node(i))
-         if (norm2(matmul(projector(:2, :2), pair%jump) - pair%jump) > negligible) cycle
+         if (norm2(matmul(projector(:2, :2), pair%jump) - pair%jump) > input_rounding) cycle
          pair%lead = pair%node(i)
          ! A free corner is better: the jump then has an axis of its own.
          if (all(constraints%is_free(:2, pair%lead))) return

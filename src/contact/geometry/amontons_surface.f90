@@ -19,6 +19,7 @@ module amontons_surface
    use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: cross_product, steepest_cosine
+   use amontons_rounding, only: angle_rounding, computed_rounding, difference_rounding, exceeds, sum_rounding
    implicit none (type, external)
    private
 
@@ -192,8 +193,6 @@ contains
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
       integer, intent(in) :: facing(:) !! the nodes of the other body's set
-      ! Rounding error of a right angle in mesh files.
-      real(dp), parameter :: rounding = 1.0e-4_dp
       integer :: element, i
 
       is_on_mirror = any([(lies_there(facing(i)), i=1, size(facing))])
@@ -213,7 +212,7 @@ contains
 
          associate (way => body%mesh%coordinates(:, other) - body%mesh%coordinates(:, node))
             lies_there = .not. body%constraints%leaves_free(other, held) .and. &
-               abs(dot_product(way, held)) <= rounding*norm2(way)
+               abs(dot_product(way, held)) <= angle_rounding*norm2(way)
          end associate
       end function lies_there
 
@@ -304,8 +303,6 @@ contains
       type(surface_t), intent(in) :: master !! the master
       integer, intent(in) :: near(:) !! the sides of the master to look at
       real(dp), allocatable :: ends(:)
-      ! Smallest distance of two positions that are not merged.
-      real(dp), parameter :: sliver = 1.0e-8_dp
       real(dp), allocatable :: sorted(:)
       integer :: i, k
       real(dp) :: least
@@ -320,8 +317,8 @@ contains
       end do
       ends = [-1.0_dp]
       do
-         least = ends(size(ends)) + sliver
-         if (.not. any(sorted > least .and. sorted < 1.0_dp - sliver)) exit
+         least = ends(size(ends)) + computed_rounding
+         if (.not. any(sorted > least .and. sorted < 1.0_dp - computed_rounding)) exit
          ends = [ends, minval(sorted, mask=sorted > least)]
       end do
       ends = [ends, 1.0_dp]
@@ -404,8 +401,6 @@ contains
       integer, intent(in) :: near(:) !! the sides to look at
       type(surface_place_t), intent(in) :: place !! the place on the slave
       real(dp), intent(in) :: search !! largest magnitude of a gap [L]
-      ! Tolerance beyond the ends of a side: rays through a corner meet one of its sides. Rounding error of a gap.
-      real(dp), parameter :: beyond = 1.0e-12_dp, rounding = 1.0e-6_dp
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       real(dp) :: normal(2), xi(2)
@@ -415,11 +410,12 @@ contains
       do i = 1, size(near)
          xi = meet_side(master%corner(:, :, near(i)), place%position, normal)
          do k = 1, 2
-            if (abs(xi(k)) > 1.0_dp + beyond) cycle
+            ! Rays through a corner meet one of its sides.
+            if (abs(xi(k)) > 1.0_dp + sum_rounding) cycle
             foot = master%place(near(i), xi(k))
             if (dot_product(foot%outward(), normal) > -steepest_cosine) cycle
             meeting = meeting_t(near(i), xi(k), dot_product(foot%position - place%position, normal))
-            if (abs(meeting%gap) > (1.0_dp + rounding)*search) cycle
+            if (exceeds(abs(meeting%gap), search)) cycle
             if (nearest%side == 0 .or. abs(meeting%gap) < abs(nearest%gap)) nearest = meeting
          end do
       end do
@@ -431,8 +427,6 @@ contains
       real(dp), intent(in) :: position(2) !! a point of the line [L]
       real(dp), intent(in) :: direction(2) !! its direction, a unit vector [-]
       real(dp) :: xi(2)
-      ! Rounding error of a curvature or a slope of 0.
-      real(dp), parameter :: negligible = 1.0e-14_dp
       real(dp) :: c(3), square, slope, root
       integer :: k
 
@@ -440,8 +434,8 @@ contains
       square = 0.5_dp*(c(1) + c(2)) - c(3)
       slope = 0.5_dp*(c(2) - c(1))
       xi = huge(1.0_dp)
-      if (max(abs(square), abs(slope)) <= negligible*norm2(corner(:, 2) - corner(:, 1))) return
-      if (abs(square) <= negligible*abs(slope)) then
+      if (max(abs(square), abs(slope)) <= difference_rounding*norm2(corner(:, 2) - corner(:, 1))) return
+      if (abs(square) <= difference_rounding*abs(slope)) then
          xi(1) = -c(3)/slope
       else if (slope**2 >= 4.0_dp*square*c(3)) then
          root = -0.5_dp*(slope + sign(sqrt(slope**2 - 4.0_dp*square*c(3)), slope))

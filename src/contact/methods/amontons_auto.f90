@@ -28,10 +28,12 @@ module amontons_auto
       procedure :: solve => proximal_path_solve
    end type proximal_path_t
 
-   !> Numbers of steps of the first stages, and of the first stage of a reduced problem in space, and the residual at
-   !> which the splitting stops.
+   !> Numbers of steps of the first stages, and of the first stage of a reduced problem in space.
    integer, parameter :: n_first_steps = 20, n_first_in_space = 250, n_splitting_steps = 40
+
+   !> Residual at which the splitting stops, and a stage counts as near the solution: Newton's steps do the rest [-].
    real(dp), parameter :: coarse = 1.0e-6_dp
+
    !> Newton's steps in a round. Semidefinite problems with strong friction need most of these, and sometimes more than
    !> one round.
    integer, parameter :: n_newton_steps = 100
@@ -245,7 +247,7 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       ! Stiff springs make a step less useful than a large residual does. Solved steps take about three Newton steps.
-      real(dp), parameter :: stiffest = 1.0e3_dp, coarse = 1.0e-6_dp, first_factor = 10.0_dp
+      real(dp), parameter :: stiffest = 1.0e3_dp, first_factor = 10.0_dp
       integer, parameter :: steps_of_one = 6
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: step

@@ -27,12 +27,19 @@ module amontons_box_program
 
    public :: box_names, box_violation, solve_box_program, solve_disc_program
 
+   !> Accuracy of the programs within the steps of a method, over the tolerance of the method [-].
+   real(dp), parameter, public :: inner_accuracy = 1.0e-2_dp
+
    !> Names of the solvers, as a deck writes them.
    character(6), parameter :: box_names(3) = [character(6) :: 'auto', 'newton', 'mprgp']
 
    !> Largest number of steps; more than any program met in practice needs. It ends degenerate programs whose active
    !> bounds alternate by rounding.
    integer, parameter :: max_steps = 200
+
+   !> A step is taken whose descent is this share of what its slope promises: the usual choice of the condition of
+   !> Armijo [-].
+   real(dp), parameter :: sufficient = 1.0e-4_dp
 
 contains
 
@@ -81,7 +88,7 @@ contains
       real(dp), intent(inout) :: x(:) !! starting point; the minimizer on return (n)
       type(effort_t), intent(inout) :: effort !! gains that of the descent
       type(error_t), allocatable, intent(out) :: error !! the solver is one for boxes, or memory ran out
-      real(dp), parameter :: sufficient = 1.0e-4_dp, enough = 4.0_dp*epsilon(1.0_dp)
+      real(dp), parameter :: enough = 4.0_dp*epsilon(1.0_dp) ! no shorter move changes its numbers
       integer, parameter :: most_trials = 30
       type(symmetric_matrix_t) :: turned
       real(dp), dimension(size(b)) :: rho, gradient, goal, step, hold, move, image
@@ -193,7 +200,6 @@ contains
       integer :: i, k, n_trials
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
-      real(dp), parameter :: sufficient = 1.0e-4_dp
       integer, parameter :: most_trials = 30
 
       share = (real(size(b), dp)/a%n)**2

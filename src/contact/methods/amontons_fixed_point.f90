@@ -4,7 +4,7 @@
 !> Coulomb's solution is a fixed point of the map from the bound phi lambda_N to the normal forces of that problem: the
 !> paper's remark 2 on section 1, with the friction that it leaves out (erratum 3; theory, section 5).
 module amontons_fixed_point
-   use amontons_box_program, only: solve_box_program, solve_disc_program
+   use amontons_box_program, only: inner_accuracy, solve_box_program, solve_disc_program
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t
    use amontons_error, only: error_t
@@ -29,8 +29,6 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
-      ! Accuracy of the Tresca problems, over the tolerance.
-      real(dp), parameter :: share = 1.0e-2_dp
       real(dp) :: accuracy
       integer :: m, iteration
       logical :: may_continue
@@ -44,7 +42,7 @@ contains
       b = problem%dual_load(solution%displacement)
       call solution%effort%multiply(1.0_dp)
       do iteration = 1, self%max_iterations
-         accuracy = share*self%tolerance*problem%force_scale(force)
+         accuracy = inner_accuracy*self%tolerance*problem%force_scale(force)
          bound = problem%bound(force(:m))
          if (problem%matrix%n_tangents == 2) then
             call solve_disc_program(self%box, problem%matrix%compliance, [1, size(b)], b, 0.0_dp*b, bound, accuracy, &

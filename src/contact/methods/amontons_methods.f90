@@ -19,6 +19,7 @@ module amontons_methods
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: local_names, psor_t, space_names
+   use amontons_rounding, only: difference_rounding
    use amontons_splitting, only: splitting_t, variant_names
    implicit none (type, external)
    private
@@ -71,8 +72,6 @@ contains
       type(contact_solution_t) :: found
       integer, allocatable :: component(:), points(:), rows(:)
       real(dp), allocatable :: displacement(:), force(:)
-      ! Rounding errors of the forces of other components are no load of a component.
-      real(dp), parameter :: rounding = 10.0_dp*epsilon(1.0_dp)
       logical :: is_at_rest, are_converged
       real(dp) :: residual, scale
       integer :: i, k, n_components, n
@@ -122,7 +121,7 @@ contains
          displacement(rows) = found%displacement
          force(rows) = found%force
          is_at_rest = is_at_rest .or. found%is_at_rest
-         if (.not. found%is_converged .and. part%force_scale() > rounding*scale) then
+         if (.not. found%is_converged .and. part%force_scale() > difference_rounding*scale) then
             are_converged = .false.
             residual = max(residual, found%residual)
          end if

@@ -131,6 +131,7 @@ contains
       real(dp) :: scale, regularization, min_regularization, least, residual, previous, imbalance
       integer :: info
       logical :: is_repeated, is_last, may_continue
+      ! Growth of the residual by which a step travels; least regularizations, by trial.
       real(dp), parameter :: travels = 2.0_dp, least_in_forces = 1.0e-5_dp, least_of_loose_body = 1.0e-9_dp
 
       call solution%reset()
@@ -210,7 +211,7 @@ contains
       real(dp), intent(in) :: tolerance !! residual that counts as solved [-]
       type(contact_solution_t), intent(inout) :: solution !! the record
       logical, intent(out) :: may_continue !! false when the pair is a solution that a further step would not improve
-      real(dp), parameter :: exact = 1.0e-3_dp
+      real(dp), parameter :: exact = 1.0e-3_dp ! over the tolerance: a further step would gain rounding alone
       ! Forces that are only so many times the tolerance are rounding errors of a body that nothing presses.
       real(dp), parameter :: small = 1.0e3_dp
 
@@ -290,7 +291,7 @@ contains
    pure subroutine increase(regularization, most)
       real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]
-      real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp
+      real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp ! slows a step by less than Newton gains
 
       regularization = min(most, max(from_nothing, factor*regularization))
    end subroutine increase

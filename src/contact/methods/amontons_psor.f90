@@ -207,7 +207,7 @@ contains
       !> Replaces the stiffness of a point by its inverse, by 0 if it is singular.
       pure subroutine invert(own)
          real(dp), contiguous, intent(inout) :: own(:, :) !! the stiffness [F/L]; on return the compliance [L/F]
-         real(dp), parameter :: singular = 1.0e-6_dp
+         real(dp), parameter :: singular = 1.0e-6_dp ! root of what rounding leaves of a determinant of 0
          real(dp) :: factor(size(own, 1), size(own, 1)), root(size(own, 1))
          integer :: info, k
 

@@ -23,7 +23,7 @@
 !> lines are those of one tangential direction.
 module amontons_splitting
    use amontons_acceleration, only: accelerate, acceleration_t, new_acceleration, proximal_center_t
-   use amontons_box_program, only: solve_box_program, solve_disc_program
+   use amontons_box_program, only: inner_accuracy, solve_box_program, solve_disc_program
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, dual_method_t, effort_t
    use amontons_dense, only: allocate_matrix, cholesky_factor_regularized, cholesky_solve
@@ -64,8 +64,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite, or memory ran out
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
-      ! Accuracy of the half steps, over the tolerance.
-      real(dp), parameter :: half_step_part = 1.0e-2_dp
       ! Iterations that make less of the residual are accelerated.
       integer, parameter :: recent = 10
       real(dp), parameter :: tenth = 0.1_dp
@@ -104,7 +102,7 @@ contains
          do iteration = 1, self%max_iterations
             start = force
             place = center%place
-            accuracy = half_step_part*self%tolerance*problem%force_scale(force)
+            accuracy = inner_accuracy*self%tolerance*problem%force_scale(force)
             ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
             if (is_refining) accuracy = accuracy*minval(a%reciprocal_diagonal()/problem%matrix%augmentation)
             if (.not. is_exact) b = problem%dual_load(center%place)

@@ -559,7 +559,7 @@ contains
       ! shortest; a part is cut further where its ends meet different sides. What a side meets last at either end may be
       ! short.
       integer, parameter :: n_parts = 8
-      real(dp), parameter :: edge = 1.0e-9_dp, most = 1.0e5_dp
+      real(dp), parameter :: edge = 1.0e-9_dp, most = 1.0e5_dp ! beside a corner the side is certain
       type(meeting_t) :: meeting
       integer, allocatable :: near(:)
       logical, allocatable :: counts(:)
@@ -642,7 +642,7 @@ contains
       character(*), intent(in) :: set !! name of its boundary set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, parameter :: n_steps = 200
-      real(dp), parameter :: settled = 1.0e-6_dp
+      real(dp), parameter :: settled = 1.0e-6_dp ! the constant is shown with four digits
       type(sparse_lu_t) :: saddle
       type(entries_t) :: entries
       integer :: place(2, body%mesh%n_nodes), n, r, info, i

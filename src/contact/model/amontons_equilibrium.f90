@@ -207,7 +207,7 @@ contains
    pure function round_normals(zone) result(normals)
       type(contact_zone_t), intent(in) :: zone !! the contact points; a cell keeps the normal of its sides
       real(dp), allocatable :: normals(:, :)
-      real(dp), parameter :: least_cosine = 0.82_dp, straight = 1.0e-9_dp
+      real(dp), parameter :: least_cosine = 0.82_dp, straight = 1.0e-9_dp ! the rounding of unit vectors
       real(dp) :: before(2), after(2), tangent(2), lengths
       integer :: p, q, r
 
@@ -432,7 +432,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
-      real(dp), parameter :: negligible = 1.0e-12_dp
+      real(dp), parameter :: negligible = 1.0e-12_dp ! the rounding of sums of forces
       type(condensed_load_t) :: rest
       real(dp), allocatable :: lacking(:), refined(:, :), unknowns(:, :)
 

@@ -18,16 +18,13 @@ module amontons_free_boundary
    use amontons_mesh, only: mesh_t, side_element, side_place
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
+   use amontons_rounding, only: difference_rounding, input_rounding, sum_rounding
    use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, surface_place_t, surface_t
    implicit none (type, external)
    private
 
    public :: corner_overlap, free_boundary_t, new_free_boundary, overlap_t
 
-   !> Rounding error of a distance of 0, over the coordinates [-].
-   real(dp), parameter :: noise = 1.0e-14_dp
-   !> Rounding error of a distance of 0 in mesh files, over the longest side or the coordinates [-].
-   real(dp), parameter :: rounding = 1.0e-6_dp
    !> Local coordinates of first corner, second corner and middle of a side [-].
    real(dp), parameter :: places(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
 
@@ -196,8 +193,8 @@ contains
             - minval(mesh%coordinates, dim=2)))
          do i = 1, size(zone%pairs(set)%segments)
             associate (segment => zone%pairs(set)%segments(i))
-               self%is_near(pack(zone%pairs(set)%slave%side(:3, segment%slave), segment%range(1) <= places + rounding &
-                  .and. segment%range(2) >= places - rounding)) = .true.
+               self%is_near(pack(zone%pairs(set)%slave%side(:3, segment%slave), segment%range(1) <= places &
+                  + input_rounding .and. segment%range(2) >= places - input_rounding)) = .true.
             end associate
          end do
          ! Polygons that approximate curves overlap before any load, and these nodes may, too.
@@ -231,8 +228,6 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      ! Rounding error of the cosine of an angle of 0.
-      real(dp), parameter :: same = 1.0_dp - 1.0e-12_dp
       type(free_node_t) :: found
       logical :: is_place(size(outline%is_taken))
       real(dp) :: seen(2, size(outline%is_near))
@@ -249,7 +244,7 @@ contains
             associate (node => outline%surface%side(k, i), normal => outline%surface%normal(:, k, i))
                if (node == 0) cycle
                if (outline%is_beyond(i, of) .and. outline%is_taken_node(node)) cycle
-               if (.not. dot_product(seen(:, node), normal) > same) then
+               if (.not. dot_product(seen(:, node), normal) > 1.0_dp - sum_rounding) then
                   seen(:, node) = normal
                   last(node) = 0
                   found%node = 0
@@ -336,12 +331,12 @@ contains
          meeting = meet_master(surface, near, place, self%reach)
          if (meeting%side == 0) return
          ! A boundary behind the node is the far side of the other body.
-         if (meeting%gap < 2.0_dp*self%least - rounding*surface%longest) return
+         if (meeting%gap < 2.0_dp*self%least - input_rounding*surface%longest) return
          place = surface%place(meeting%side, meeting%xi)
          k = maxloc(place%values, dim=1)
          if (self%is_own(side, of) .and. self%is_own(meeting%side, 3 - of)) then
             if (self%is_near(surface%side(corner, side))) return
-         else if (self%is_own(side, of) .and. place%values(k) > 1.0_dp - rounding) then
+         else if (self%is_own(side, of) .and. place%values(k) > 1.0_dp - input_rounding) then
             ! The corner at which the other set ends belongs to it, on whichever of its two sides rounding puts it.
             if (self%is_taken_node(surface%side(k, meeting%side))) return
          end if
@@ -496,7 +491,7 @@ contains
       integer :: i
 
       least = [(min(0.0_dp, minval(gap, mask=zone%set == i)), i=1, size(contacts))] &
-         - rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
+         - input_rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
       allocate (lies_outside(size(self%nodes)))
       do i = 1, size(self%nodes)
          associate (node => self%nodes(i))
@@ -518,7 +513,7 @@ contains
       logical :: is_met
       integer :: i, k
 
-      least = noise*maxval(abs(coordinates))
+      least = difference_rounding*maxval(abs(coordinates))
       do i = 1, size(self%nodes)
          if (.not. lies_outside(i)) cycle
          associate (node => self%nodes(i), contact => contacts(self%nodes(i)%set))
@@ -596,7 +591,7 @@ contains
       integer :: i, k, j, l, p
 
       largest = maxval(abs(displacement))
-      least = max(negligible*largest, noise*maxval(abs(body%mesh%coordinates)))
+      least = max(negligible*largest, difference_rounding*maxval(abs(body%mesh%coordinates)))
       do i = 1, size(contacts)
          corners = corners_of(contacts(i))
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle

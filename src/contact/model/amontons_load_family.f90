@@ -22,6 +22,7 @@ module amontons_load_family
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
+   use amontons_rounding, only: exceeds, sum_rounding
    use amontons_text, only: place_text, short_text, to_text
    implicit none (type, external)
    private
@@ -252,11 +253,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      ! Relative difference up to which two lengths are equal.
-      real(dp), parameter :: rounding = 1.0e-9_dp
-      ! Rounding error of gaps of surfaces that touch, over the coordinates: as an overlap it would cause forces between
-      ! unloaded bodies.
-      real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: corners(2, 2), size_of_body, extent, gap, cosine
       integer :: p, i, q
       character(:), allocatable :: hint
@@ -305,11 +301,12 @@ contains
          end associate
          load_case%gap(p) = load_case%gap(p) + load_case%extra_gap(p)
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
-         if (abs(load_case%gap(p)) <= noise*maxval(abs(corners))) load_case%gap(p) = 0.0_dp
+         ! An overlap by the rounding of coordinates would cause forces between unloaded bodies.
+         if (abs(load_case%gap(p)) <= sum_rounding*maxval(abs(corners))) load_case%gap(p) = 0.0_dp
          ! Extent of the bounding box of the body behind the point.
          extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(:, p), &
             (zone%position(:, p) - corners(:, 2))*zone%normal(:, p)))
-         if (-load_case%gap(p) > (1.0_dp + rounding)*extent) then
+         if (exceeds(-load_case%gap(p), extent)) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
                to_text(-load_case%gap(p))//' at '//place_text(zone%position(:, p))// &
                ', more than its own depth there; check point, normal and extra_gap of the obstacle')

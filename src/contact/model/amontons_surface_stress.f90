@@ -12,6 +12,7 @@ module amontons_surface_stress
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
    use amontons_material, only: material_t, turned_compliance
+   use amontons_rounding, only: input_rounding
    implicit none (type, external)
    private
 
@@ -87,8 +88,6 @@ contains
       real(dp), intent(in) :: position(2) !! coordinates of the node [L]
       integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
       type(body_t), intent(in) :: body !! the body
-      ! Digits of a mesh file.
-      real(dp), parameter :: negligible = 1.0e-6_dp
       type(material_t) :: material
       real(dp) :: values(3), slopes(3), along(2), x(2)
       integer :: i, k, point
@@ -105,7 +104,7 @@ contains
                ! With the depth a corner of a quadratic side on the axis of revolution would have no weight.
                places = [places, place_t(i, side_abscissa(point), side_weight(point)*values(k)*norm2(along) &
                   *merge(material%depth(x(1)), 1.0_dp, sides(3, i) == 0 .or. .not. material%is_axisymmetric .or. &
-                  position(1) > negligible*x(1)))]
+                  position(1) > input_rounding*x(1)))]
             end do
          end do
       end do

@@ -20,6 +20,7 @@ module amontons_contact_problem
    use amontons_friction_law, only: contact_status, cut_to_bound, disc_violation, law_violation, open_point, &
       slip_plus, slip_point, tangential_norm
    use amontons_kinds, only: dp
+   use amontons_rounding, only: computed_rounding, sum_rounding
    use amontons_symmetric_matrix, only: turned_pairs
    implicit none (type, external)
    private
@@ -64,8 +65,8 @@ module amontons_contact_problem
       procedure :: violation_weights => contact_problem_violation_weights
    end type contact_problem_t
 
-   ! Share of two forces below which rounding errors make up their difference.
-   real(dp), parameter :: rounding_share = 1.0e-5_dp
+   !> Share of two forces below which rounding errors make up their difference; energies that cancel leave as much [-].
+   real(dp), parameter, public :: rounding_share = 1.0e-5_dp
 
    !> The assumed state of every point.
    type :: active_set_t
@@ -247,12 +248,10 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (n) [F]
       real(dp), intent(in), optional :: displacement(:) !! v (n) [L]
-      real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
       real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
       real(dp), parameter :: share_at_rest = 1.0e-2_dp ! the same where no load can press; stiff parts round more
       real(dp), parameter :: far = 1.0e3_dp ! a body that moves so many times as far as supports flees
       real(dp), parameter :: least_residual = 1.0e-11_dp ! a tenth of the tolerance is rounding of a loose body's S
-      real(dp), parameter :: pressed = 1.0e-9_dp ! forces that are no rounding are a larger share of those of moves
       real(dp), dimension(self%matrix%n) :: held, force
       real(dp) :: acting, uncanceled
 
@@ -269,7 +268,7 @@ contains
          uncanceled = maxval(self%matrix%augmentation)*(self%prescribed + self%largest(held))
       end if
       scale = self%largest(force)
-      if (scale <= rounding*uncanceled) scale = rounding_share*uncanceled
+      if (scale <= sum_rounding*uncanceled) scale = rounding_share*uncanceled
       if (present(contact_force) .and. self%matrix%has_stiffness()) then
          acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*self%largest(self%load), &
             self%largest(contact_force))
@@ -279,7 +278,7 @@ contains
          (self%matrix%is_loose .or. .not. self%matrix%is_held)) then
          uncanceled = maxval(self%matrix%augmentation)*self%prescribed
          if (self%largest(displacement) <= far*self%prescribed .and. self%largest(contact_force) <= &
-            pressed*uncanceled) scale = max(scale, self%rounding/least_residual*self%largest(displacement), &
+            computed_rounding*uncanceled) scale = max(scale, self%rounding/least_residual*self%largest(displacement), &
             merge(share_of_moves, share_at_rest, self%uncanceled(1) > 0.0_dp)*uncanceled)
       end if
    end function largest_acting_force

@@ -18,6 +18,7 @@ module amontons_contact_relation
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, lu_solve
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_rounding, only: pivot_rounding, sum_rounding
    implicit none (type, external)
    private
 
@@ -339,20 +340,18 @@ contains
    pure integer function leaving_row(tableau, column) result(row)
       type(tableau_t), intent(in) :: tableau !! the tableau
       integer, intent(in) :: column !! the column
-      ! Data about 1 leave rounding errors of some 1e-14 in the tableau.
-      real(dp), parameter :: negligible = 1.0e-11_dp, tie = 1.0e-12_dp
       logical :: is_candidate(tableau%n)
       real(dp) :: factor(tableau%n), value(tableau%n), least
       integer :: k, place
 
       row = 0
       factor = -tableau%entry(:, column)
-      is_candidate = factor > negligible*max(1.0_dp, maxval(abs(factor)))
+      is_candidate = factor > pivot_rounding*max(1.0_dp, maxval(abs(factor)))
       if (.not. any(is_candidate)) return
       factor = merge(factor, 1.0_dp, is_candidate)
       value = max(0.0_dp, tableau%entry(:, tableau%n + 2))/factor
       least = minval(value, mask=is_candidate)
-      is_candidate = is_candidate .and. value <= least + tie*max(1.0_dp, least)
+      is_candidate = is_candidate .and. value <= least + sum_rounding*max(1.0_dp, least)
       row = tableau%place(2*tableau%n + 1)
       if (is_candidate(row)) return
       do k = 1, tableau%n
@@ -366,7 +365,7 @@ contains
             value(place) = 1.0_dp/factor(place)
          end if
          least = minval(value, mask=is_candidate)
-         is_candidate = is_candidate .and. value <= least + tie*max(1.0_dp, abs(least))
+         is_candidate = is_candidate .and. value <= least + sum_rounding*max(1.0_dp, abs(least))
       end do
       row = findloc(is_candidate, .true., dim=1)
    end function leaving_row

@@ -15,6 +15,7 @@
 module amontons_friction_law
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
+   use amontons_rounding, only: difference_rounding, sum_rounding
    implicit none (type, external)
    private
 
@@ -224,9 +225,8 @@ contains
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
       real(dp), intent(in) :: force(3) !! a force (lambda_N, lambda_T) to stay near [F]
       real(dp) :: best(3)
-      ! What two evaluations of one solution differ by; determinants that are none; steps of a full turn, in each of
-      ! which there is at most one zero but where two of them nearly meet.
-      real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp, full_turn = 8.0_dp*atan(1.0_dp)
+      ! In each of its steps there is at most one zero but where two of them nearly meet.
+      real(dp), parameter :: full_turn = 8.0_dp*atan(1.0_dp)
       integer, parameter :: n_steps = 32, most_steps = 60
       real(dp) :: rho(2), coupling(2), alone(2), least, normal, angle, last_angle, value, last
       integer :: i
@@ -242,7 +242,7 @@ contains
       alone = pair_force(free(2:))
       call keep_better([0.0_dp, within(alone, slip_bound)], best, least)
       value = w(1, 1) - dot_product(w(1, 2:), coupling)
-      if (value > singular*w(1, 1)) then
+      if (value > difference_rounding*w(1, 1)) then
          value = (free(1) - dot_product(w(1, 2:), alone))/value
          call keep_better([value, alone - coupling*value], best, least)
       end if
@@ -275,7 +275,7 @@ contains
 
          distance = free - matmul(w, trial)
          cost = max(abs(min(trial(1), -rho(1)*distance(1))), disc_violation(trial(2), trial(3), distance(2), &
-            distance(3), slip_bound + friction*max(0.0_dp, trial(1)), rho(2)), rounding*maxval(abs(trial - force)))
+            distance(3), slip_bound + friction*max(0.0_dp, trial(1)), rho(2)), sum_rounding*maxval(abs(trial - force)))
          if (.not. cost < least) return
          least = cost
          best = trial
@@ -298,7 +298,7 @@ contains
 
          pair = rho(2)*slip
          associate (det => w(2, 2)*w(3, 3) - w(2, 3)*w(3, 2))
-            if (det > singular*w(2, 2)*w(3, 3)) pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), &
+            if (det > difference_rounding*w(2, 2)*w(3, 3)) pair = [w(3, 3)*slip(1) - w(2, 3)*slip(2), &
                w(2, 2)*slip(2) - w(3, 2)*slip(1)]/det
          end associate
       end function pair_force
@@ -310,7 +310,7 @@ contains
 
          projected = dot_product(w(1, 2:), along)
          trial(1) = 0.0_dp
-         if (abs(w(1, 1) + friction*projected) > singular*w(1, 1)) trial(1) = max(0.0_dp, &
+         if (abs(w(1, 1) + friction*projected) > difference_rounding*w(1, 1)) trial(1) = max(0.0_dp, &
             (free(1) - projected*slip_bound)/(w(1, 1) + friction*projected))
          trial(2:) = (slip_bound + friction*trial(1))*along
       end function sliding

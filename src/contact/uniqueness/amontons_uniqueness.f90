@@ -19,6 +19,7 @@ module amontons_uniqueness
       transposed_product, triangular_solve
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_rounding, only: computed_rounding, difference_rounding, pivot_rounding, sum_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -41,10 +42,6 @@ module amontons_uniqueness
    !> A bound above this coefficient is reported as no bound.
    real(dp), parameter :: any_friction = 1.0e6_dp
 
-   !> Smaller pivots are rounding errors.
-   real(dp), parameter :: no_pivot = 1.0e-11_dp
-   !> Rounding error of a value that was computed with a pivot just above `small_pivot`.
-   real(dp), parameter :: loose = 1.0e-7_dp
 
    !> Most points that all combinations of states are tried for: with Coulomb friction, a point has four states.
    integer, parameter :: most_points = 12
@@ -54,8 +51,9 @@ module amontons_uniqueness
    !> Smallest pivot that is used while further points follow, whose equations may have larger ones; the last point uses
    !> any that is not a rounding error.
    real(dp), parameter :: small_pivot = 1.0e-7_dp
-   !> The largest violation of a solution, all numbers being about 1.
-   real(dp), parameter :: strict = 1.0e-9_dp
+
+   !> Rounding error of a value that was computed with a pivot just above `small_pivot`.
+   real(dp), parameter :: loose = difference_rounding/small_pivot
 
    !> All solutions of a contact problem.
    type :: all_solutions_t
@@ -228,7 +226,7 @@ contains
       real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m), in space (3m, 3m) [-]
       real(dp), intent(in) :: friction(:) !! phi (m) [-]
       ! Rounding error of the estimate, and of a coupling of 0.
-      real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
+      real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp
       real(dp) :: gamma
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
@@ -261,7 +259,7 @@ contains
       difference = transpose(difference)
       call triangular_solve(factor, difference)
       gamma = sqrt(largest_eigenvalue(difference))
-      gamma = max(gamma, rounding)
+      gamma = max(gamma, sum_rounding)
       ! kappa is the square root of the product of the largest eigenvalues of D A_22 D and of D^-1 Phi S_11 Phi D^-1,
       ! A_22 = S_T^-1, on the points with friction. The diagonal D, one number for each point, balances the two.
       call cholesky_inverse(factor)
@@ -287,7 +285,7 @@ contains
    !> eigenvalue is larger. Power iterations provide the trial values.
    pure real(dp) function largest_eigenvalue(matrix) result(above)
       real(dp), contiguous, intent(in) :: matrix(:, :) !! the matrix (n, n)
-      real(dp), parameter :: resolution = 1.0e-4_dp
+      real(dp), parameter :: resolution = 1.0e-4_dp ! a bound is written with three digits
       integer, parameter :: n_powers = 60
       real(dp) :: vector(size(matrix, 1)), image(size(matrix, 1)), below, middle, step
       integer :: i
@@ -472,7 +470,7 @@ contains
       next(n_rows + 1:n_rows + n_pending, :) = rows(n_old + 3:, :)
       next(n_rows + n_pending + 1:n_rows + n_pending + 2, :) = equations
       call eliminate(next(:n_rows + n_pending + 2, :), n_unknowns, n_pending + 2, n_left, &
-         merge(no_pivot, small_pivot, point == 1), is_possible, is_singular)
+         merge(pivot_rounding, small_pivot, point == 1), is_possible, is_singular)
       if (.not. is_possible .or. (is_singular .and. search%found%has_family)) return
       associate (n_columns => n_unknowns + n_left)
          if (cannot_hold(search, next(n_unknowns + 1:n_rows, :n_columns), n_unknowns)) return
@@ -541,9 +539,9 @@ contains
       do j = 1, ubound(inequalities, 2)
          associate (factor => inequalities(:, j))
             if (j <= n_unknowns) then
-               where (abs(factor) > no_pivot) most = most + max(factor*search%lower(j), factor*search%upper(j))
+               where (abs(factor) > pivot_rounding) most = most + max(factor*search%lower(j), factor*search%upper(j))
             else
-               where (abs(factor) > no_pivot) most = huge(most)/2.0_dp
+               where (abs(factor) > pivot_rounding) most = huge(most)/2.0_dp
             end if
          end associate
       end do
@@ -567,7 +565,7 @@ contains
          where (.not. relation%slip_bound + relation%friction*merge(1.0_dp, 0.0_dp, states%is_closed) > 0.0_dp)
             states%slip_direction = nint(sign(1.0_dp, distance(m + 1:)))
          end where
-         if (relation%violation(states, force, distance) > strict) return
+         if (relation%violation(states, force, distance) > computed_rounding) return
          ! The least of the numbers that the states ask to be positive: above zero, no other states hold nearby. Slips
          ! that no friction resists may have either sign.
          margin = huge(margin)
@@ -639,7 +637,7 @@ contains
       is_possible = .true.
       is_singular = .false.
       do i = first + 1, first + n_left
-         if (any(abs(rows(i, 1:n_kept + n_left)) > no_pivot)) cycle
+         if (any(abs(rows(i, 1:n_kept + n_left)) > pivot_rounding)) cycle
          is_singular = .true.
          is_possible = is_possible .and. abs(rows(i, 0)) <= loose
       end do
@@ -650,7 +648,7 @@ contains
    !> complementarity problems.
    pure logical function has_extent(inequalities)
       real(dp), intent(in) :: inequalities(:, 0:) !! constants and factors of the inequalities (k, 0:n)
-      real(dp), parameter :: far = 1.0e3_dp, slack = 1.0e-9_dp, golden = 0.61803398874989485_dp
+      real(dp), parameter :: far = 1.0e3_dp, golden = 0.61803398874989485_dp
       real(dp), dimension(size(inequalities, 1) + 2*ubound(inequalities, 2)) :: right, cover, z
       real(dp) :: matrix(size(right), size(right)), slope(ubound(inequalities, 2)), extreme(2)
       type(error_t), allocatable :: error
@@ -666,7 +664,7 @@ contains
          ! bounds.
          matrix = 0.0_dp
          matrix(n + 1:upper, :n) = inequalities(:, 1:)
-         right(n + 1:upper) = inequalities(:, 0) + slack - far*sum(inequalities(:, 1:), dim=2)
+         right(n + 1:upper) = inequalities(:, 0) + computed_rounding - far*sum(inequalities(:, 1:), dim=2)
          do i = 1, n
             matrix(upper + i, i) = -1.0_dp
          end do
@@ -679,7 +677,7 @@ contains
          if (allocated(error) .or. outcome /= pivoting_solved) return
          extreme(direction) = dot_product(slope, z(:n))
       end do
-      has_extent = extreme(2) - extreme(1) > sqrt(slack)
+      has_extent = extreme(2) - extreme(1) > sqrt(computed_rounding)
    end function has_extent
 
 end module amontons_uniqueness

@@ -7,6 +7,7 @@ module amontons_abaqus_lines
    use amontons_input_file, only: beside, input_file_t, new_input_file
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
+   use amontons_rounding, only: input_rounding
    use amontons_text, only: lower_case, read_integer, read_real, to_text
    implicit none (type, external)
    private
@@ -26,9 +27,6 @@ module amontons_abaqus_lines
    integer, parameter :: most_included = 300
    !> Largest number of numbers in a line that defines axes or a translation.
    integer, parameter :: most_numbers = 9
-   !> Largest component of an axis in the plane, over its length, at which it counts as normal to the plane: mesh files
-   !> round numbers.
-   real(dp), parameter :: straightness = 1.0e-6_dp
    !> A degree [rad].
    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
    !> Names of the sides of an element.
@@ -359,7 +357,7 @@ contains
       call next_data_line(input, is_there)
       if (is_there) call input%refuse('*INSTANCE has two data lines at most: a translation and a rotation')
       way = turn(4:6) - turn(:3)
-      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < straightness*abs(way(3))) call input%refuse_line( &
+      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < input_rounding*abs(way(3))) call input%refuse_line( &
          'an instance can be turned about an axis normal to the plane only')
       instance%axis = [cos(turn(7)*degree), sign(1.0_dp, way(3))*sin(turn(7)*degree)]
       instance%origin(:2) = turn(:2) + turned(instance%axis, instance%origin(:2) - turn(:2))

@@ -14,6 +14,7 @@ module amontons_mesh_cleanup
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, named_set_t, new_side_table, number_pieces, side_element, side_place, &
       side_table_t, sides_per_element
+   use amontons_rounding, only: angle_rounding, input_rounding
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
@@ -55,8 +56,6 @@ module amontons_mesh_cleanup
       integer :: n_unused = 0 !! number of its nodes without an element
    end type group_members_t
 
-   !> Largest deviation of nodes from the plane of the body, over the body's size: coordinates are rounded.
-   real(dp), parameter :: flatness = 1.0e-9_dp
    !> Largest magnitude of a coordinate: products of larger ones may overflow.
    real(dp), parameter :: largest_coordinate = 1.0e100_dp
 
@@ -68,8 +67,6 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
       type(side_table_t), intent(in) :: table !! the sides of its elements
       type(incoming_sides_t), intent(in) :: incoming !! those of the boundary
-      ! Directions that differ by no more than this angle are one; less is left of them by the digits of a file [-].
-      real(dp), parameter :: same = 1.0e-4_dp
       integer :: corners(3), n_ends, node, number, other, side
       real(dp) :: along(2), way(2)
 
@@ -83,7 +80,7 @@ contains
          do while (other > 0)
             way = mesh%coordinates(:, incoming%start(other)) - mesh%coordinates(:, corners(1))
             other = incoming%before(other)
-            if (abs(way(1)*along(2) - way(2)*along(1)) > same*dot_product(way, along)) cycle
+            if (abs(way(1)*along(2) - way(2)*along(1)) > angle_rounding*dot_product(way, along)) cycle
             n_ends = n_ends + 1
             if (n_ends == 1) node = corners(1)
          end do
@@ -103,7 +100,7 @@ contains
       integer, intent(out) :: node !! the first node on the way, 0 if the way does not lead there
       ! Nodes of a curved interface lie beside the chord, by far less than this share of it; but on the element's own
       ! side by no more than what the digits of a file leave: across a thin body there may be a way as well.
-      real(dp), parameter :: outer_width = 0.02_dp, inner_width = 1.0e-4_dp
+      real(dp), parameter :: outer_width = 0.02_dp
       real(dp) :: along(2), reached, way(2)
       integer :: at, side
 
@@ -118,7 +115,7 @@ contains
             ! Along the side, and off it to the right, where no element should be; in parts of the side.
             way = [dot_product(way, along), way(1)*along(2) - way(2)*along(1)]
             if (incoming%start(side) == to) exit
-            if (way(1) > reached .and. way(1) < 1.0_dp .and. way(2) > -inner_width .and. way(2) < outer_width) exit
+            if (way(1) > reached .and. way(1) < 1.0_dp .and. way(2) > -angle_rounding .and. way(2) < outer_width) exit
             side = incoming%before(side)
          end do
          if (side == 0) exit
@@ -289,7 +286,7 @@ contains
          lowest = min(lowest, x)
          highest = max(highest, x)
       end do
-      allowed = flatness*maxval(highest(:2) - lowest(:2))
+      allowed = input_rounding*maxval(highest(:2) - lowest(:2))
       if (highest(3) - lowest(3) <= allowed) return
       node = findloc(abs(raw%coordinates(3, kept) - raw%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
       call input%refuse('node '//to_text(mesh%node_tag(node))//' lies at z = '// &

@@ -13,7 +13,7 @@ module amontons_history_model
    use amontons_body, only: body_t, lock_motions
    use amontons_checkpoint, only: archive_t
    use amontons_config, only: config_t
-   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_problem, only: contact_problem_t, rounding_share
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
@@ -27,7 +27,7 @@ module amontons_history_model
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved
-   use amontons_rounding, only: exceeds
+   use amontons_rounding, only: exceeds, sum_rounding
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: scientific, to_text
    implicit none (type, external)
@@ -596,12 +596,9 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
       type(step_state_t), intent(in) :: before !! the state before it
-      ! Rounding error of energies that cancel each other, over these. For a body that moves as a whole they are the
-      ! energies of single nodes with this displacement: the elements of a slender body are far stiffer than its contact
-      ! points. It is the share of the forces before that unloading leaves, too, and of energies its square.
-      real(dp), parameter :: rounding_share = 1.0e-5_dp
-      ! Of sums of some hundred products that cancel each other.
-      real(dp), parameter :: rounding = 1.0e-13_dp
+      ! `rounding_share` is that of energies that cancel each other, over these. For a body that moves as a whole they
+      ! are the energies of single nodes with this displacement: the elements of a slender body are far stiffer than its
+      ! contact points. It is the share of the forces before that unloading leaves, too, and of energies its square.
       ! Of the violation of the identities: the energy of a rigid motion, which S has by rounding, is none.
       real(dp), parameter :: limit = 1.0e-9_dp
       real(dp), dimension(problem%n_points) :: approach, taken, missing, way
@@ -647,7 +644,7 @@ contains
          before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
          - before%solution%displacement(:m))
       ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
-      energies = max(rounding*max(after%carried_energy, maxval([problem%matrix%augmentation, 0.0_dp])*max( &
+      energies = max(sum_rounding*max(after%carried_energy, maxval([problem%matrix%augmentation, 0.0_dp])*max( &
          0.0_dp, maxval(abs(after%solution%displacement)), problem%prescribed)**2), after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies

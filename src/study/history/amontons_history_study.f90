@@ -20,6 +20,7 @@ module amontons_history_study
       refined_quantities, result_t, word_no_equilibrium, word_not_converged, word_numerical_failure
    use amontons_result_warnings, only: add_result_warnings, add_tallied_warnings, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings, tally_t
+   use amontons_rounding, only: input_rounding, sum_rounding
    use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
@@ -382,8 +383,6 @@ contains
       ! An explicit update of the gaps follows pressures whose share it relieves in a step is well below 1; the stiffest
       ! pattern of pressures, from node to node, is about twice as stiff as a single point.
       real(dp), parameter :: well_below = 0.25_dp
-      ! Of a ratio that should be a whole number.
-      real(dp), parameter :: rounding = 1.0e-6_dp
       type(tally_t) :: warned(n_case_warnings)
 
       associate (n_steps => self%stepping%n_steps, warnings => self%last%warnings)
@@ -391,7 +390,7 @@ contains
             if (feedback%value > well_below) call warnings%add('the depth worn in step '//to_text(feedback%at)// &
                ' would relieve a contact point of '//short_text(feedback%value)//' times its pressure: from '// &
                short_text(well_below)//' on pressures may swing from step to step; take '// &
-               to_text(ceiling(feedback%value/well_below - rounding))//' times as many substeps there')
+               to_text(ceiling(feedback%value/well_below - input_rounding))//' times as many substeps there')
          end associate
          if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
             ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
@@ -477,7 +476,6 @@ contains
    subroutine describe_history(result, config)
       type(history_result_t), intent(inout) :: result !! the history; its last step gains the texts and the violation
       type(config_t), intent(in) :: config !! the deck
-      real(dp), parameter :: rounding = 1.0e-12_dp
       character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
          'tang. force', 'strain energy', 'work', 'dissipated']
       character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
@@ -533,7 +531,7 @@ contains
          call result%last%study_listing%record(text)
          text = heading('Energies of the history')//quantities_text(energies, config%units)
          note = ''
-         if (abs(result%error_from_rest(history)) > rounding*energy) note = labeled('of it at first', &
+         if (abs(result%error_from_rest(history)) > sum_rounding*energy) note = labeled('of it at first', &
             with_unit(short_text(result%error_from_rest(history)), config%units, 'F L')// &
             ' (in the step from rest to the first time, which is not divided)')
          call result%last%study_listing%add(text(:len(text) - 1)// &
@@ -748,7 +746,6 @@ contains
       class(study_monitor_t), intent(inout) :: monitor !! receives the progress of the history, and may stop it
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
-      real(dp), parameter :: rounding = 1.0e-12_dp
       type(history_result_t) :: result
       type(config_t) :: config
       character(:), allocatable :: word
@@ -788,7 +785,7 @@ contains
             '; dissipation '//with_unit(short_text(sum(stepping%state%dissipation)), self%config%units, 'F L')// &
             ', energy error '//with_unit(short_text(stepping%state%energy_error() - from_rest), self%config%units, &
             'F L')
-         if (abs(from_rest) > rounding*stepping%state%strain_energy) outcome%text = outcome%text// &
+         if (abs(from_rest) > sum_rounding*stepping%state%strain_energy) outcome%text = outcome%text// &
             ' and, in the first step from rest, '//with_unit(short_text(from_rest), self%config%units, 'F L')
       end associate
       outcome%numbers = [quantity_t('iterations', '', real(result%stepping%n_iterations, dp)), &

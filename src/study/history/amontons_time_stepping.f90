@@ -18,7 +18,7 @@ module amontons_time_stepping
       take_step
    use amontons_kinds, only: dp
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
-   use amontons_rounding, only: first_largest
+   use amontons_rounding, only: computed_rounding, first_largest
    use amontons_surface_stress, only: surface_stress_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -186,8 +186,6 @@ contains
       class(cycle_record_t), intent(inout) :: self !! the cycle; gains its numbers
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at its end
-      ! Rounding error of the dissipation in a cycle without slip, over the sum of the works of its steps.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn)), dissipation, changes(3), force
       real(dp), allocatable :: parameters(:, :)
       integer :: t
@@ -199,14 +197,14 @@ contains
       dissipation = sum(state%dissipation - self%points(:, 2*t + 3))
       force = max(tiny(1.0_dp), maxval(abs(state%solution%force)), maxval(abs(self%points(:, :1 + t))))
       changes = [(dissipation - self%dissipation_before)/max(tiny(1.0_dp), dissipation, self%dissipation_before, &
-         rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :1 + t), &
+         computed_rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :1 + t), &
          shape(state%solution%force))))/force, maxval(abs(drift - reshape(self%points(:, 2*t + 4:), shape(drift))))]
       self%numbers = 0.0_dp
       self%numbers(:n_plain_numbers) = [real(model%cycle_at(state%instant%time), dp), self%begin, state%instant%time, &
          real(self%n_steps, dp), work(state) - self%work, state%strain_energy - self%strain_energy, dissipation, &
          work(state) - self%work - (state%strain_energy - self%strain_energy) - dissipation, maxval(slip), &
          maxval(abs(drift)), changes, &
-         real(outcome(self%has_before, dissipation <= rounding*self%turnover, changes, maxval(slip), &
+         real(outcome(self%has_before, dissipation <= computed_rounding*self%turnover, changes, maxval(slip), &
          maxval(abs(drift)), model%history%cycle_tolerance), dp)]
       if (allocated(model%surface)) then
          parameters = self%fretting%parameters()

@@ -24,6 +24,7 @@ module amontons_reduced_study
    use amontons_report, only: add_head, certificate_member, commit_case, effort_members, last_members, member, &
       quantities_member, status_members, uniqueness_member, write_documents
    use amontons_result, only: certificate_limit, solution_word
+   use amontons_rounding, only: result_rounding
    use amontons_siconos_text, only: read_reduced_file, write_reduced_file
    use amontons_solve_case, only: cache_t
    use amontons_study, only: method_numbers, outcome_t, solution_line, study_monitor_t, study_options_t, study_t
@@ -64,8 +65,6 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! gains the problem
       type(error_t), allocatable, intent(out) :: error !! the file is invalid
-      ! Largest rounding error between an entry and its mirror image, relative to the diagonal.
-      real(dp), parameter :: rounding = 1.0e-8_dp
 
       call new_timings(result%timings)
       call read_reduced_file(result%system, config%reduced%file, error)
@@ -73,7 +72,7 @@ contains
       if (allocated(error)) return
       if (config%reduced%has_friction) result%system%friction = config%reduced%friction
       associate (system => result%system)
-         if (system%asymmetry > rounding*system%largest) call result%warnings%add( &
+         if (system%asymmetry > result_rounding*system%largest) call result%warnings%add( &
             'W is not symmetric: it differs from its transpose by up to '//short_text(system%asymmetry)// &
             ', beside a diagonal of up to '//short_text(system%largest))
       end associate

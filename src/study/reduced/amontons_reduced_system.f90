@@ -13,6 +13,7 @@ module amontons_reduced_system
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_friction_law, only: tangential_norm
    use amontons_kinds, only: dp
+   use amontons_rounding, only: sum_rounding
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -26,9 +27,6 @@ module amontons_reduced_system
    !> Largest difference of an entry from its mirror image in space, on the same scale: rotating bodies add a skew part
    !> to W that is no rounding error.
    real(dp), parameter :: gyroscopic = 5.0e-2_dp
-   !> Largest rounding error of an entry of W, over its largest diagonal entry: entries are differences of numbers of
-   !> this size.
-   real(dp), parameter :: noise = 1.0e-12_dp
    !> Smallest positive diagonal entry over the largest one: a residual of all contacts hides what is wrong at contacts
    !> in units still farther apart.
    real(dp), parameter :: least_part = 1.0e-20_dp
@@ -128,7 +126,7 @@ contains
       allocate (diagonal, source=system%diagonal())
       system%largest = max(0.0_dp, maxval(diagonal))
       place = 0
-      if (any(diagonal < -noise*system%largest)) then
+      if (any(diagonal < -sum_rounding*system%largest)) then
          fault = minloc(diagonal, dim=1)
          sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//': expected no negative number on the '// &
             'diagonal of W'
@@ -170,13 +168,13 @@ contains
                scale = sqrt(max(0.0_dp, diagonal(fault(1))))*sqrt(max(0.0_dp, diagonal(j)))
                difference = abs(column(fault(1)) - mirrored(fault(1)))
                system%asymmetry = max(system%asymmetry, difference)
-               if (abs(column(fault(1))) > (1.0_dp + off)*scale + noise*system%largest) then
+               if (abs(column(fault(1))) > (1.0_dp + off)*scale + sum_rounding*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' beside the diagonal entries '// &
                      to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))//': expected a positive '// &
                      'semidefinite W, no entry of which exceeds the root of their product'
                   return
                end if
-               if (difference > off*scale + noise*system%largest) then
+               if (difference > off*scale + sum_rounding*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' and '//entry_name(fault(2:1:-1))// &
                      ' = '//to_text(mirrored(fault(1)))//' differ by more than rounding: expected a symmetric W'
                   return
