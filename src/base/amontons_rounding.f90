@@ -1,5 +1,5 @@
-!> What rounding leaves, and comparisons that do not hang on it. A constant here is one that several modules share; a
-!> module has its own where its reason is its own.
+!> What rounding leaves of a number that should be 0, and comparisons that do not hang on it. A constant here is one
+!> that several modules share; a module has its own where its reason is its own. All are shares, without unit.
 module amontons_rounding
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -7,29 +7,29 @@ module amontons_rounding
 
    public :: exceeds, first_largest
 
-   !> Of numbers that decks and mesh files give, over their size: limits are round numbers, which lengths, loads and
-   !> times of a deck often meet, and coordinates of files carry about eight digits, some of which differences lose [-].
+   !> Rounding of numbers that decks and mesh files give, over their size: limits are round numbers, which lengths,
+   !> loads and times of a deck often meet, and coordinates of files have about eight digits, fewer in differences.
    real(dp), parameter, public :: input_rounding = 1.0e-6_dp
 
-   !> Of angles between short sides of a mesh: a side has some hundredth of the body's size, and its ends the digits of
-   !> a file [rad].
+   !> Rounding of angles between short sides of a mesh: a side has some hundredth of the body's size, and its ends have
+   !> the digits of a file.
    real(dp), parameter, public :: angle_rounding = 1.0e-4_dp
 
-   !> Of a solution, over its largest number: methods leave residuals of 1e-10, and what follows is some ten times as
-   !> inaccurate or more [-].
+   !> Rounding of a solution, over its largest number: methods leave residuals of 1e-10, and what follows from forces is
+   !> some ten times as inaccurate or more.
    real(dp), parameter, public :: result_rounding = 1.0e-8_dp
 
-   !> Of one number that is computed in two ways from the same data, in many steps, as lengths along a line, times of
-   !> a cycle and works of its steps are [-].
+   !> Rounding of a number that is computed in two ways from the same data, in many steps: a length along a line, the
+   !> end of a cycle, a sum of works.
    real(dp), parameter, public :: computed_rounding = 1.0e-9_dp
 
-   !> Of entries of a small matrix of numbers about 1 that pivots have changed [-].
+   !> Rounding of entries of a small matrix, all about 1, after its pivots.
    real(dp), parameter, public :: pivot_rounding = 1.0e-11_dp
 
-   !> Of a sum of some hundred terms that cancel, over the largest of them [-].
+   !> Rounding of a sum of some hundred terms that cancel, over the largest of them.
    real(dp), parameter, public :: sum_rounding = 1.0e-12_dp
 
-   !> Of a difference of two numbers that a few operations have made equal, over these [-].
+   !> Rounding of the difference of two numbers that a few operations have made equal, over these.
    real(dp), parameter, public :: difference_rounding = 1.0e-14_dp
 
 contains
