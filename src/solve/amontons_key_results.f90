@@ -22,7 +22,7 @@ module amontons_key_results
    use amontons_model_warnings, only: body_size
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
-   use amontons_rounding, only: computed_rounding, exceeds, first_largest, input_rounding, sum_rounding
+   use amontons_rounding, only: computed_rounding, exceeds, input_rounding, sum_rounding
    use amontons_stress_field, only: von_mises
    implicit none (type, external)
    private
@@ -571,7 +571,7 @@ contains
       integer :: i
 
       if (.not. any(values > computed_rounding*quantity%scale)) return
-      i = first_largest(values)
+      i = findloc(values >= (1.0_dp - computed_rounding)*maxval(values), .true., dim=1)
       quantity%value = values(i)
       quantity%place = places(:, i)
    end subroutine find_peak
