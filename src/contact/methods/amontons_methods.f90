@@ -145,8 +145,8 @@ contains
    end subroutine solve_components
 
    !> Solves a problem whose points depend on each other, by proximal steps: the springs between them and the body are
-   !> strained by the change of the forces alone, S v = q + S E lambda_0 - lambda, and then not at all. The first step has
-   !> lambda_0 = 0, so that which of many forces are found does not depend on the starting point.
+   !> strained by the change of the forces alone, S v = q + S E lambda_0 - lambda, and then not at all. The first step
+   !> has lambda_0 = 0, so that which of many forces are found does not depend on the starting point.
    recursive subroutine solve_without_springs(method, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
