@@ -7,7 +7,8 @@
 module amontons_document
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t
-   use amontons_text, only: longest_decimal, put_integer, put_text, read_integer, replaced, to_text, utf_8_width
+   use amontons_text, only: append_text, longest_decimal, put_integer, put_text, read_integer, replaced, to_text, &
+      utf_8_width
    implicit none (type, external)
    private
 
@@ -73,14 +74,16 @@ contains
       type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(:), allocatable :: text
       type(quantity_t), allocatable :: list(:)
-      integer :: i
+      integer :: i, length
 
       list = expanded(quantities)
       text = ''
+      length = 0
       do i = 1, size(list)
-         if (i > 1) text = text//', '
-         text = text//json_string(trim(list(i)%key))//': '//json_number(list(i)%value)
+         if (i > 1) call append_text(text, length, ', ')
+         call append_text(text, length, json_string(trim(list(i)%key))//': '//json_number(list(i)%value))
       end do
+      text = text(:length)
    end function quantity_members
 
    !> The JSON word of a logical value.

@@ -10,8 +10,8 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, line_end, &
-      longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, pair_text, place_text, &
+   public :: append_text, as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, &
+      line_end, longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, pair_text, place_text, &
       put_decimals, put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, &
       scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
 
@@ -315,6 +315,16 @@ contains
          if (.not. ok) return
       end do
    end subroutine read_reals
+
+   !> Appends a piece to the used part of a text whose room grows with it, in a time proportional to the piece.
+   pure subroutine append_text(text, length, piece)
+      character(:), allocatable, intent(inout) :: text !! the text, and room for more
+      integer, intent(inout) :: length !! number of characters in use
+      character(*), intent(in) :: piece !! the piece
+
+      if (length + len(piece) > len(text)) text = text//repeat(' ', len(text) + len(piece))
+      call put_text(text, length, piece)
+   end subroutine append_text
 
    !> Appends a piece to the used part of a text.
    ! allow(C072): the text is the caller's, who provides the room

@@ -527,7 +527,7 @@ contains
 
       allocate (part(size(motion, 1), size(motion, 2)), source=0.0_dp)
       do node = 1, size(motion, 2)
-         if (all(self%holder(:, node) == 0)) cycle
+         if (.not. any([(any(supports == self%holder(axis, node)), axis=1, size(work))])) cycle
          frame = self%frame(node)
          along = matmul(motion(:, node), frame)
          do axis = 1, size(work)

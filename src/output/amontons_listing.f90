@@ -26,8 +26,8 @@ module amontons_listing
    use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
-   use amontons_text, only: as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, newline, &
-      pair_text, scientific, short_text, to_text, unit_of, with_unit
+   use amontons_text, only: append_text, as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, &
+      newline, pair_text, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: all_solutions_t, uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
@@ -136,9 +136,11 @@ contains
       type(load_case_t), intent(in) :: load_case !! its supports, obstacles and loads
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      real(dp), allocatable :: lengths(:)
+      real(dp), allocatable :: lengths(:), force(:)
       integer :: first, i, last
 
+      ! Factors of sweeps and histories are listed in other sections.
+      force = body%driven_forces(load_case%loads)
       text = heading('Model')
       if (allocated(body%mesh%source)) text = text//labeled('Mesh', body%mesh%source)
       text = text//labeled('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
@@ -149,7 +151,7 @@ contains
       end do
       do i = 1, size(load_case%supports)
          if (load_case%supports(i)%is_driven()) then
-            text = text//labeled('Support', motion_text(body, load_case, i, units))
+            text = text//labeled('Support', motion_text(body, load_case, i, force, units))
          else
             text = text//labeled('Support', support_text(load_case%supports(i), units))
          end if
@@ -213,17 +215,15 @@ contains
    end function material_text
 
    !> A rigid set or preload: its position, and the prescribed part of its motion or the force that drives it.
-   pure function motion_text(body, load_case, number, units) result(text)
+   pure function motion_text(body, load_case, number, force, units) result(text)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its supports and what drives them
       integer, intent(in) :: number !! number of the support that it is
+      real(dp), intent(in) :: force(:) !! forces of the loads on the driven motions (motions) [F, F L]
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      real(dp), allocatable :: force(:)
       integer :: k
 
-      ! Factors of sweeps and histories are listed in other sections.
-      force = body%driven_forces(load_case%loads)
       associate (support => load_case%supports(number))
          text = support%name//trim(merge(': preload at', ': rigid set ', support%is_jump))//" '"//support%set//"'"
          if (support%rigid%has_point) text = text//', about '//with_unit(pair_text(support%rigid%point), units, 'L')
@@ -706,16 +706,19 @@ contains
       type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text, number
-      integer :: i
+      integer :: i, length, width
 
       text = ''
+      length = 0
+      width = maxval(len_trim(quantities%label))
       do i = 1, size(quantities)
          associate (quantity => quantities(i))
             number = with_unit(short_text(quantity%value), units, trim(quantity%dimension))
             if (quantity%has_place) number = number//' at '//pair_text(quantity%place)
-            text = text//labeled(quantity%label(:maxval(len_trim(quantities%label))), number)
+            call append_text(text, length, labeled(quantity%label(:width), number))
          end associate
       end do
+      text = text(:length)
    end function quantities_text
 
    !> The times of the phases, and the end of the listing.

@@ -349,10 +349,11 @@ contains
       character(7), parameter :: drives(3) = [character(7) :: 'force_x', 'force_y', 'moment']
       type(driven_motion_t) :: driven
       real(dp) :: unit(3)
-      integer :: i, k, number
+      integer :: i, k, number, n
 
-      allocate (body%driven(0))
+      allocate (body%driven(3*size(body%constraints%rigid)))
       number = 0
+      n = 0
       do i = 1, size(supports)
          if (.not. supports(i)%rigid%is_given) cycle
          number = number + 1
@@ -373,10 +374,12 @@ contains
                driven%own = merge(driven%length, 0.0_dp, [1, 2, 3] == driven%axis)
                driven%node = rigid%lead(2:)
                driven%force = rigid%lead_forces(unit)
-               body%driven = [body%driven, driven]
+               n = n + 1
+               body%driven(n) = driven
             end do
          end associate
       end do
+      body%driven = body%driven(:n)
    end subroutine add_rigid_drives
 
    !> Adds the jump of a preload to the driven motions. Its force is a uniform pressure on both sides.
