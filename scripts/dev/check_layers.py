@@ -39,7 +39,7 @@ MAY_USE = {
     "study/sweep": ["study", "output", "solve", "input", "contact/model", "contact/geometry", "contact/problem",
                     "distributed", "elasticity", "linalg", "system"],
     "study/history": ["study", "output", "solve", "input", "contact/model", "contact/problem", "contact/uniqueness",
-                      "system"],
+                      "linalg", "system"],
     "run": ["study", "study/reduced", "study/single", "study/sweep", "study/history", "output", "input", "system"],
     "verify": ["study", "study/sweep", "study/history", "study/reduced", "output", "solve", "input", "contact/problem",
                "contact/model", "system"],

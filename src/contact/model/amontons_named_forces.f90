@@ -302,8 +302,10 @@ contains
          if (allocated(body%condensation%softness)) at_rest = body%condensation%softness*parts(i)%condensed%load
          call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
          fields(:, :, i) = field
+         loads(:, :, i) = parts(i)%force
+         if (.not. allocated(parts(i)%element_load)) cycle
          call body%internal_forces(field, 0.0_dp*parts(i)%prescribed, parts(i)%element_load)
-         loads(:, :, i) = parts(i)%force - field
+         loads(:, :, i) = loads(:, :, i) - field
       end do
    end subroutine find_responses
 

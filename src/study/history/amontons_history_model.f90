@@ -15,6 +15,7 @@ module amontons_history_model
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t, rounding_share
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_dense, only: transposed_product
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
@@ -133,8 +134,8 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! force and prescribed displacement of each part, condensed
       type(force_test_t), allocatable :: tests(:), named(:)
-      real(dp), allocatable :: forces(:, :), loads(:, :, :)
-      integer :: i, j, m, n
+      real(dp), allocatable :: forces(:, :), loads(:, :, :), fields(:, :), internal(:, :)
+      integer :: j, m, n
 
       m = body%zone%n_rows
       n = size(parts)
@@ -144,17 +145,18 @@ contains
       allocate (tests(n + size(named)))
       tests(n + 1:) = named
       call find_responses(form%field, loads, body, parts)
+      fields = reshape(form%field, [size(parts(1)%force), n])
+      allocate (internal, mold=fields)
+      call transposed_product(reshape(loads, shape(fields)), fields, form%load)
       do j = 1, n
          call body%internal_forces(forces, form%field(:, :, j))
-         do i = 1, n
-            form%strain(i, j) = sum(form%field(:, :, i)*forces)
-            form%load(i, j) = sum(loads(:, :, i)*form%field(:, :, j))
-         end do
+         internal(:, j) = [forces]
          form%strain_row(:, j) = condensed_force(body, forces)
          form%load_row(:, j) = condensed_force(body, loads(:, :, j))
-         tests(j)%held = parts(j)%prescribed
+         if (any(abs(parts(j)%prescribed) > 0.0_dp)) tests(j)%held = parts(j)%prescribed
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
+      call transposed_product(fields, internal, form%strain)
       call new_force_form(form%forces, body, tests, parts, form%field, loads)
    end subroutine new_energy_form
 
