@@ -420,6 +420,7 @@ contains
          !! that cross before they meet the master
       type(boundary_line_t) :: master_line
       real(dp), allocatable :: share(:)
+      logical :: is_master(body%mesh%n_nodes)
       integer :: i
 
       pair%label = pairing%label(set)
@@ -433,10 +434,12 @@ contains
       if (allocated(error)) return
       call new_boundary_line(master_line, body%mesh, pair%against, error)
       if (allocated(error)) return
+      is_master = .false.
+      is_master(master_line%node) = .true.
       ! At an end of the slave bodies may be joined, as at a crack's tip.
       associate (line => pair%line)
          do i = 1, line%n_nodes
-            if (all(master_line%node /= line%node(i))) cycle
+            if (.not. is_master(line%node(i))) cycle
             if (line%next(i) == 0 .or. all(line%next /= i)) cycle
             call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
                place_text(body%mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
@@ -464,7 +467,7 @@ contains
       end if
       call check_rays(pair, error)
       if (allocated(error)) return
-      call number_points(pair, body%constraints, follower, master_line, pairing%is_tied)
+      call number_points(pair, body%constraints, follower, is_master, pairing%is_tied)
    end subroutine new_mortar_pair
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a concave surface do beyond its
@@ -526,11 +529,11 @@ contains
 
    !> Chooses the corners that are points: those that face the master and that supports leave a motion on which
    !> multipliers act. Finds the sides that transmit no force although no support holds them.
-   pure subroutine number_points(pair, constraints, follower, master_line, is_tied)
+   pure subroutine number_points(pair, constraints, follower, is_master, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(in) :: follower(:) !! nodes of earlier sets, see `amontons_mortar_pair` (nodes)
-      type(boundary_line_t), intent(in) :: master_line !! the master's line
+      logical, intent(in) :: is_master(:) !! the nodes of the master (nodes)
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(2, size(follower))
       logical :: is_open(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
@@ -562,7 +565,7 @@ contains
          associate (node => facing(i))
             if (follower(node) > 0) then
                pair%shared_node = [pair%shared_node, node]
-            else if (any(master_line%node == node)) then
+            else if (is_master(node)) then
                pair%joined_node = [pair%joined_node, node]
             else if (.not. merge(any(constraints%is_free(:2, node)), &
                constraints%leaves_free(node, normal(:, node)), is_tied)) then

@@ -45,6 +45,8 @@ module amontons_surface
       real(dp), allocatable :: normal(:, :, :) !! unit outward normals there (2, 3, n_sides) [-]
       real(dp), allocatable :: arc_length(:)
          !! length along the line where each side begins, chord by chord (n_sides) [L]
+      real(dp), allocatable :: box(:, :, :)
+         !! least and largest coordinates of each `n_boxed` sides that follow each other (2, 2, any) [L]
       type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
       integer, allocatable :: mirrored_node(:) !! ends that lie on a plane of symmetry, where shear vanishes
       real(dp) :: longest = 0.0_dp !! longest chord of a side [L]
@@ -52,6 +54,9 @@ module amontons_surface
    contains
       procedure :: place => surface_place
    end type surface_t
+
+   !> Number of consecutive sides with a common bounding box.
+   integer, parameter :: n_boxed = 64
 
    !> A position on a side with its derivative and normal.
    type :: surface_place_t
@@ -105,7 +110,7 @@ contains
       ! A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
       ! degrees has the rounding error of its cosine.
       real(dp), parameter :: most = 0.501_dp
-      logical :: is_free(2), is_on_axis(body%mesh%n_nodes)
+      logical :: is_free(2), is_on_axis(body%mesh%n_nodes), is_corner(2, body%mesh%n_nodes)
       real(dp) :: held(2)
       integer :: i, k
 
@@ -114,10 +119,13 @@ contains
       call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
       allocate (surface%mirrored_node(0))
       is_on_axis = on_axis(body%mesh, body%materials)
+      is_corner = .false.
+      is_corner(1, surface%side(1, :)) = .true.
+      is_corner(2, surface%side(2, :)) = .true.
       do i = 1, surface%n_sides
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
-               if (any(surface%side(3 - k, :) == node)) cycle
+               if (is_corner(3 - k, node)) cycle
                is_free = body%constraints%is_free(:2, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = body%constraints%held_direction(node)
@@ -169,6 +177,13 @@ contains
             place = surface%place(i, xi(k))
             surface%normal(:, k, i) = place%outward()
          end do
+      end do
+      allocate (surface%box(2, 2, (surface%n_sides + n_boxed - 1)/n_boxed))
+      do i = 1, size(surface%box, 3)
+         associate (corner => surface%corner(:, :, n_boxed*(i - 1) + 1:min(n_boxed*i, surface%n_sides)))
+            surface%box(:, 1, i) = minval(minval(corner, dim=3), dim=2)
+            surface%box(:, 2, i) = maxval(maxval(corner, dim=3), dim=2)
+         end associate
       end do
       ! Nodes between two sides have the mean of their normals, unless these differ too much.
       side_from = 0
@@ -281,18 +296,24 @@ contains
       ! A curved side may bulge out of the box of its nodes by an eighth of its length at the most.
       real(dp), parameter :: bulge = 0.125_dp
       real(dp) :: low(2), high(2), reach
-      logical :: is_near(master%n_sides)
-      integer :: i
+      logical :: is_near(n_boxed)
+      integer :: i, box, before, n
 
       reach = search + bulge*(slave%longest + master%longest)
       low = minval(slave%corner(:, :, side), dim=2) - reach
       high = maxval(slave%corner(:, :, side), dim=2) + reach
-      do i = 1, master%n_sides
-         associate (x => master%corner(1, :, i), y => master%corner(2, :, i))
-            is_near(i) = any(x >= low(1)) .and. any(x <= high(1)) .and. any(y >= low(2)) .and. any(y <= high(2))
-         end associate
+      allocate (near(0))
+      do box = 1, size(master%box, 3)
+         if (any(master%box(:, 1, box) > high .or. master%box(:, 2, box) < low)) cycle
+         before = n_boxed*(box - 1)
+         n = min(n_boxed, master%n_sides - before)
+         do i = 1, n
+            associate (x => master%corner(1, :, before + i), y => master%corner(2, :, before + i))
+               is_near(i) = any(x >= low(1)) .and. any(x <= high(1)) .and. any(y >= low(2)) .and. any(y <= high(2))
+            end associate
+         end do
+         near = [near, pack([(before + i, i=1, n)], is_near(:n))]
       end do
-      near = pack([(i, i=1, master%n_sides)], is_near)
    end function sides_near
 
    !> The possible ends of segments on a side of the slave: its own ends, and the local coordinates whose rays meet

@@ -564,11 +564,14 @@ contains
       integer, allocatable :: near(:)
       logical, allocatable :: counts(:)
       real(dp) :: low, high
+      logical :: faces(pair%slave%n_sides)
       integer :: side, part, n
 
+      faces = .false.
+      faces(pair%segments%slave) = .true.
       allocate (segments(0))
       do side = 1, pair%slave%n_sides
-         if (all(pair%segments%slave /= side)) cycle
+         if (.not. faces(side)) cycle
          near = sides_near(pair%slave, side, pair%master, pair%search)
          low = edge - 1.0_dp
          segments = [segments, mortar_segment_t(side, met_side(pair, side, near, low), [-1.0_dp, -1.0_dp])]

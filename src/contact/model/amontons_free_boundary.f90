@@ -315,6 +315,7 @@ contains
       type(surface_place_t) :: place
       type(meeting_t) :: meeting
       integer, allocatable :: near(:)
+      real(dp) :: across
       integer :: k
 
       associate (surface => self%surface, normal => self%surface%normal(:, corner, side))
@@ -325,8 +326,9 @@ contains
             return
          end if
          place = surface%place(side, places(corner))
-         near = self%columns%near(place%position(1) - self%reach - surface%longest, &
-            place%position(1) + self%reach + surface%longest)
+         ! The columns that its ray crosses.
+         across = surface%longest + self%reach*abs(place%normal(1))/norm2(place%normal)
+         near = self%columns%near(place%position(1) - across, place%position(1) + across)
          near = pack(near, self%is_own(near, 3 - of) .or. self%is_beyond(near, 3 - of))
          meeting = meet_master(surface, near, place, self%reach)
          if (meeting%side == 0) return
