@@ -344,6 +344,8 @@ contains
          call visitor%require(.not. (config%condensation%form == 'band' .and. &
             any(config%contacts%partition%is_constant)), &
             'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
+         if (allocated(config%materials)) call visitor%require(.not. (config%condensation%form == 'band' .and. &
+            any(config%materials%is_twisted)), 'condensation', "condensation must be 'dense' or 'auto' with twist")
       end associate
    end subroutine describe_solver
 
