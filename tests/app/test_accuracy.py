@@ -77,7 +77,7 @@ class Accuracy(ProgramTest):
             self.assertNotIn("accuracy", json.loads((self.directory/"results"/"none.summary.json").read_text()))
 
     def test_case_certified_of_a_sweep_has_an_estimate(self):
-        groups = (SUPPORT + "  uy = 0.0", "contact set = 'bottom'  extra_gap = -0.01",
+        groups = (SUPPORT + "  uy = 0.01", "contact set = 'bottom'  extra_gap = -0.01",
                   "load name = 'p'  set = 'top'  pressure = 1.0")
         summary = self.solve("rows", *groups, "sweep load = 'p'  factor = 0.5, 1.0, 2.0")
         self.assertIn("Accuracy of the worst case", (self.directory/"results"/"rows.lst").read_text(encoding="utf-8"))

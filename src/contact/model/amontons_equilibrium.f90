@@ -434,12 +434,14 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), parameter :: negligible = 1.0e-12_dp ! the rounding of sums of forces
       type(condensed_load_t) :: rest
-      real(dp), allocatable :: lacking(:), refined(:, :), unknowns(:, :)
+      real(dp), allocatable :: lacking(:), strained(:), refined(:, :), unknowns(:, :)
 
       lacking = imbalance(body, load_case, displacement, force)
       if (norm2(lacking) <= negligible*max(load_case%uncanceled(1), norm2(force))) return
       call body%condensation%condense_load(lacking, rest)
-      call body%condensation%recover([rest], spread(0.0_dp*force, 2, 1), unknowns)
+      strained = 0.0_dp*force
+      if (allocated(body%condensation%softness)) strained = -body%condensation%softness*rest%load
+      call body%condensation%recover([rest], spread(strained, 2, 1), unknowns)
       refined = displacement + from_unknowns(unknowns(:, 1), 0.0_dp*displacement, body%constraints, body%dof_map)
       if (norm2(imbalance(body, load_case, refined, force)) < norm2(lacking)) displacement = refined
    end subroutine refine_displacement

@@ -637,7 +637,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! names support, node and set
       type(contact_t), allocatable :: contacts(:)
       character(:), allocatable :: support
-      real(dp) :: place(2), push, depth(2), largest
+      real(dp) :: place(2), push, gap, cosine, largest
+      logical :: is_met
       integer :: i, k
 
       if (size(body%zone%held_node) == 0) return
@@ -650,16 +651,16 @@ contains
             push = dot_product(normal, [(dot_product(acting%factor, [(self%parts(k)%prescribed(1, node), k=1, &
                size(self%parts))])), dot_product(acting%factor, [(self%parts(k)%prescribed(2, node), k=1, &
                size(self%parts))])])
-            ! Before and after the displacement. Meshes lie in obstacles by the rounding of their files.
-            depth = [contact%obstacle%depth(place), contact%obstacle%depth(place + push*normal)] &
-               - contact%extra_gap%at(place, body%zone%held_arc_length(i))
-            if (depth(2) <= negligible*abs(push) + max(0.0_dp, min(depth(1), negligible*largest))) cycle
+            call contact%obstacle%measure(place, normal, gap, is_met, cosine)
+            gap = gap + contact%extra_gap%at(place, body%zone%held_arc_length(i))
+            ! Meshes lie in obstacles by the rounding of their files.
+            if (.not. is_met .or. push - gap <= negligible*abs(push) + max(0.0_dp, min(-gap, negligible*largest))) cycle
             associate (holder => self%base%supports(maxval(body%constraints%holder(:, node))))
                support = holder%set
                if (len(holder%name) > 0) support = holder%name
                if (len(support) == 0) support = 'at '//place_text(holder%point)
                call new_error(error, no_equilibrium, holder%origin//"the support '"//support//"' holds the node at "// &
-                  place_text(place)//" of the contact set '"//contact%set//"' "//short_text(depth(2))// &
+                  place_text(place)//" of the contact set '"//contact%set//"' "//short_text(push - gap)// &
                   ' deep in its rigid obstacle: no contact force can move it out')
             end associate
          end associate

@@ -11,7 +11,7 @@ module amontons_named_forces
    use amontons_contact_rows, only: turned
    use amontons_equilibrium, only: recover_with_travel
    use amontons_kinds, only: dp
-   use amontons_load_family, only: condensed_force, load_case_t
+   use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
@@ -299,8 +299,12 @@ contains
       end associate
       do i = 1, size(parts)
          at_rest = 0.0_dp*parts(i)%condensed%load
-         if (allocated(body%condensation%softness)) at_rest = body%condensation%softness*parts(i)%condensed%load
-         call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
+         if (allocated(body%condensation%softness)) then
+            ! Springs between points and body hold it where forces are not those of equilibrium: no refinement.
+            call recover_displacement(field, body, parts(i), at_rest, at_rest)
+         else
+            call recover_with_travel(field, body, parts(i), at_rest, parts(i)%condensed%load)
+         end if
          fields(:, :, i) = field
          loads(:, :, i) = parts(i)%force
          if (.not. allocated(parts(i)%element_load)) cycle
