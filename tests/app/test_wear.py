@@ -61,10 +61,10 @@ WHOLE = "0.0, 1.0, 2.0, 3.0", "1.0, 2.0, 0.5, 1.0", "0.0, 0.3, -0.3, 0.2"
 
 
 def number_of_set(point):
-    """Which contact set of BODIES a point belongs to; the corner below belongs to the one named first."""
-    if float(point["y"]) == -1.0:
-        return 2
-    return 3 if float(point["x"]) == 5.5 else 1
+    """Which contact set of BODIES a point of its contact table belongs to; the corner below is a point of two."""
+    if float(point["normal_x"]) == 1.0:
+        return 3
+    return 2 if float(point["y"]) == -1.0 else 1
 
 
 class Wear(HistoryTest):
@@ -130,10 +130,11 @@ class Wear(HistoryTest):
         self.walk(BODIES)
         last = self.table("bodies.history.csv")[-1]
         points = [row for row in self.table("bodies.points.csv") if row["step"] == last["step"]]
+        numbers = {row["point"]: number_of_set(row) for row in self.table("bodies.contact.csv")}
         for name, coefficients in (("sole", {1: 5.0e-2}), ("floor", {2: 1.0e-2, 3: 2.0e-3})):
             volume = 0.0
             for number, wear in coefficients.items():
-                mine = [row for row in points if number_of_set(row) == number]
+                mine = [row for row in points if numbers[row["point"]] == number]
                 depths = [float(row["wear_depth"]) for row in mine]
                 self.assertGreater(max(depths), 0.0)
                 self.assert_close(depths, [wear*float(row["wear_integral"]) for row in mine], 1e-14*max(depths))
