@@ -1,16 +1,19 @@
 !> Rigid motions of the pieces of a body, and those that its supports leave free.
 module amontons_rigid_motion
+   use amontons_cone, only: null_vectors
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_element, only: n_corners
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t, number_pieces, side_element, side_place
+   use amontons_rounding, only: first_largest, input_rounding
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 
-   public :: displacement_of_nodes, new_rigid_motions, rigid_motions_t
+   public :: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, resting_motions, &
+      rigid_motions_t
 
    !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
    !> twisted body about the axis) and, where joints divide it into parts, of the motions of these parts relative to
@@ -360,15 +363,62 @@ contains
       first = 0
       do k = 1, size(motions)
          if (motions(k)%n_free == 0) cycle
-         associate (node => motions(k)%node)
-            do i = 1, size(node)
-               displacement(:, node(i)) = matmul(motions(k)%displacement(coordinates(:, node(i)), node(i)), &
-                  amounts(first + 1:first + motions(k)%n_free))
-            end do
+         associate (node => motions(k)%node, own => amounts(first + 1:first + motions(k)%n_free))
             first = first + motions(k)%n_free
+            if (.not. any(abs(own) > 0.0_dp)) cycle
+            do i = 1, size(node)
+               displacement(:, node(i)) = matmul(motions(k)%displacement(coordinates(:, node(i)), node(i)), own)
+            end do
          end associate
       end do
    end function displacement_of_nodes
+
+   !> An orthonormal basis of the displacements of points under the motions of a piece (rows, any) [-].
+   pure function orthonormal_modes(modes) result(basis)
+      real(dp), intent(in) :: modes(:, :) !! the displacements under each motion (rows, motions) [-]
+      real(dp), allocatable :: basis(:, :)
+      real(dp) :: own(size(modes, 1)), length
+      integer :: k, turn
+
+      allocate (basis(size(modes, 1), 0))
+      do k = 1, size(modes, 2)
+         own = modes(:, k)
+         length = norm2(own)
+         ! The first time leaves rounding errors of the components along the others.
+         do turn = 1, 2
+            own = own - matmul(basis, matmul(own, basis))
+         end do
+         if (norm2(own) <= input_rounding*max(1.0_dp, length)) cycle
+         basis = reshape([basis, own/norm2(own)], [size(own), size(basis, 2) + 1])
+      end do
+   end function orthonormal_modes
+
+   !> The combinations of motions that leave all points at rest (motions, any) [-].
+   pure function resting_motions(modes) result(motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points under each motion (rows, motions) [-]
+      real(dp), allocatable :: motions(:, :)
+      integer :: i
+
+      motions = null_vectors(modes, input_rounding*[(max(1.0_dp, norm2(modes(:, i))), i=1, size(modes, 2))])
+   end function resting_motions
+
+   !> Text describing a combination of the free motions of some pieces by that of the piece that moves most; of amounts
+   !> that differ by rounding only, the first counts.
+   pure function largest_motion(motions, amounts) result(text)
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)
+      character(:), allocatable :: text
+      real(dp) :: amount(size(motions))
+      integer :: first(size(motions) + 1), i
+
+      first(1) = 1
+      do i = 1, size(motions)
+         first(i + 1) = first(i) + motions(i)%n_free
+         amount(i) = norm2(amounts(first(i):first(i + 1) - 1))
+      end do
+      i = max(1, first_largest(amount))
+      text = motions(i)%describe(amounts(first(i):first(i + 1) - 1))
+   end function largest_motion
 
    !> Text describing a combination of the free motions, with the position of the piece if the body has several.
    pure function rigid_motions_describe(self, amounts) result(text)

@@ -1,16 +1,15 @@
-!> Dense linear algebra on small full matrices, by LAPACK, and least squares with bounds on the factors.
+!> Dense linear algebra on small full matrices, by LAPACK.
 !>
 !> Every matrix argument is square; of a symmetric one the lower triangle is read. `info` = 0 means success.
 module amontons_dense
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemm, dgemv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
-   use amontons_rounding, only: sum_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_product, allocate_matrix, bounded_remainder, cholesky_factor, cholesky_factor_regularized, &
+   public :: add_product, allocate_matrix, cholesky_factor, cholesky_factor_regularized, &
       cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
       squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve
 
@@ -246,110 +245,5 @@ contains
       allocate (work(max(1, work_per_row*size(a, 1))))
       call dsyev('V', 'L', size(a, 1), a, max(1, size(a, 1)), w, work, size(work), info)
    end subroutine symmetric_eigenvectors
-
-   !> The remainder of a vector after its best approximation by columns with factors from 0 to an upper bound each:
-   !> Lawson and Hanson's algorithm (Solving Least Squares Problems, 1974, chapter 23) with upper bounds (P. B. Stark,
-   !> R. L. Parker: Bounded-variable least squares, Computational Statistics 10 (1995)).
-   pure function bounded_remainder(columns, most, vector) result(remainder)
-      real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
-      real(dp), intent(in) :: most(:) !! upper bounds of the factors, at least 0; huge if there is none (n)
-      real(dp), intent(in) :: vector(:) !! the vector (k)
-      real(dp) :: remainder(size(vector))
-      real(dp) :: unit(size(columns, 1), size(columns, 2)), share, bound
-      real(dp), dimension(size(columns, 2)) :: longest, gain, factor, trial, full
-      logical, dimension(size(columns, 2)) :: is_used, is_full, is_leaving
-      integer :: i, step
-
-      do i = 1, size(columns, 2)
-         unit(:, i) = columns(:, i)/max(norm2(columns(:, i)), tiny(1.0_dp))
-         longest(i) = most(i)
-         if (most(i) < huge(most)) longest(i) = most(i)*norm2(columns(:, i))
-      end do
-      ! The factors of the columns; which are in use, with a factor between 0 and the most; and which have the most.
-      factor = 0.0_dp*longest
-      is_used = .false.
-      is_full = .false.
-      remainder = vector
-      do step = 1, 3*size(columns, 2)
-         if (norm2(remainder) <= sum_rounding*norm2(vector)) exit
-         gain = matmul(remainder, unit)
-         where (is_full) gain = -gain
-         i = maxloc(gain, dim=1, mask=.not. is_used .and. most > 0.0_dp)
-         if (i == 0) exit
-         if (gain(i) <= sum_rounding*norm2(remainder)) exit
-         is_used(i) = .true.
-         factor(i) = merge(longest(i), 0.0_dp, is_full(i))
-         is_full(i) = .false.
-         ! Moves the factors to the best approximation by the columns in use; where a factor reaches a bound
-         ! first, its column is no longer used, and the move starts again from there.
-         do
-            full = merge(longest, 0.0_dp, is_full)
-            call approximate(unit, vector - matmul(unit, full), is_used, trial, remainder)
-            is_leaving = is_used .and. .not. (trial > 0.0_dp .and. trial < longest)
-            if (.not. any(is_leaving)) exit
-            ! The share of the way to the trial on which all factors in use stay in their bounds.
-            share = 1.0_dp
-            do i = 1, size(factor)
-               if (.not. is_leaving(i)) cycle
-               bound = merge(longest(i), 0.0_dp, trial(i) > 0.0_dp)
-               share = min(share, abs(bound - factor(i))/max(abs(trial(i) - factor(i)), tiny(share)))
-            end do
-            factor = factor + share*(trial - factor)
-            is_full = is_full .or. (is_used .and. factor >= (1.0_dp - sum_rounding)*longest)
-            is_used = is_used .and. .not. is_full .and. factor > sum_rounding*maxval(factor)
-            factor = merge(factor, 0.0_dp, is_used)
-         end do
-         factor = trial
-      end do
-   end function bounded_remainder
-
-   !> Finds the best approximation of a vector by the columns in use, which are orthogonalized one by one (Gram and
-   !> Schmidt): no digits are lost for nearly parallel columns, such as those of a flat contact line far from the middle
-   !> of the body.
-   pure subroutine approximate(columns, vector, is_used, factor, remainder)
-      real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
-      real(dp), intent(in) :: vector(:) !! the vector (k)
-      logical, intent(in) :: is_used(:) !! which columns are in use, k at the most (n)
-      real(dp), intent(out) :: factor(:) !! their factors; 0 for the others (n)
-      real(dp), intent(out) :: remainder(:) !! remainder of the vector (k)
-      real(dp) :: axes(size(vector), count(is_used)), share(count(is_used), count(is_used) + 1), length
-      integer, allocatable :: column(:)
-      integer :: i, n
-
-      column = pack([(i, i=1, size(is_used))], is_used)
-      n = size(column)
-      do i = 1, n
-         axes(:, i) = columns(:, column(i))
-         call orthogonalize(axes(:, :i - 1), axes(:, i), share(:i - 1, i))
-         length = max(norm2(axes(:, i)), tiny(1.0_dp))
-         axes(:, i) = axes(:, i)/length
-         share(i, i) = length
-      end do
-      remainder = vector
-      call orthogonalize(axes, remainder, share(:, n + 1))
-      factor = 0.0_dp
-      do i = n, 1, -1
-         factor(column(i)) = (share(i, n + 1) - dot_product(share(i, i + 1:n), factor(column(i + 1:n))))/share(i, i)
-      end do
-   end subroutine approximate
-
-   !> Subtracts from a vector its components along orthogonal axes, twice, since the first time leaves rounding errors
-   !> of them.
-   pure subroutine orthogonalize(axes, vector, share)
-      real(dp), intent(in) :: axes(:, :) !! the axes, of length 1 (k, n)
-      real(dp), intent(inout) :: vector(:) !! the vector (k)
-      real(dp), intent(out) :: share(:) !! its components (n)
-      real(dp) :: along
-      integer :: i, turn
-
-      share = 0.0_dp
-      do turn = 1, 2
-         do i = 1, size(axes, 2)
-            along = dot_product(axes(:, i), vector)
-            vector = vector - along*axes(:, i)
-            share(i) = share(i) + along
-         end do
-      end do
-   end subroutine orthogonalize
 
 end module amontons_dense

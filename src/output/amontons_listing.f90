@@ -1,8 +1,10 @@
 !> NAME.lst: the listing, which is complete without the other files; and the sections that the listings of decks, sweeps
 !> and reduced problems share: head, model, method and outcome, uniqueness and all solutions (with NAME.solutions.csv),
 !> verdict, times.
+! allow(S271): gfortran 12 fails on `amontons_report`, which uses this module, if the first of its modules is not first
 module amontons_listing
-   use amontons_body, only: body_t, find_rigid_modes, find_travel, largest_motion
+   use amontons_rigid_motion, only: largest_motion, resting_motions
+   use amontons_body, only: body_t, find_rigid_modes
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
    use amontons_constraints, only: support_t, supported_components
@@ -74,13 +76,13 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: status(:) !! status of each contact point (m)
       character(:), allocatable :: text
-      real(dp), allocatable :: modes(:, :), travel(:, :), amounts(:, :)
+      real(dp), allocatable :: modes(:, :), amounts(:, :)
       integer :: i
 
       text = ''
       if (sum(body%motions%n_free) == 0) return
       call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.true.)
-      call find_travel(travel, amounts, modes(pack([(i, i=1, size(status))], status /= open_point), :))
+      amounts = resting_motions(modes(pack([(i, i=1, size(status))], status /= open_point), :))
       if (size(amounts, 2) > 0) text = largest_motion(body%motions, amounts(:, 1))
    end function free_motion
 

@@ -17,22 +17,24 @@
 module amontons_load_solver
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_auto, only: auto_t
-   use amontons_body, only: body_t, find_rigid_modes, largest_motion
+   use amontons_body, only: body_t, find_rigid_modes
+   use amontons_cone, only: least_squares, null_vectors
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: can_be_wedged, check_balance, find_idle_motion, find_resting_motion, &
-      fit_rigid_motion, fit_travel, imbalance_of_points, least_squares_amounts, on_round_line, round_normals
+   use amontons_equilibrium, only: imbalance_of_points
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_friction_law, only: open_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, new_load_family, parting_t
+   use amontons_loose_bodies, only: can_be_wedged, check_balance, find_idle_motion, find_origin, fit_travel, is_round, &
+      on_round_line
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
+   use amontons_rigid_motion, only: largest_motion, resting_motions
+   use amontons_rounding, only: computed_rounding, difference_rounding
    use amontons_text, only: short_text
    implicit none (type, external)
    private
@@ -45,8 +47,6 @@ module amontons_load_solver
    !> A tenth of the default tolerance is rounding of S, as far as v strains the body: the digits of a long slender body
    !> that bends far resolve no less.
    real(dp), parameter :: least_residual = 1.0e-11_dp
-   !> What rounding leaves of normals that agree.
-   real(dp), parameter :: same = 1.0e-9_dp
 
    !> The data that all members of a family of loads share.
    type :: load_solver_t
@@ -107,8 +107,6 @@ contains
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
       integer, intent(out) :: error_kind !! kind of the error that the reason is
-      ! Of gaps, which are differences of coordinates: some tens of their rounding errors.
-      real(dp), parameter :: rounding = 1.0e-14_dp
       type(contact_solution_t) :: start, first
       type(load_case_t) :: load_case
       type(error_t), allocatable :: error, ignored
@@ -155,7 +153,7 @@ contains
             first = solution
             solution = start
             ! Displacements are counted from where the body meets its obstacles.
-            call find_origin(motion, body, load_case, problem)
+            call find_origin(motion, body, load_case)
             call self%solve_from_motion(motion, self%method, body, acting, problem, solution, error)
             call solution%prepend(first)
          end if
@@ -163,7 +161,7 @@ contains
       call leave_in_place(self, body, problem, start, solution)
       ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps are
       ! none, either.
-      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= rounding &
+      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= difference_rounding &
          *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation))) call rest(idle, solution)
       if (allocated(error)) then
          solution%is_converged = .false.
@@ -181,25 +179,22 @@ contains
    !> Whether a free motion moves no point that bears a normal force along the normal, nor one along the tangent whose
    !> shear is below its bound: methods accept a solution for loads a little above what contact and friction bear. Or
    !> whether it strains ties that lie apart: by that they hold a body that tips.
-   logical function may_move(body, problem, force)
+   pure logical function may_move(body, problem, force)
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), intent(in) :: force(:) !! a solution's contact forces (n) [F]
-      ! Of the works on a motion; errors of forces, far above those that methods leave.
-      real(dp), parameter :: rounding = 1.0e-12_dp, negligible = 1.0e-7_dp
-      real(dp), dimension(size(body%rigid_modes, 2), size(body%rigid_modes, 2)) :: works
-      real(dp) :: eigenvalues(size(works, 1))
-      integer :: info, k
+      ! Errors of forces, far above those that methods leave.
+      real(dp), parameter :: negligible = 1.0e-7_dp
+      integer, allocatable :: held(:)
+      integer :: i, k
 
       may_move = body%is_motion_strained
-      if (may_move .or. size(works) == 0) return
+      if (may_move .or. size(body%rigid_modes, 2) == 0) return
       associate (m => body%zone%n_points, shear => tangential_norm(force(body%zone%n_points + 1:), body%zone%n_points))
-         works = matmul(transpose(body%rigid_modes), body%rigid_modes*spread(merge(1.0_dp, 0.0_dp, &
-            [force(:m) > negligible*maxval(abs(force)), (shear < (1.0_dp - negligible)*problem%bound(force(:m)), &
-            k=1, body%zone%n_tangents)]), 2, size(works, 1)))
+         held = pack([(i, i=1, size(force))], [force(:m) > negligible*maxval(abs(force)), &
+            (shear < (1.0_dp - negligible)*problem%bound(force(:m)), k=1, body%zone%n_tangents)])
       end associate
-      call symmetric_eigenvectors(works, eigenvalues, info)
-      may_move = .not. eigenvalues(1) > rounding*eigenvalues(size(eigenvalues))
+      may_move = size(resting_motions(body%rigid_modes(held, :)), 2) > 0
    end function may_move
 
    !> Finds the outcome of a solution: solved, no equilibrium, numbers out of range, or not converged.
@@ -261,7 +256,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the computation failed numerically
 
       if (has_start_position(solution)) solution%displacement = solution%displacement - motion
-      call solve_components(method, problem_from(motion, body, problem), solution, error)
+      call solve_components(method, problem_from(motion, problem), solution, error)
       if (.not. allocated(error)) call self%refine(motion, method%tolerance, body, acting, problem, solution)
       solution%displacement = solution%displacement + motion
    end subroutine load_solver_solve_from_motion
@@ -287,28 +282,27 @@ contains
       type(load_case_t) :: load_case
       type(newton_t) :: newton
       type(error_t), allocatable :: error
-      real(dp), allocatable :: lacking(:), remaining(:), strained(:)
+      real(dp), allocatable :: lacking(:), remaining(:)
       real(dp) :: scale, largest, errors
       integer :: step
 
       ! No rank can use a shared factor by itself.
       if (self%shares_factor .or. solution%is_at_rest) return
       scale = problem%force_scale(solution%force, solution%displacement)
-      strained = merge(origin, 0.0_dp, body%is_motion_strained)
       errors = max(problem%rounding, epsilon(errors)*body%condensation%condenser%matrix_norm)*maxval(abs( &
-         solution%displacement + strained))
+         solution%displacement))
       if (errors <= tolerance*scale) return
       if (.not. (solution%is_converged .or. solution%residual*scale <= explained*errors)) return
       !$omp critical (texts_of_solver)
       call self%loads%load_case(body, acting, load_case)
       !$omp end critical (texts_of_solver)
       newton = newton_t(tolerance=tolerance, max_iterations=n_newton_steps)
-      lacking = imbalance_of_points(body, load_case, solution%displacement + strained, solution%force)
+      lacking = imbalance_of_points(body, load_case, solution%displacement, solution%force)
       remaining = lacking
       largest = problem%largest(lacking)
       do step = 1, most_steps
          if (solution%is_converged .and. largest <= least_residual*scale) exit
-         change = problem_from(origin + solution%displacement, body, problem)
+         change = problem_from(origin + solution%displacement, problem)
          change%load = lacking + solution%force
          if (allocated(problem%softness)) then
             call problem%matrix%multiply_stiffness(problem%softness*solution%force, remaining)
@@ -319,7 +313,7 @@ contains
          call solve_components(newton, change, next, error)
          next%displacement = solution%displacement + next%displacement
          if (allocated(error) .or. .not. next%is_converged) exit
-         remaining = imbalance_of_points(body, load_case, next%displacement + strained, next%force)
+         remaining = imbalance_of_points(body, load_case, next%displacement, next%force)
          if (solution%is_converged .and. .not. problem%largest(remaining) < least_gain*largest) exit
          call next%prepend(solution)
          solution = next
@@ -331,19 +325,6 @@ contains
       solution%is_converged = .false.
       solution%residual = largest/scale
    end subroutine load_solver_refine
-
-   !> Finds the rigid motion from which displacements are counted: the one closest to the gaps, if it is close;
-   !> otherwise that of a rigid body that loads press onto its obstacles.
-   subroutine find_origin(motion, body, load_case, problem)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! the load case
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-
-      call fit_rigid_motion(motion, body, load_case)
-      if (any(abs(motion) > 0.0_dp) .or. .not. any(abs(problem%load) > 0.0_dp)) return
-      call find_resting_motion(motion, body, load_case, problem%load)
-   end subroutine find_origin
 
    !> Puts a body at rest in its place, without forces.
    pure subroutine rest(motion, solution)
@@ -378,30 +359,24 @@ contains
       unopposed%gap = far*solver%size_of_body
       call solve_on_springs(unopposed, 1.0_dp, body%travel, strained, error)
       if (allocated(error)) return
-      unloaded = problem_from(strained%displacement, body, problem)
+      unloaded = problem_from(strained%displacement, problem)
       unloaded%load = 0.0_dp
       call find_idle_motion(motion, body, unloaded, start%displacement - strained%displacement, start%force)
       if (.not. allocated(motion)) return
       strained%force = 0.0_dp
-      call strained%measure(problem_from(motion, body, problem))
+      call strained%measure(problem_from(motion, problem))
       if (strained%residual <= solver%method%tolerance) call rest(strained%displacement + motion, solution)
    end subroutine leave_in_place
 
-   !> The contact problem for the displacements relative to a rigid motion. The motion causes no forces, unless it
-   !> strains ties: its product with S is rounding.
-   function problem_from(motion, body, problem) result(counted)
-      real(dp), contiguous, intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
-      type(body_t), intent(in) :: body !! the body
+   !> The contact problem for the displacements relative to a rigid motion that strains nothing and causes no forces.
+   function problem_from(motion, problem) result(counted)
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n_rows) [L]
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_problem_t) :: counted
 
       counted = problem
-      if (body%is_motion_strained) then
-         call counted%count_from(motion)
-      else
-         counted%gap = problem%gap - motion(:problem%n_points)
-         counted%anchor = problem%anchor - motion(problem%n_points + 1:)
-      end if
+      counted%gap = problem%gap - motion(:problem%n_points)
+      counted%anchor = problem%anchor - motion(problem%n_points + 1:)
    end function problem_from
 
    !> The residual of a pair (v, lambda), with displacements counted from the nearest free rigid motion. Forces that the
@@ -419,9 +394,9 @@ contains
 
       residual = 0.0_dp
       if (problem%n_points == 0) return
-      motion = matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, solution%displacement))
+      motion = matmul(body%travel, least_squares(body%travel, solution%displacement))
       strains = solution%displacement - motion
-      counted = problem_from(motion, body, problem)
+      counted = problem_from(motion, problem)
       call counted%measure(strains, solution%force, residual, scale)
       of_coordinates = rounding*maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation)
       residual = max(0.0_dp, residual*scale - of_coordinates)/max(scale, rounding_share*carried_force &
@@ -530,13 +505,6 @@ contains
       end associate
    end subroutine find_spin
 
-   !> Whether points lie on a round line: facets and circles have different normals.
-   pure logical function is_round(zone)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-
-      is_round = any(abs(round_normals(zone) - zone%normal) > same)
-   end function is_round
-
    !> Whether the loads drive a motion by more than friction can take at given normal forces.
    pure logical function is_unbalanced(problem, force, rounding, amounts, on_round, modes)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
@@ -547,10 +515,10 @@ contains
          !! displacements of the points in frames of the round line (n_rows, motions)
       real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own frames (n_rows, motions) [-]
       ! The limit of `check_balance` for errors of the mesh; without such errors ten times the residual of methods.
-      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-9_dp
+      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp
       real(dp) :: motion(problem%matrix%n), drive, capacity, share
 
-      share = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
+      share = merge(unbalanced_when_round, computed_rounding, any(abs(on_round - modes) > computed_rounding))
       motion = matmul(on_round, amounts)
       associate (m => problem%n_points, moved => matmul(modes, amounts))
          drive = dot_product(problem%load, moved) - dot_product(force(:m), motion(:m))
@@ -583,36 +551,23 @@ contains
    !> Finds the free motions that all points in reach follow along the tangents of the round line.
    subroutine new_spins(spins, on_round, body, is_in_reach)
       real(dp), allocatable, intent(out) :: spins(:, :)
-         !! amounts of the free motions, the displacements of the points orthonormal (motions, spins)
+         !! amounts of the free motions (motions, spins)
       real(dp), allocatable, intent(out) :: on_round(:, :)
          !! displacements of the points in frames of the round line (n_rows, motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
-      ! A square: what meshes of curves leave of a thousandth of the motion.
-      real(dp), parameter :: negligible = 1.0e-6_dp
-      ! The Gram matrix of the modes has half of their digits.
-      real(dp), parameter :: unmoved = 1.0e-12_dp
-      real(dp), allocatable :: along_normals(:, :), gram(:, :), values(:)
-      integer :: i, info, m
+      ! What meshes of curves leave of a motion.
+      real(dp), parameter :: negligible = 1.0e-3_dp
+      integer :: p
 
-      m = size(is_in_reach)
       call find_rigid_modes(on_round, body%zone, body%motions, body%mesh%coordinates, is_mated=.true.)
       on_round = on_round_line(body%zone, on_round)
       associate (modes => body%rigid_modes)
-         allocate (along_normals, source=merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2))))
-         allocate (gram, source=matmul(transpose(along_normals), along_normals))
-         allocate (values(size(gram, 1)))
-         call symmetric_eigenvectors(gram, values, info)
-         if (info /= 0) values = huge(1.0_dp)
-         associate (is_spin => [(values(i) <= negligible*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
-            spins = gram(:, pack([(i, i=1, size(values))], is_spin))
-         end associate
+         spins = null_vectors(on_round(pack([(p, p=1, size(is_in_reach))], is_in_reach), :), &
+            negligible*norm2(modes, dim=1))
          ! Pieces that touch share the displacements of their points: motions of both may leave them in place.
-         gram = matmul(transpose(matmul(modes, spins)), matmul(modes, spins))
-         values = values(:size(spins, 2))
-         call symmetric_eigenvectors(gram, values, info)
-         associate (counts => pack([(i, i=1, size(values))], values > unmoved*maxval(values)))
-            spins = matmul(spins, gram(:, counts)/spread(sqrt(values(counts)), 1, size(values)))
+         associate (moved => matmul(modes, spins))
+            spins = spins(:, pack([(p, p=1, size(spins, 2))], norm2(moved, dim=1) > negligible**2))
          end associate
       end associate
    end subroutine new_spins
@@ -647,7 +602,7 @@ contains
          call solve_on_springs(problem, weak(trial), motions, found, error)
          if (allocated(error) .or. .not. found%residual <= most_residual) return
          ! Once all these points slip, the body moves on as a rigid one: the motion is the difference of two trials.
-         amounts = matmul(matmul(found%displacement - before, motions), transpose(spins))
+         amounts = matmul(spins, least_squares(motions, found%displacement - before))
          ! Rounding errors of long displacements may be above the tolerance.
          inexact = merge(0.0_dp, far*found%residual*found%force_scale, found%is_converged)
          if (is_unopposed(problem, found%force, is_in_reach, rounding + inexact, amounts, on_round, modes)) return
@@ -674,7 +629,8 @@ contains
       held = problem
       held%matrix => matrix
       do i = 1, size(motions, 2)
-         call matrix%add_motion(share*maxval(problem%matrix%augmentation), motions(:, i))
+         call matrix%add_motion(share*maxval(problem%matrix%augmentation), motions(:, i) &
+            /max(norm2(motions(:, i)), tiny(1.0_dp)))
       end do
       call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
       call solve_components(method, held, found, error)

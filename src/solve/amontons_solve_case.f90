@@ -18,13 +18,14 @@ module amontons_solve_case
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_equilibrium, only: check_balance, recover_with_travel
+   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_key_results, only: body_peaks, contact_results_t, new_contact_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_by_temperature, load_t
+   use amontons_loose_bodies, only: check_balance
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh

@@ -72,6 +72,28 @@ CROWNED = """&mesh name = 'low'  file = 'low.msh' /
 """
 
 
+def row(n, push):
+    """A row of blocks of side 1 on a floor with friction 0.3, pressed on it by 1 each, pushed from the right against a
+    guide on the left."""
+    numbers = range(n)
+    return "\n".join([
+        *(f"&mesh name = 'b{i}'  size = 1.0, 1.0  cells = 2, 2  origin = {i}.0, 0.0 /" for i in numbers),
+        "&material young = 1000.0  poisson = 0.3 /", *(f"&load set = 'b{i}.top'  pressure = 1.0 /" for i in numbers),
+        f"&load set = 'b{n - 1}.right'  traction = {-push}, 0.0 /",
+        *(f"&contact name = 'floor'  set = 'b{i}.bottom'  friction = 0.3 /" for i in numbers),
+        *(f"&contact set = 'b{i}.left'  against = 'b{i - 1}.right'  friction = 0.2 /" for i in numbers[1:])]) + "\n"
+
+
+def stack(n, support, traction):
+    """A stack of blocks of side 1, the lowest one supported, loaded by a traction on its top."""
+    return "\n".join([
+        *(f"&mesh name = 'b{i}'  size = 1.0, 1.0  cells = 2, 1  origin = 0.0, {i}.0 /" for i in range(n)),
+        "&material young = 1000.0  poisson = 0.0 /", f"&support set = 'b0.bottom'  {support} /",
+        f"&load set = 'b{n - 1}.top'  traction = {traction} /",
+        *(f"&contact name = 'joint_{i}'  set = 'b{i}.bottom'  against = 'b{i - 1}.top'  friction = 0.3 /"
+          for i in range(1, n))]) + "\n"
+
+
 class LooseBodies(Verification):
     """Bodies whose equilibrium is plain, however little their contact points see of them."""
 
@@ -165,6 +187,43 @@ class LooseBodies(Verification):
                         (0.001, -0.00092, 0.3, 0.98), (0.0671, -0.00087, 0.5, 0.97), (0.0056, -0.00085, 0.5, 0.82)):
             with self.subTest(numbers=numbers):
                 self.assertEqual(set(self.forces_of(CROWNED.format(*numbers))), {0.0})
+
+    def test_row_of_many_blocks_slides_where_all_friction_is_used(self):
+        # A row of n blocks bears 0.3 n.
+        for n in (3, 40):
+            for share, status in ((0.5, 0), (0.999, 0), (1.0 + 1e-8, 2), (1.5, 2)):
+                with self.subTest(n=n, share=share):
+                    self.write("case.nml", row(n, 0.3*n*share))
+                    run = self.run_program("--quiet", "--output", "results", "case.nml", status=status)
+                    if status:
+                        # Up the edge of the friction cone of the floor.
+                        self.assertRegex(run.stderr, r"no equilibrium: .* is free to translate along \(-")
+                        continue
+                    sums = self.result("case", "results").summary["key_results"]
+                    self.assertAlmostEqual(sums["force_normal_floor"], n, delta=1e-9*n)
+                    self.assertAlmostEqual(abs(sums["force_tangential_floor"]), 0.3*n*share, delta=1e-9*n)
+
+    def test_stack_of_many_blocks_stands(self):
+        # Its softest motion, a bend, moves the contact points by 1/n^2 of its way: it was taken for a free one.
+        for n in (2, 30, 400):
+            with self.subTest(n=n):
+                self.write("case.nml", stack(n, "ux = 0.0  uy = 0.0", "0.0, -1.0"))
+                self.run_program("--quiet", "--output", "results", "case.nml")
+                summary = self.result("case", "results").summary
+                for i in range(1, n):
+                    self.assertAlmostEqual(summary["key_results"][f"force_normal_joint_{i}"], 1.0, delta=1e-9)
+                # Each block is pressed by 1/1000 of its height.
+                self.assertAlmostEqual(summary["key_results"]["max_displacement"], 1e-3*n, delta=1e-9*n)
+
+    def test_stack_of_many_blocks_without_equilibrium(self):
+        for n in (2, 30):
+            for support, traction, words in (("ux = 0.0  uy = 0.0", "0.31, -1.0", "cannot balance the loads"),
+                                             ("ux = 0.0  uy = 0.0", "0.0, 1.0", "cannot balance the loads"),
+                                             ("uy = 0.0", "0.0, -1.0", "nothing holds the bodies together")):
+                with self.subTest(n=n, words=words):
+                    self.write("case.nml", stack(n, support, traction))
+                    run = self.run_program("--quiet", "--output", "results", "case.nml", status=2)
+                    self.assertIn(words, run.stderr)
 
     def test_forces_before_count_along_tangents_too(self):
         # What the load before leaves of the slip and of the force by rounding, times the bound.

@@ -13,7 +13,6 @@ module amontons_body
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, n_quadrature_again, &
       new_contact_zone, recompute_pairs, segments_again
-   use amontons_dense, only: symmetric_eigenvectors
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
@@ -25,8 +24,9 @@ module amontons_body
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
-   use amontons_rigid_motion, only: displacement_of_nodes, new_rigid_motions, rigid_motions_t
-   use amontons_rounding, only: first_largest
+   use amontons_rigid_motion, only: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, &
+      resting_motions, rigid_motions_t
+   use amontons_rounding, only: sum_rounding
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
@@ -37,7 +37,7 @@ module amontons_body
    private
 
    public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
-      find_travel, largest_motion, lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
+      lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
@@ -85,7 +85,8 @@ module amontons_body
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (n_rows, motions) [-]
       real(dp), allocatable :: travel(:, :)
-         !! orthonormal displacements of the contact points under those of them that strain nothing (n_rows, any) [-]
+         !! displacements of the contact points under those of them that strain nothing, of each piece orthonormal
+         !! (n_rows, any) [-]
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_motion_strained = .false. !! whether a free motion strains bonded pieces or meets supports a little
@@ -221,17 +222,20 @@ contains
       type(rigid_motions_t) :: without_jumps(size(body%motions))
       real(dp) :: only(size(is_strained))
       real(dp), allocatable :: moved(:, :)
+      integer, allocatable :: held(:)
       integer :: i, k
 
       without_jumps = body%motions
       do k = 1, size(without_jumps)
          without_jumps(k)%mode(4:3 + without_jumps(k)%n_jumps, :) = 0.0_dp
       end do
+      held = pack([(i, i=1, body%mesh%n_nodes)], body%constraints%rigid_of == 0 .and. &
+         .not. all(body%constraints%is_free, dim=1))
       do k = 1, size(is_strained)
          only = [(merge(1.0_dp, 0.0_dp, i == k), i=1, size(only))]
          moved = displacement_of_nodes(body%motions, body%mesh%coordinates, only)
-         is_strained(k) = any([(any(abs(matmul(moved(:, i), body%constraints%frame(i))) > negligible .and. &
-            .not. body%constraints%is_free(:, i)) .and. body%constraints%rigid_of(i) == 0, i=1, size(moved, 2))])
+         is_strained(k) = any([(any(abs(matmul(moved(:, held(i)), body%constraints%frame(held(i)))) > negligible .and. &
+            .not. body%constraints%is_free(:, held(i))), i=1, size(held))])
          if (size(body%ties) == 0 .or. body%is_axisymmetric) cycle
          moved = displacement_of_nodes(without_jumps, body%mesh%coordinates, only)
          is_strained(k) = is_strained(k) .or. any(abs(body%tie_rows%displacement(moved)) > negligible)
@@ -496,15 +500,27 @@ contains
    subroutine set_motions(body)
       type(body_t), intent(inout) :: body !! the body, its contact points found
       logical, allocatable :: is_strained(:)
-      real(dp), allocatable :: unnoticed(:, :)
+      real(dp), allocatable :: travel(:, :)
+      integer :: first, i, k, last, n
 
       call find_motions(body%motions, body, body%constraints, body%springs)
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
-      call find_travel(body%travel, body%common_motions, body%rigid_modes)
+      body%common_motions = resting_motions(body%rigid_modes)
       is_strained = strained_motions(body)
       body%is_motion_strained = any(is_strained)
-      if (body%is_motion_strained) call find_travel(body%travel, unnoticed, reshape(pack(body%rigid_modes, &
-         spread(.not. is_strained, 1, body%zone%n_rows)), [body%zone%n_rows, count(.not. is_strained)]))
+      allocate (travel(body%zone%n_rows, size(is_strained)))
+      last = 0
+      n = 0
+      do i = 1, size(body%motions)
+         first = last + 1
+         last = last + body%motions(i)%n_free
+         associate (own => orthonormal_modes(body%rigid_modes(:, pack([(k, k=first, last)], &
+            .not. is_strained(first:last)))))
+            travel(:, n + 1:n + size(own, 2)) = own
+            n = n + size(own, 2)
+         end associate
+      end do
+      body%travel = travel(:, :n)
    end subroutine set_motions
 
    !> Finds the rigid motions that supports leave free, or a part of them, with the free jumps of preloads.
@@ -590,7 +606,9 @@ contains
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(out) :: problem !! its contact problem, on an operator of the body
       type(error_t), allocatable, intent(out) :: error !! no room for S, or the cells of multipliers are too small
-      real(dp), allocatable :: force(:)
+      ! Of a piece in the plane: the products of all pieces are summed.
+      integer, parameter :: most_motions = 3
+      real(dp), allocatable :: force(:), motion(:)
       integer :: i
 
       if (size(body%common_motions, 2) > 0) body%condensation%unnoticed = contact_motions(body)
@@ -600,9 +618,11 @@ contains
       if (allocated(body%condensation%softness)) problem%softness = body%condensation%softness
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
       allocate (force(body%zone%n_rows))
-      do i = 1, size(body%travel, 2)
-         call problem%matrix%multiply_stiffness(body%travel(:, i), force)
-         problem%rounding = max(problem%rounding, maxval(abs(force))/maxval(abs(body%travel(:, i))))
+      do i = 1, min(most_motions, size(body%travel, 2))
+         motion = sum(body%travel(:, i::most_motions), dim=2)
+         call problem%matrix%multiply_stiffness(motion, force)
+         if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, maxval(abs(force)) &
+            /maxval(abs(motion)))
       end do
    end subroutine pose_body
 
@@ -683,7 +703,7 @@ contains
       ! Of displacements in a motion that moves the body by about 1: a slender body moves its end by little as it turns.
       real(dp), parameter :: rounding = 1.0e-13_dp
       logical :: may_touch(body%mesh%n_nodes)
-      real(dp), allocatable :: travel(:, :), amounts(:, :)
+      real(dp), allocatable :: amounts(:, :)
       integer :: i
 
       may_touch = .false.
@@ -699,7 +719,7 @@ contains
       if (size(body%common_motions, 2) == 0) return
       ! The contact points may be at rest while nodes of their sets move: cells have means.
       associate (at_nodes => contact_motions(body))
-         call find_travel(travel, amounts, at_nodes)
+         amounts = resting_motions(at_nodes)
          if (size(amounts, 2) == 0) return
          if (maxval(abs(matmul(at_nodes, amounts(:, 1)))) > rounding) return
       end associate
@@ -798,7 +818,7 @@ contains
       logical, intent(in) :: is_mated !! whether the nodes of pairs are taken to lie at the points
       logical, allocatable :: is_inside(:)
       real(dp), allocatable :: motion(:, :)
-      real(dp) :: position(2)
+      real(dp) :: position(2), errors
       logical :: is_fixed(zone%n_rows)
       integer :: axis, i, j, k, p
 
@@ -827,45 +847,12 @@ contains
          end do
          k = k + motions(j)%n_free
       end do
-   end subroutine find_rigid_modes
-
-   !> Finds a basis of the displacements of the contact points under the free motions of all pieces, and those
-   !> combinations of the motions that leave all contact points at rest.
-   subroutine find_travel(travel, unnoticed, modes)
-      real(dp), allocatable, intent(out) :: travel(:, :) !! orthonormal displacements of the points (n_rows, any) [-]
-      real(dp), allocatable, intent(out) :: unnoticed(:, :) !! amounts of the motions (motions, any) [-]
-      real(dp), intent(in) :: modes(:, :) !! displacements of the points under each motion, from `find_rigid_modes`
-      ! Squares of displacements have half of the digits, and meshes of curves meet to a few. A motion moves the points
-      ! of the body by about 1.
-      real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp) :: values(size(modes, 2))
-      integer :: info, n
-
-      unnoticed = matmul(transpose(modes), modes)
-      travel = modes
-      if (size(values) == 0) return
-      call symmetric_eigenvectors(unnoticed, values, info)
-      n = count(values <= negligible*max(values(size(values)), 0.5_dp*size(modes, 1)))
-      travel = matmul(modes, unnoticed(:, n + 1:))/spread(sqrt(values(n + 1:)), 1, size(modes, 1))
-      unnoticed = unnoticed(:, :n)
-   end subroutine find_travel
-
-   !> Text describing a combination of the free motions of some pieces by that of the piece that moves most; of amounts
-   !> that differ by rounding only, the first counts.
-   pure function largest_motion(motions, amounts) result(text)
-      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)
-      character(:), allocatable :: text
-      real(dp) :: amount(size(motions))
-      integer :: first(size(motions) + 1), i
-
-      first(1) = 1
-      do i = 1, size(motions)
-         first(i + 1) = first(i) + motions(i)%n_free
-         amount(i) = norm2(amounts(first(i):first(i + 1) - 1))
+      ! Levers have the rounding errors of coordinates. The unlimited force of a wall, times what rounding leaves of its
+      ! work, would bear a load along it.
+      errors = sum_rounding + epsilon(errors)*maxval(abs(coordinates))/minval(motions%radius)
+      do p = 1, zone%n_rows
+         if (norm2(modes(p, :)) <= errors) modes(p, :) = 0.0_dp
       end do
-      i = max(1, first_largest(amount))
-      text = motions(i)%describe(amounts(first(i):first(i + 1) - 1))
-   end function largest_motion
+   end subroutine find_rigid_modes
 
 end module amontons_body

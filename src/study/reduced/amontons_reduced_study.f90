@@ -3,12 +3,12 @@
 !> checked: every condition of the contact law, contact by contact, with W as it was read.
 module amontons_reduced_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_cone, only: cone_t, new_cone
    use amontons_config, only: config_t
    use amontons_contact_operator, only: contact_operator_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t, new_contact_solution
    use amontons_contact_table, only: add_point_table, column_t, points_text
-   use amontons_dense, only: bounded_remainder
    use amontons_document, only: document_t, json_number, json_string
    use amontons_error, only: error_t, new_error, numerical_failure, warning_list_t
    use amontons_friction_law, only: point_violations, point_violations_t, slip_point
@@ -228,6 +228,7 @@ contains
       ! minutes.
       real(dp), parameter :: impossible = 1.0e-10_dp
       integer, parameter :: most_contacts = 200
+      type(cone_t) :: cone
       real(dp), allocatable :: columns(:, :), root(:)
       integer :: j, k
 
@@ -244,8 +245,9 @@ contains
          end do
          columns(n + 1, :) = system%q(1::dimension)/root(1::dimension)
          columns(n + 1, :) = columns(n + 1, :)/max(maxval(abs(columns(n + 1, :))), tiny(1.0_dp))
-         if (norm2(bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), &
-            [spread(0.0_dp, 1, n), -1.0_dp])) <= impossible) call new_error(error, numerical_failure, &
+         call new_cone(cone, transpose(columns), spread(0.0_dp, 1, size(columns, 2)))
+         if (norm2(cone%remainder([(0.0_dp, k=1, n), -1.0_dp])) <= impossible) call new_error(error, &
+            numerical_failure, &
             'no solution: no motion keeps the contacts apart that q moves together, whatever the forces')
       end associate
    end subroutine check_motions

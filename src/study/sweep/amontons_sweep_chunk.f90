@@ -10,12 +10,13 @@ module amontons_sweep_chunk
    use amontons_assembly, only: around_axis
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t
+   use amontons_cone, only: least_squares
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_document, only: field, status_runs
-   use amontons_equilibrium, only: least_squares_amounts, recover_with_travel
+   use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t, numerical_failure
    use amontons_key_results, only: body_peaks, body_peaks_at_rest, contact_results_t, new_contact_results, resultants
    use amontons_kinds, only: dp, int64
@@ -645,7 +646,7 @@ contains
 
          loses_digits = size(body%rigid_modes, 2) > 0
          if (loses_digits) loses_digits = epsilon(v)*maxval(abs(v)) > certificate_limit(task%solver%method%tolerance) &
-            *maxval(abs(v - matmul(body%rigid_modes, least_squares_amounts(body%rigid_modes, v))))
+            *maxval(abs(v - matmul(body%rigid_modes, least_squares(body%rigid_modes, v))))
       end function loses_digits
 
    end subroutine find_body_results
