@@ -33,7 +33,7 @@ module amontons_load_solver
    use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
-   use amontons_rigid_motion, only: largest_motion, resting_motions
+   use amontons_rigid_motion, only: largest_motion, orthonormal_modes, resting_motions
    use amontons_rounding, only: computed_rounding, difference_rounding
    use amontons_text, only: short_text
    implicit none (type, external)
@@ -161,8 +161,8 @@ contains
       call leave_in_place(self, body, problem, start, solution)
       ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps are
       ! none, either.
-      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= difference_rounding &
-         *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation))) call rest(idle, solution)
+      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) &
+         <= difference_rounding*maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation))) call rest(idle, solution)
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message
@@ -593,13 +593,15 @@ contains
       type(contact_solution_t) :: found
       type(error_t), allocatable :: error
       real(dp) :: motions(problem%matrix%n, size(spins, 2)), before(problem%matrix%n), inexact
+      real(dp), allocatable :: springs(:, :)
       integer :: trial
 
       if (problem%n_points > most_points) return
       motions = matmul(modes, spins)
+      springs = orthonormal_modes(motions)
       before = 0.0_dp
       do trial = 1, size(weak)
-         call solve_on_springs(problem, weak(trial), motions, found, error)
+         call solve_on_springs(problem, weak(trial), springs, found, error)
          if (allocated(error) .or. .not. found%residual <= most_residual) return
          ! Once all these points slip, the body moves on as a rigid one: the motion is the difference of two trials.
          amounts = matmul(spins, least_squares(motions, found%displacement - before))
@@ -629,8 +631,7 @@ contains
       held = problem
       held%matrix => matrix
       do i = 1, size(motions, 2)
-         call matrix%add_motion(share*maxval(problem%matrix%augmentation), motions(:, i) &
-            /max(norm2(motions(:, i)), tiny(1.0_dp)))
+         call matrix%add_motion(share*maxval(problem%matrix%augmentation), motions(:, i))
       end do
       call new_contact_solution(found, problem%n_points, problem%matrix%n_tangents)
       call solve_components(method, held, found, error)
