@@ -39,7 +39,7 @@ module amontons_load_solver
    implicit none (type, external)
    private
 
-   public :: forget_start, load_solver_t, new_load_solver, residual_of_strains
+   public :: check_balance, forget_start, load_solver_t, new_load_solver, residual_of_strains
 
    !> Largest number of Newton steps from a start, and of those without a better pair.
    integer, parameter :: n_newton_steps = 20, patience = 4
@@ -161,8 +161,10 @@ contains
       call leave_in_place(self, body, problem, start, solution)
       ! Where the method finds no forces that balance each other, there are none; those of rounding errors of gaps are
       ! none, either.
-      if (allocated(idle) .and. (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) &
-         <= difference_rounding*maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation))) call rest(idle, solution)
+      if (allocated(idle)) then
+         if (.not. solution%is_converged .or. maxval([0.0_dp, abs(solution%force)]) <= difference_rounding &
+            *maxval(abs(body%zone%position))*maxval(problem%matrix%augmentation)) call rest(idle, solution)
+      end if
       if (allocated(error)) then
          solution%is_converged = .false.
          reason = error%message

@@ -23,9 +23,8 @@ module amontons_solve_case
    use amontons_key_results, only: body_peaks, contact_results_t, new_contact_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
-   use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
+   use amontons_load_solver, only: check_balance, forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_by_temperature, load_t
-   use amontons_loose_bodies, only: check_balance
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
