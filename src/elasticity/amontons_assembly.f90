@@ -7,14 +7,13 @@ module amontons_assembly
    use amontons_element, only: max_nodes, max_points
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: materials_t, max_components, n_strains
    use amontons_mesh, only: coloring_t, mesh_t, worth_threads
    use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
 
-   public :: around_axis, assemble_stiffness, from_unknowns, spring_forces, sum_uncanceled_terms, inner_work, &
-      to_unknowns
+   public :: assemble_stiffness, from_unknowns, inner_work, spring_forces, sum_uncanceled_terms, to_unknowns
 
 contains
 
@@ -30,7 +29,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       integer, allocatable :: spring_start(:), start(:), node(:), unknowns(:), starts(:)
       real(dp) :: span
-      type(materials_t) :: twist
       integer :: axis, i, n
 
       ! The unknowns of all elements, one element after the other, then those of all springs; 0 for a held component.
@@ -67,17 +65,9 @@ contains
          end do
       end do
       call add_elements(stiffness, mesh, materials, coloring, constraints, dof_map)
-      if (size(dof_map%dof, 1) > 2) then
-         call materials%twist_part(twist)
-         call add_elements(stiffness, mesh, twist, coloring, constraints, dof_map)
-      end if
       do i = 1, size(springs)
-         n = size(springs(i)%node)
-         associate (block => springs(i)%stiffness)
-            call add_block(stiffness, springs(i)%node, reshape(block(:2, :, :2, :), [2*n, 2*n]), constraints, dof_map)
-            if (size(block, 1) > 2) call add_block(stiffness, springs(i)%node, reshape(block(3, :, 3, :), [n, n]), &
-               constraints, dof_map)
-         end associate
+         n = size(dof_map%dof, 1)*size(springs(i)%node)
+         call add_block(stiffness, springs(i)%node, reshape(springs(i)%stiffness, [n, n]), constraints, dof_map)
       end do
    end subroutine assemble_stiffness
 
@@ -85,7 +75,7 @@ contains
    subroutine add_elements(stiffness, mesh, materials, coloring, constraints, dof_map)
       type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials of the elements, or what the twist meets
+      type(materials_t), intent(in) :: materials !! the materials of the elements
       type(coloring_t), intent(in) :: coloring !! colors of the elements
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
@@ -118,19 +108,17 @@ contains
       type(element_geometry_t), intent(inout) :: geometry !! shape functions, best those of an element of the same kind
       integer, intent(in) :: element !! the element
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials of the elements, or what the twist meets
+      type(materials_t), intent(in) :: materials !! the materials of the elements
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: block(2*max_nodes, 2*max_nodes)
+      real(dp) :: block(max_components*max_nodes, max_components*max_nodes)
+      integer :: n
 
-      associate (material => materials%list(materials%of_element(element)), n => geometry%n_nodes)
+      associate (material => materials%list(materials%of_element(element)))
          call new_element_geometry(geometry, mesh, element, material)
          call element_stiffness(geometry, material, block)
-         if (material%is_twist) then
-            call add_block(stiffness, geometry%node(:n), block(:2*n:2, :2*n:2), constraints, dof_map)
-         else
-            call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
-         end if
+         n = material%n_components*geometry%n_nodes
+         call add_block(stiffness, geometry%node(:geometry%n_nodes), block(:n, :n), constraints, dof_map)
       end associate
    end subroutine add_element
 
@@ -138,20 +126,17 @@ contains
    pure subroutine add_block(stiffness, nodes, block, constraints, dof_map)
       type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
       integer, intent(in) :: nodes(:) !! the nodes
-      real(dp), intent(in) :: block(:, :)
-         !! stiffness in x and y, or around the axis alone (2 nodes, 2 nodes) or (nodes, nodes) [F/L]
+      real(dp), intent(in) :: block(:, :) !! the stiffness, the components of a node beside each other (any, any) [F/L]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: own(:)
+      integer, allocatable :: own(:), plane(:)
       real(dp), allocatable :: transform(:, :), turned(:, :)
-      integer :: first, i, last
+      integer :: i, n
 
-      ! The components.
-      first = merge(1, 3, size(block, 1) > size(nodes))
-      last = merge(2, 3, first == 1)
+      n = size(dof_map%dof, 1)
       if (dof_map%substitution%is_substituted(nodes)) then
          own = dof_map%substitution%element_nodes(nodes)
-         transform = dof_map%substitution%transform(nodes, own, first, last)
+         transform = dof_map%substitution%transform(nodes, own, 1, n)
          turned = matmul(transpose(transform), matmul(block, transform))
       else
          own = nodes
@@ -159,13 +144,19 @@ contains
       end if
       ! Into the frames of supports that are aslant.
       do i = 1, size(own)
-         if (first > 1 .or. .not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
-         associate (frame => constraints%frame(own(i)))
-            turned(2*i - 1:2*i, :) = matmul(transpose(frame(:2, :2)), turned(2*i - 1:2*i, :))
-            turned(:, 2*i - 1:2*i) = matmul(turned(:, 2*i - 1:2*i), frame(:2, :2))
+         if (.not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
+         associate (frame => constraints%frame(own(i)), first => n*(i - 1) + 1)
+            turned(first:n*i, :) = matmul(transpose(frame), turned(first:n*i, :))
+            turned(:, first:n*i) = matmul(turned(:, first:n*i), frame)
          end associate
       end do
-      call stiffness%add_element(reshape(dof_map%dof(first:last, own), shape(turned(1, :))), turned)
+      if (n == 2) then
+         call stiffness%add_element([dof_map%dof(:, own)], turned)
+      else
+         plane = pack([(i, i=1, size(turned, 1))], [(modulo(i, n) > 0, i=1, size(turned, 1))])
+         call stiffness%add_element([dof_map%dof(:2, own)], turned(plane, plane))
+         call stiffness%add_element(dof_map%dof(3, own), turned(n::n, n::n))
+      end if
    end subroutine add_block
 
    !> The difference between the work of the stresses on the strains that displacements of the nodes make and that on
@@ -178,7 +169,7 @@ contains
       real(dp), intent(in) :: element_load(:)
          !! what acts inside the elements, from `sum_element_loads` [-], [L]
       type(element_geometry_t) :: geometry
-      real(dp) :: stress(4, max_points), forces(2, max_nodes)
+      real(dp) :: stress(n_strains, max_points), forces(max_components, max_nodes)
       integer :: element, point
 
       work = 0.0_dp
@@ -194,7 +185,7 @@ contains
             end do
             if (geometry%n_functions == geometry%n_nodes) cycle
             call find_nodal_forces(forces, geometry, material, stress)
-            work = work - dot_product(geometry%loaded_bubble, forces(:, geometry%n_functions))
+            work = work - dot_product(geometry%loaded_bubble, forces(:2, geometry%n_functions))
          end associate
       end do
    end function inner_work
@@ -202,7 +193,7 @@ contains
    !> Computes the nodal forces that would result if no two terms of stiffness times displacement canceled; the rounding
    !> errors of the internal forces are a small share of them. The forces of an element without strain are as small a
    !> share; beside elements that move, the displacements of an element at rest are rounding errors themselves.
-   pure recursive subroutine sum_uncanceled_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
+   pure subroutine sum_uncanceled_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
@@ -211,13 +202,13 @@ contains
       real(dp), intent(out) :: strained_share
          !! the largest share that the forces of an element are of what they would be if its nodes had the largest of
          !! all displacements and no two terms canceled [-]
-      type(materials_t) :: twist
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: forces(:, :)
-      real(dp) :: stiffness(2*max_nodes, 2*max_nodes), largest, of_twist, share_of_twist
+      real(dp) :: stiffness(max_components*max_nodes, max_components*max_nodes), largest
       integer :: element, n
 
-      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      allocate (forces, mold=displacement)
+      forces = 0.0_dp
       strained_share = 0.0_dp
       largest = maxval(magnitude)
       do element = 1, mesh%n_elements
@@ -226,33 +217,18 @@ contains
             call new_element_geometry(geometry, mesh, element, material)
             call element_stiffness(geometry, material, stiffness)
          end associate
-         n = 2*geometry%n_nodes
-         associate (nodes => geometry%node(:n/2), u => reshape(displacement(:2, geometry%node(:n/2)), [n]), &
-            sizes => abs(stiffness(:n, :n)), size_of_u => reshape(magnitude(:2, geometry%node(:n/2)), [n]))
-            forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, size_of_u), [2, n/2])
-            strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
-               /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
+         associate (nodes => geometry%node(:geometry%n_nodes))
+            n = size(displacement, 1)*size(nodes)
+            associate (u => reshape(displacement(:, nodes), [n]), sizes => abs(stiffness(:n, :n)), &
+               size_of_u => reshape(magnitude(:, nodes), [n]))
+               forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, size_of_u), shape(forces(:, nodes)))
+               strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
+                  /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
+            end associate
          end associate
       end do
       uncanceled = norm2(forces)
-      if (size(displacement, 1) == 2) return
-      call materials%twist_part(twist)
-      call sum_uncanceled_terms(mesh, twist, around_axis(displacement), around_axis(magnitude), of_twist, &
-         share_of_twist)
-      uncanceled = hypot(uncanceled, of_twist)
-      strained_share = max(strained_share, share_of_twist)
    end subroutine sum_uncanceled_terms
-
-   !> The third component of a field, around the axis, as the first component of a plane field, see
-   !> `materials_twist_part`.
-   pure function around_axis(field) result(plane)
-      real(dp), intent(in) :: field(:, :) !! the field (3, any)
-      real(dp), allocatable :: plane(:, :)
-
-      allocate (plane(2, size(field, 2)))
-      plane(1, :) = field(3, :)
-      plane(2, :) = 0.0_dp
-   end function around_axis
 
    !> Nodal forces of springs: spring stiffness times displacement (components, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)

@@ -7,7 +7,7 @@ module amontons_elasticity
    use amontons_element, only: bubble_function, has_bubble, max_nodes, max_points, n_element_nodes, n_element_points, &
       quad4, quadrature_point, shape_functions, tri3, tri6
    use amontons_kinds, only: dp
-   use amontons_material, only: isotropic_law, material_t
+   use amontons_material, only: isotropic_law, material_t, max_components, n_strains
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -21,7 +21,7 @@ module amontons_elasticity
       integer, private :: kind = 0 !! kind of element
       integer :: n_points = 0 !! number of quadrature points
       real(dp) :: values(max_nodes, max_points)
-         !! shape functions (node, point), that of the bubble behind those of the nodes [-]
+         !! shape functions (node, point), that of the bubble behind those of the nodes, then 0 [-]
       real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
       real(dp), private :: weight(max_points) !! weights of the quadrature [-]
       real(dp) :: thermal_strain(max_points) = 0.0_dp
@@ -33,7 +33,8 @@ module amontons_elasticity
       integer :: n_functions !! number of shape functions: one more than nodes in an element with a bubble
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
       real(dp) :: gradient(2, max_nodes, max_points)
-         !! gradients of the functions (x and y, node, point); of a twist see `materials_twist_part` [1/L]
+         !! gradients of the functions (x and y, node, point) [1/L]
+      real(dp) :: hoop(max_nodes, max_points) !! in a body of revolution the functions over the radius [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
       integer :: n_modes
@@ -55,7 +56,7 @@ module amontons_elasticity
       real(dp) :: corner(4, 2) = 0.0_dp !! their coordinates (corner, x and y) [L]
       real(dp) :: area(4) = 0.0_dp !! area of the part of the element that each point stands for [L^2]
       real(dp) :: strain(4, 3) = 0.0_dp !! strain at the points: xx, yy, engineering shear 2 xy (point, component) [-]
-      real(dp) :: stress(4, 4) = 0.0_dp !! stress there: xx, yy, xy, zz (point, component) [F/L^2]
+      real(dp) :: stress(4, 4) = 0.0_dp !! stress there: xx, yy, zz, xy (point, component) [F/L^2]
       real(dp), private :: by_xi(4, 2) = 0.0_dp !! derivatives of x and y by the first reference coordinate [L]
       real(dp), private :: by_eta(4, 2) = 0.0_dp !! by the second one [L]
    contains
@@ -128,15 +129,12 @@ contains
             geometry%gradient(:, :3, point) = geometry%gradient(:, :3, 1)
          end if
          geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
-      end do
-      if (material%is_twist) then
-         do point = 1, geometry%n_points
-            do i = 1, geometry%n_nodes
-               geometry%gradient(1, i, point) = geometry%gradient(1, i, point) &
-                  - geometry%values(i, point)/geometry%position(1, point)
-            end do
+         if (.not. material%is_axisymmetric) cycle
+         !$omp simd
+         do i = 1, max_nodes
+            geometry%hoop(i, point) = geometry%values(i, point)/geometry%position(1, point)
          end do
-      end if
+      end do
       if (geometry%n_modes > 0) call project_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
 
@@ -158,7 +156,7 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
       type(element_geometry_t), allocatable :: standard
-      real(dp) :: inner(2, 2*max_nodes), law(4, 4), share
+      real(dp) :: inner(2, 2*max_nodes), law(n_strains, n_strains), share
       integer :: i, m, point
 
       associate (n => geometry%n_functions, n_points => geometry%n_points, modes => geometry%n_modes, &
@@ -185,7 +183,7 @@ contains
                   projection%dilatation(:, i, m) = projection%dilatation(:, i, m) + share*geometry%gradient(:, i, point)
                   projection%share(i, m) = projection%share(i, m) + share*geometry%values(i, point)
                   if (material%is_axisymmetric) projection%dilatation(1, i, m) = projection%dilatation(1, i, m) &
-                     + share*geometry%values(i, point)/geometry%position(1, point)
+                     + share*geometry%hoop(i, point)
                end do
             end do
          end do
@@ -240,6 +238,7 @@ contains
       geometry%n_nodes = n_element_nodes(kind)
       geometry%n_points = n_points
       geometry%volume = 0.0_dp
+      geometry%values = 0.0_dp
       do point = 1, n_points
          call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
          call shape_functions(kind, xi, geometry%values(:, point), geometry%derivatives(:, :, point))
@@ -252,11 +251,13 @@ contains
    pure subroutine element_stiffness(geometry, material, stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: block(2, 2), law(4, 4)
-      integer :: i, j
+      real(dp), intent(out) :: stiffness(max_components*max_nodes, max_components*max_nodes)
+         !! in the first rows and columns, the components of a node beside each other [F/L]
+      real(dp) :: block(2, 2), law(n_strains, n_strains)
+      integer :: first, i, j, other
 
       law = element_law(geometry, material)
+      if (material%n_components > 2) stiffness = 0.0_dp
       do j = 1, geometry%n_nodes
          do i = j, geometry%n_nodes
             call find_block(block, geometry, material, law, i, j)
@@ -264,18 +265,52 @@ contains
                if (geometry%n_functions > geometry%n_nodes) block = block - matmul(transpose( &
                   bubble(:, 2*i - 1:2*i)), matmul(geometry%projection%stiffness, bubble(:, 2*j - 1:2*j)))
             end associate
-            stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
-            stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
+            first = material%n_components*(i - 1) + 1
+            other = material%n_components*(j - 1) + 1
+            stiffness(first:first + 1, other:other + 1) = block
+            stiffness(other:other + 1, first:first + 1) = transpose(block)
+            if (material%n_components == 2) cycle
+            stiffness(first + 2, other + 2) = twist_stiffness(geometry, law, i, j)
+            stiffness(other + 2, first + 2) = stiffness(first + 2, other + 2)
          end do
       end do
    end subroutine element_stiffness
+
+   !> Stiffness between two nodes that move around the axis: their shears, w,y of y and w,x - w/x of x with this
+   !> direction, change no volume and meet no others [F/L].
+   pure real(dp) function twist_stiffness(geometry, law, i, j) result(stiffness)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      real(dp), intent(in) :: law(n_strains, n_strains) !! its law [F/L^2]
+      integer, intent(in) :: i !! node of the row
+      integer, intent(in) :: j !! node of the column
+      real(dp) :: a(2), b(2)
+      integer :: point
+
+      stiffness = 0.0_dp
+      do point = 1, geometry%n_points
+         a = twist_shears(geometry, i, point)
+         b = twist_shears(geometry, j, point)
+         stiffness = stiffness + geometry%volume(point)*(law(5, 5)*a(1)*b(1) + law(6, 6)*a(2)*b(2))
+      end do
+   end function twist_stiffness
+
+   !> The shears yz and xz that a unit displacement of a node around the axis makes [1/L].
+   pure function twist_shears(geometry, node, point) result(shears)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      integer, intent(in) :: node !! the node
+      integer, intent(in) :: point !! the quadrature point
+      real(dp) :: shears(2)
+
+      shears(1) = geometry%gradient(2, node, point)
+      shears(2) = geometry%gradient(1, node, point) - geometry%hoop(node, point)
+   end function twist_shears
 
    !> The law of the strains at a point: with a projected dilatation that of their deviator, whose lambda is -2/3 mu
    !> [F/L^2].
    pure function element_law(geometry, material) result(law)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp) :: law(4, 4)
+      real(dp) :: law(n_strains, n_strains)
 
       law = material%law
       if (geometry%n_modes > 0) law = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
@@ -287,7 +322,7 @@ contains
       real(dp), intent(out) :: block(2, 2) !! the stiffness [F/L]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: law(4, 4) !! its law, from `element_law` [F/L^2]
+      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
       integer, intent(in) :: i !! function of the rows
       integer, intent(in) :: j !! function of the columns
       real(dp) :: xx, xy, yx, yy
@@ -306,11 +341,11 @@ contains
             yy = yy + volume*a(2)*b(2)
          end associate
       end do
-      block(1, 1) = law(1, 1)*xx + law(3, 3)*yy + law(3, 1)*(xy + yx)
-      block(2, 1) = law(2, 1)*yx + law(3, 3)*xy + law(3, 2)*yy + law(3, 1)*xx
-      block(1, 2) = law(2, 1)*xy + law(3, 3)*yx + law(3, 2)*yy + law(3, 1)*xx
-      block(2, 2) = law(2, 2)*yy + law(3, 3)*xx + law(3, 2)*(xy + yx)
-      if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:, 4), i, j, block)
+      block(1, 1) = law(1, 1)*xx + law(4, 4)*yy + law(4, 1)*(xy + yx)
+      block(2, 1) = law(2, 1)*yx + law(4, 4)*xy + law(4, 2)*yy + law(4, 1)*xx
+      block(1, 2) = law(2, 1)*xy + law(4, 4)*yx + law(4, 2)*yy + law(4, 1)*xx
+      block(2, 2) = law(2, 2)*yy + law(4, 4)*xx + law(4, 2)*(xy + yx)
+      if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:4, 3), i, j, block)
       do m = 1, geometry%n_modes
          associate (a => geometry%projection%dilatation(:, i, m), b => geometry%projection%dilatation(:, j, m))
             block(:, 1) = block(:, 1) + material%bulk()*(a*b(1))
@@ -333,29 +368,33 @@ contains
       hoop_by_b = 0.0_dp
       hoop_by_hoop = 0.0_dp
       do point = 1, geometry%n_points
-         hoop = geometry%values([i, j], point)/geometry%position(1, point)
+         hoop = [geometry%hoop(i, point), geometry%hoop(j, point)]
          a_by_hoop = a_by_hoop + geometry%volume(point)*hoop(2)*geometry%gradient(:, i, point)
          hoop_by_b = hoop_by_b + geometry%volume(point)*hoop(1)*geometry%gradient(:, j, point)
          hoop_by_hoop = hoop_by_hoop + geometry%volume(point)*hoop(1)*hoop(2)
       end do
-      block(1, 1) = block(1, 1) + law(1)*(a_by_hoop(1) + hoop_by_b(1)) + law(3)*(a_by_hoop(2) + hoop_by_b(2)) &
-         + law(4)*hoop_by_hoop
-      block(2, 1) = block(2, 1) + law(2)*a_by_hoop(2) + law(3)*a_by_hoop(1)
-      block(1, 2) = block(1, 2) + law(2)*hoop_by_b(2) + law(3)*hoop_by_b(1)
+      block(1, 1) = block(1, 1) + law(1)*(a_by_hoop(1) + hoop_by_b(1)) + law(4)*(a_by_hoop(2) + hoop_by_b(2)) &
+         + law(3)*hoop_by_hoop
+      block(2, 1) = block(2, 1) + law(2)*a_by_hoop(2) + law(4)*a_by_hoop(1)
+      block(1, 2) = block(1, 2) + law(2)*hoop_by_b(2) + law(4)*hoop_by_b(1)
    end subroutine add_hoop_stiffness
 
    !> Computes the elastic strains at all quadrature points.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp), intent(inout) :: strain(4, max_points) !! the strains; unchanged past the last point [-]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (components, n_nodes) [L]
+      real(dp), intent(inout) :: strain(n_strains, max_points) !! the strains; unchanged past the last point [-]
       real(dp) :: u(2, max_nodes)
-      integer :: point
+      integer :: i, point
 
       u = nodal_values(geometry, material, displacement)
       do point = 1, geometry%n_points
          strain(:, point) = strain_at(geometry, material, u, point)
+         if (material%n_components == 2) cycle
+         do i = 1, geometry%n_nodes
+            strain(5:, point) = strain(5:, point) + twist_shears(geometry, i, point)*displacement(3, geometry%node(i))
+         end do
       end do
    end subroutine find_elastic_strains
 
@@ -379,15 +418,15 @@ contains
       end associate
    end function nodal_values
 
-   !> Elastic strain at a quadrature point, the total strain less the thermal one: xx, yy, the engineering shear 2 xy,
-   !> and zz or the hoop strain. Without thermal strain zz is 0 in the plane, except with a projected dilatation, which
-   !> is the trace then. In plane stress zz is set to 0 [-].
+   !> Elastic strain at a quadrature point, the total strain less the thermal one, of displacements along x and y.
+   !> Without thermal strain zz is 0 in the plane, except with a projected dilatation, which is the trace then. In
+   !> plane stress zz is set to 0 [-].
    pure function strain_at(geometry, material, u, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: u(2, max_nodes) !! displacements, from `nodal_values` [L]
       integer, intent(in) :: point !! number of the quadrature point
-      real(dp) :: strain(4)
+      real(dp) :: strain(n_strains)
       real(dp) :: excess
       integer :: i, m
 
@@ -396,22 +435,22 @@ contains
          associate (g => geometry%gradient(:, i, point))
             strain(1) = strain(1) + g(1)*u(1, i)
             strain(2) = strain(2) + g(2)*u(2, i)
-            strain(3) = strain(3) + (g(2)*u(1, i) + g(1)*u(2, i))
+            strain(4) = strain(4) + (g(2)*u(1, i) + g(1)*u(2, i))
          end associate
       end do
       if (material%is_axisymmetric) then
          do i = 1, geometry%n_functions
-            strain(4) = strain(4) + geometry%values(i, point)*u(1, i)/geometry%position(1, point)
+            strain(3) = strain(3) + geometry%hoop(i, point)*u(1, i)
          end do
       end if
       if (geometry%n_modes > 0) then
-         excess = strain(1) + strain(2) + strain(4)
+         excess = strain(1) + strain(2) + strain(3)
          do m = 1, geometry%n_modes
             do i = 1, geometry%n_functions
                excess = excess - geometry%mode(m, point)*dot_product(geometry%projection%dilatation(:, i, m), u(:, i))
             end do
          end do
-         strain([1, 2, 4]) = strain([1, 2, 4]) - excess/3.0_dp
+         strain(:3) = strain(:3) - excess/3.0_dp
       end if
       if (abs(geometry%thermal_strain(point)) > 0.0_dp) strain = strain &
          - geometry%thermal_strain(point)*material%expansion_form()
@@ -420,11 +459,12 @@ contains
    !> Nodal forces of the stresses of an element: sum over the points of volume times B^T stress. A node moves the
    !> bubble, and so bears its share of the force on that.
    pure subroutine find_nodal_forces(forces, geometry, material, stress)
-      real(dp), intent(out) :: forces(2, max_nodes) !! nodal forces of the element, and the force on its bubble [F]
+      real(dp), intent(out) :: forces(max_components, max_nodes)
+         !! nodal forces of the element, and the force on its bubble [F]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: stress(:, :) !! stresses at the points (4, points) [F/L^2]
-      real(dp) :: s(4)
+      real(dp), intent(in) :: stress(:, :) !! stresses at the points (n_strains, points) [F/L^2]
+      real(dp) :: s(n_strains)
       integer :: i, point
 
       forces = 0.0_dp
@@ -432,18 +472,22 @@ contains
          s = stress(:, point)*geometry%volume(point)
          do i = 1, geometry%n_functions
             associate (g => geometry%gradient(:, i, point))
-               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
-               forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2))
+               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2))
             end associate
          end do
          if (.not. material%is_axisymmetric) cycle
          do i = 1, geometry%n_functions
-            forces(1, i) = forces(1, i) + s(4)*geometry%values(i, point)/geometry%position(1, point)
+            forces(1, i) = forces(1, i) + s(3)*geometry%hoop(i, point)
+         end do
+         if (material%n_components == 2) cycle
+         do i = 1, geometry%n_nodes
+            forces(3, i) = forces(3, i) + dot_product(s(5:), twist_shears(geometry, i, point))
          end do
       end do
       associate (n => geometry%n_nodes)
-         if (geometry%n_functions > n) forces(:, :n) = forces(:, :n) &
-            + reshape(matmul(forces(:, n + 1), geometry%projection%bubble(:, :2*n)), [2, n])
+         if (geometry%n_functions > n) forces(:2, :n) = forces(:2, :n) &
+            + reshape(matmul(forces(:2, n + 1), geometry%projection%bubble(:, :2*n)), [2, n])
       end associate
    end subroutine find_nodal_forces
 
@@ -501,7 +545,7 @@ contains
          !$omp simd
          do i = 1, 4
             self%stress(i, k) = material%law(k, 1)*self%strain(i, 1) + material%law(k, 2)*self%strain(i, 2) &
-               + material%law(k, 3)*self%strain(i, 3)
+               + material%law(k, 4)*self%strain(i, 3)
          end do
       end do
    end subroutine plane_quadrilateral_compute_stresses
@@ -515,7 +559,7 @@ contains
       !$omp simd
       do i = 1, 4
          density(i) = 0.5_dp*(self%strain(i, 1)*self%stress(i, 1) + self%strain(i, 2)*self%stress(i, 2) &
-            + self%strain(i, 3)*self%stress(i, 3))
+            + self%strain(i, 3)*self%stress(i, 4))
       end do
    end function plane_quadrilateral_energy_density
 
@@ -532,10 +576,10 @@ contains
 
       !$omp simd
       do i = 1, 4
-         along(i, 1) = self%stress(i, 1)*self%by_eta(i, 2) - self%stress(i, 3)*self%by_eta(i, 1)
-         along(i, 2) = self%stress(i, 3)*self%by_eta(i, 2) - self%stress(i, 2)*self%by_eta(i, 1)
-         across(i, 1) = self%stress(i, 3)*self%by_xi(i, 1) - self%stress(i, 1)*self%by_xi(i, 2)
-         across(i, 2) = self%stress(i, 2)*self%by_xi(i, 1) - self%stress(i, 3)*self%by_xi(i, 2)
+         along(i, 1) = self%stress(i, 1)*self%by_eta(i, 2) - self%stress(i, 4)*self%by_eta(i, 1)
+         along(i, 2) = self%stress(i, 4)*self%by_eta(i, 2) - self%stress(i, 2)*self%by_eta(i, 1)
+         across(i, 1) = self%stress(i, 4)*self%by_xi(i, 1) - self%stress(i, 1)*self%by_xi(i, 2)
+         across(i, 2) = self%stress(i, 2)*self%by_xi(i, 1) - self%stress(i, 4)*self%by_xi(i, 2)
       end do
       half = 0.5_dp*thickness
       do i = 1, 2

@@ -27,8 +27,17 @@ module amontons_material
    !> coordinates.
    real(dp), parameter :: missed_axis = 1.0e-6_dp
 
-   !> A material. Stresses are `law` times strains, in the order xx, yy, xy (the engineering shear 2 xy), zz. For an
-   !> isotropic one, stress = lambda tr(strain) I + 2 mu strain, with lambda adapted to the hypothesis.
+   !> Most components of displacements.
+   integer, parameter, public :: max_components = 3
+   !> Components of strains and stresses, in the plane and in space alike: what a body has not is 0.
+   integer, parameter, public :: n_strains = 6
+   !> Those in the plane: xx, yy, xy.
+   integer, parameter, public :: in_plane(3) = [1, 2, 4]
+
+   !> A material. Stresses are `law` times strains, in the order xx, yy, zz, xy, yz, xz; the last three of strains are
+   !> the engineering shears 2 xy, 2 yz, 2 xz. In a body of revolution z is the direction around the axis: radial,
+   !> axial, hoop, then the shears. For an isotropic one, stress = lambda tr(strain) I + 2 mu strain, with lambda
+   !> adapted to the hypothesis.
    type :: material_t
       real(dp) :: young(3) = 0.0_dp !! Young's modulus; along the three axes of an orthotropic material [F/L^2]
       real(dp) :: poisson(3) = 0.0_dp
@@ -44,14 +53,14 @@ module amontons_material
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis, if the material is isotropic [F/L^2]
       real(dp) :: mu = 0.5_dp !! then the shear modulus [F/L^2]
-      real(dp) :: law(4, 4) = 0.0_dp !! stresses of strains under the hypothesis [F/L^2]
-      real(dp) :: compliance(4, 4) = 0.0_dp !! strains of stresses in space [L^2/F]
+      integer :: n_components = 2 !! components of a displacement: x, y and, with twist, the one around the axis
+      real(dp) :: law(n_strains, n_strains) = 0.0_dp !! stresses of strains under the hypothesis [F/L^2]
+      real(dp) :: compliance(n_strains, n_strains) = 0.0_dp !! strains of stresses in space [L^2/F]
       real(dp) :: plane_compliance(3, 3) = 0.0_dp
          !! the same in a plane body, where the stress zz follows from the hypothesis [L^2/F]
       logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
       logical :: is_twisted = .false. !! whether its body may twist about the axis of revolution
-      logical :: is_twist = .false. !! whether it is what `twist_part` makes of a material
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
       procedure :: bulk => material_bulk
@@ -72,7 +81,6 @@ module amontons_material
       integer, allocatable :: of_element(:) !! which of them each element has (n_elements)
    contains
       procedure :: n_components => materials_n_components
-      procedure :: twist_part => materials_twist_part
    end type materials_t
 
 contains
@@ -112,7 +120,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! an orthotropic material that would gain energy when strained
       ! Least eigenvalue of the compliance in units of its diagonal: below it rounding spoils stresses.
       real(dp), parameter :: least = 1.0e-10_dp
-      real(dp) :: law(4, 4), root(4)
+      ! Stresses that are not 0 in plane stress, then zz.
+      integer, parameter :: stressed(4) = [in_plane, 3]
+      real(dp) :: law(4, 4), root(4), stiffness(4, 4)
       integer :: i, info, n
 
       self%is_plane_stress = self%hypothesis == 'plane stress'
@@ -121,22 +131,23 @@ contains
          call new_error(error, input_refused, "twist needs hypothesis = 'axisymmetric' and an isotropic material")
          return
       end if
+      self%n_components = merge(3, 2, self%is_twisted)
       associate (young => self%young, poisson => self%poisson)
          self%compliance = 0.0_dp
-         self%compliance(1, 1) = 1.0_dp/young(1)
-         self%compliance(2, 2) = 1.0_dp/young(2)
-         self%compliance(3, 3) = merge(1.0_dp/self%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), self%shear > 0.0_dp)
-         self%compliance(4, 4) = 1.0_dp/young(3)
+         do i = 1, n_strains
+            self%compliance(i, i) = merge(1.0_dp/self%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), self%shear > 0.0_dp)
+            if (i <= 3) self%compliance(i, i) = 1.0_dp/young(i)
+         end do
          self%compliance(2, 1) = -poisson(1)/young(1)
-         self%compliance(4, 1) = -poisson(2)/young(1)
-         self%compliance(4, 2) = -poisson(3)/young(2)
+         self%compliance(3, 1) = -poisson(2)/young(1)
+         self%compliance(3, 2) = -poisson(3)/young(2)
          self%compliance(1, 2) = self%compliance(2, 1)
-         self%compliance(1, 4) = self%compliance(4, 1)
-         self%compliance(2, 4) = self%compliance(4, 2)
+         self%compliance(1, 3) = self%compliance(3, 1)
+         self%compliance(2, 3) = self%compliance(3, 2)
       end associate
       if (self%shear > 0.0_dp) then
          root = sqrt([(self%compliance(i, i), i=1, size(root))])
-         law = self%compliance/(spread(root, 1, size(root))*spread(root, 2, size(root)))
+         law = self%compliance(:4, :4)/(spread(root, 1, size(root))*spread(root, 2, size(root)))
          do i = 1, size(root)
             law(i, i) = 1.0_dp - least
          end do
@@ -146,16 +157,17 @@ contains
                'nu13**2 E3/E1 and nu23**2 E3/E2 must be below 1, and so must their sum and 2 nu12 nu13 nu23 E3/E1')
             return
          end if
-         self%compliance = turned_compliance(self%compliance, -self%angle*degree)
+         self%compliance(:4, :4) = turned_compliance(self%compliance(:4, :4), -self%angle*degree)
          ! In plane stress the strain zz is not known, and makes no stress.
          n = merge(3, 4, self%is_plane_stress)
-         law = self%compliance
-         self%law = 0.0_dp
+         law = self%compliance(stressed, stressed)
+         stiffness = 0.0_dp
          do i = 1, n
-            self%law(i, i) = 1.0_dp
+            stiffness(i, i) = 1.0_dp
          end do
          call cholesky_factor(law(:n, :n), info)
-         call cholesky_solve(law(:n, :n), self%law(:n, :n))
+         call cholesky_solve(law(:n, :n), stiffness(:n, :n))
+         self%law(stressed, stressed) = stiffness
          self%lambda = self%law(1, 2)
          self%mu = self%shear
       else
@@ -165,13 +177,13 @@ contains
                *(1.0_dp - merge(1.0_dp, 2.0_dp, self%is_plane_stress)*poisson))
          end associate
          self%law = isotropic_law(self%lambda, self%mu)
-         if (self%is_plane_stress) self%law(:, 4) = 0.0_dp
-         if (self%is_plane_stress) self%law(4, :) = 0.0_dp
+         if (self%is_plane_stress) self%law(:, 3) = 0.0_dp
+         if (self%is_plane_stress) self%law(3, :) = 0.0_dp
       end if
       associate (s => self%compliance)
-         self%plane_compliance = s(:3, :3)
+         self%plane_compliance = s(in_plane, in_plane)
          if (.not. self%is_plane_stress) self%plane_compliance = self%plane_compliance &
-            - spread(s(:3, 4), 2, 3)*spread(s(4, :3), 1, 3)/s(4, 4)
+            - spread(s(in_plane, 3), 2, 3)*spread(s(3, in_plane), 1, 3)/s(3, 3)
       end associate
       call self%choose_formulation((self%formulation))
    end subroutine material_derive
@@ -180,14 +192,13 @@ contains
    pure function isotropic_law(lambda, mu) result(law)
       real(dp), intent(in) :: lambda !! first Lame coefficient [F/L^2]
       real(dp), intent(in) :: mu !! shear modulus [F/L^2]
-      real(dp) :: law(4, 4)
+      real(dp) :: law(n_strains, n_strains)
       integer :: i
 
-      law = lambda
-      law(3, :) = 0.0_dp
-      law(:, 3) = 0.0_dp
-      do i = 1, 4
-         law(i, i) = law(i, i) + merge(mu, 2.0_dp*mu, i == 3)
+      law = 0.0_dp
+      law(:3, :3) = lambda
+      do i = 1, n_strains
+         law(i, i) = law(i, i) + merge(mu, 2.0_dp*mu, i > 3)
       end do
    end function isotropic_law
 
@@ -198,9 +209,9 @@ contains
       bulk = self%lambda + 2.0_dp*self%mu/3.0_dp
    end function material_bulk
 
-   !> A compliance matrix in axes that are turned by an angle, counterclockwise [L^2/F].
+   !> A compliance matrix in axes that are turned about z by an angle, counterclockwise [L^2/F].
    pure function turned_compliance(compliance, angle) result(turned)
-      real(dp), intent(in) :: compliance(4, 4) !! the compliance [L^2/F]
+      real(dp), intent(in) :: compliance(4, 4) !! the compliance, without the shears yz and xz [L^2/F]
       real(dp), intent(in) :: angle !! the angle [rad]
       real(dp) :: turned(4, 4)
       real(dp) :: stress(4, 4), c, s
@@ -209,10 +220,10 @@ contains
       c = cos(angle)
       s = sin(angle)
       stress = 0.0_dp
-      stress(:3, 1) = [c**2, s**2, c*s]
-      stress(:3, 2) = [s**2, c**2, -c*s]
-      stress(:3, 3) = [-2.0_dp*c*s, 2.0_dp*c*s, c**2 - s**2]
-      stress(4, 4) = 1.0_dp
+      stress(in_plane, 1) = [c**2, s**2, c*s]
+      stress(in_plane, 2) = [s**2, c**2, -c*s]
+      stress(3, 3) = 1.0_dp
+      stress(in_plane, 4) = [-2.0_dp*c*s, 2.0_dp*c*s, c**2 - s**2]
       turned = matmul(transpose(stress), matmul(compliance, stress))
    end function turned_compliance
 
@@ -284,35 +295,11 @@ contains
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
 
-   !> Makes the materials of a plane field whose first component is the displacement around the axis and whose other one
-   !> is 0: with the gradient (dN/dr - N/r, dN/dz) the strains xx and 2 xy of the field are the shears r-theta and
-   !> z-theta.
-   pure subroutine materials_twist_part(self, twist)
-      class(materials_t), intent(in) :: self !! the materials, isotropic
-      type(materials_t), intent(out) :: twist !! what the displacement around the axis meets
-      integer :: i
-
-      twist%list = self%list
-      twist%of_element = self%of_element
-      do i = 1, size(twist%list)
-         associate (material => twist%list(i))
-            material%is_twist = .true.
-            material%is_b_bar = .false.
-            material%law = 0.0_dp
-            material%compliance = 0.0_dp
-            material%law(1, 1) = material%mu
-            material%law(3, 3) = material%mu
-            material%compliance(1, 1) = 1.0_dp/material%mu
-            material%compliance(3, 3) = 1.0_dp/material%mu
-         end associate
-      end do
-   end subroutine materials_twist_part
-
    !> Number of displacement components: x and y, and in a twisted body the one around the axis.
    pure integer function materials_n_components(self) result(n_components)
       class(materials_t), intent(in) :: self !! the materials
 
-      n_components = merge(3, 2, self%list(1)%is_twisted)
+      n_components = self%list(1)%n_components
    end function materials_n_components
 
    !> Whether each node lies on the axis of a body of revolution (n_nodes).
@@ -326,17 +313,20 @@ contains
          <= missed_axis*maxval(abs(mesh%coordinates(1, :)))
    end function on_axis
 
-   !> Stress from strain under the hypothesis of the material: xx, yy, xy, zz [F/L^2].
+   !> Stress from strain under the hypothesis of the material; in the plane zz is 0 without heat [F/L^2].
    pure function material_stress(self, strain) result(stress)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: strain(4) !! strain xx, yy, the engineering shear 2 xy, and zz (hoop; 0 in the plane) [-]
-      real(dp) :: stress(4)
+      real(dp), intent(in) :: strain(n_strains) !! the strain, shears the engineering ones [-]
+      real(dp) :: stress(n_strains)
       integer :: i
 
       do i = 1, 4
          stress(i) = self%law(i, 1)*strain(1) + self%law(i, 2)*strain(2) + self%law(i, 3)*strain(3) &
             + self%law(i, 4)*strain(4)
       end do
+      ! No material couples these shears with anything.
+      stress(5) = self%law(5, 5)*strain(5)
+      stress(6) = self%law(6, 6)*strain(6)
    end function material_stress
 
    !> The coefficient of thermal expansion with the largest magnitude [1/K].
@@ -346,30 +336,30 @@ contains
       expansion = self%expansion(maxloc(abs(self%expansion), dim=1))
    end function material_largest_expansion
 
-   !> Free thermal strain xx, yy, 2 xy, zz, over the thermal strain in the direction of the largest coefficient; zz is 0
-   !> in plane stress [-].
+   !> Free thermal strain over that in the direction of the largest coefficient; zz is 0 in plane stress [-].
    pure function material_expansion_form(self) result(form)
       class(material_t), intent(in) :: self !! the material
-      real(dp) :: form(4)
+      real(dp) :: form(n_strains)
       real(dp) :: along(3), c, s
 
       along = 1.0_dp
       if (abs(self%largest_expansion()) > 0.0_dp) along = self%expansion/self%largest_expansion()
       c = cos(self%angle*degree)
       s = sin(self%angle*degree)
-      form = [along(1)*c**2 + along(2)*s**2, along(1)*s**2 + along(2)*c**2, 2.0_dp*c*s*(along(1) - along(2)), &
-         merge(0.0_dp, along(3), self%is_plane_stress)]
+      form = [along(1)*c**2 + along(2)*s**2, along(1)*s**2 + along(2)*c**2, merge(0.0_dp, along(3), &
+         self%is_plane_stress), 2.0_dp*c*s*(along(1) - along(2)), 0.0_dp, 0.0_dp]
    end function material_expansion_form
 
    !> Stress times its strain, which is twice the strain energy density [F/L^2].
    pure real(dp) function material_squared_norm(self, stress) result(product)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz; zz counts in a body of revolution alone [F/L^2]
+      real(dp), intent(in) :: stress(n_strains) !! the stress; zz counts in a body of revolution alone [F/L^2]
 
       if (self%is_axisymmetric) then
-         product = dot_product(stress, matmul(self%compliance, stress))
+         product = dot_product(stress(:4), matmul(self%compliance(:4, :4), stress(:4))) &
+            + self%compliance(5, 5)*stress(5)**2 + self%compliance(6, 6)*stress(6)**2
       else
-         product = dot_product(stress(:3), matmul(self%plane_compliance, stress(:3)))
+         product = dot_product(stress(in_plane), matmul(self%plane_compliance, stress(in_plane)))
       end if
    end function material_squared_norm
 

@@ -11,7 +11,7 @@ module amontons_recovery_tables
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
-   use amontons_material, only: materials_t
+   use amontons_material, only: materials_t, n_strains
    use amontons_mesh, only: find_set, incidence_t, mesh_t, new_incidence, side_element, side_number, side_place, &
       worth_threads
    implicit none (type, external)
@@ -244,7 +244,8 @@ contains
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
-      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms), c(3), xx, xy, yy
+      real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms)
+      real(dp) :: unused(n_strains, max_terms), c(3), xx, xy, yy
       type(moments_t) :: moments
       integer :: first, i, k
 
@@ -357,12 +358,12 @@ contains
    !> Sums the normal equations of the samples of a patch; without stresses the right-hand sides are 0.
    pure subroutine sum_samples(normal, right, frame, samples, elements, n_near, stress)
       real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
-      real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
+      real(dp), intent(out) :: right(n_strains, max_terms) !! their right-hand sides (component, term) [F/L^2]
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
-      real(dp), contiguous, intent(in), optional :: stress(:, :) !! stresses of the samples (4, n_samples) [F/L^2]
+      real(dp), contiguous, intent(in), optional :: stress(:, :) !! stresses of the samples (any, n_samples) [F/L^2]
       real(dp) :: p(max_terms), weight
       integer :: i, j, k, n
 
@@ -401,10 +402,10 @@ contains
    !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are so small that calling
    !> BLAS would take longer.
    pure subroutine solve_normal(x, n, normal, right, is_determined)
-      real(dp), intent(inout) :: x(4, max_terms) !! the solution (component, term) [F/L^2]
+      real(dp), intent(inout) :: x(n_strains, max_terms) !! the solution (component, term) [F/L^2]
       integer, intent(in) :: n !! number of equations
       real(dp), intent(in) :: normal(max_terms, max_terms) !! the lower triangle of the matrix
-      real(dp), intent(in) :: right(4, max_terms) !! the right-hand sides (component, term) [F/L^2]
+      real(dp), intent(in) :: right(n_strains, max_terms) !! the right-hand sides (component, term) [F/L^2]
       logical, intent(out) :: is_determined !! whether the matrix is well conditioned
       ! The factors of L D L^T: below the diagonal L D, behind it the reciprocals of D.
       real(dp) :: factor(max_terms, max_terms), reciprocal(max_terms), entry

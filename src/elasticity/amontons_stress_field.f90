@@ -8,7 +8,7 @@
 !> boundary sides. The recovered stress in an element is the mean of the polynomials of its corners, weighted by the
 !> linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
 module amontons_stress_field
-   use amontons_assembly, only: around_axis, spring_forces
+   use amontons_assembly, only: spring_forces
    use amontons_constraints, only: spring_side_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: element_geometry_t, find_elastic_strains, find_nodal_forces, &
@@ -18,7 +18,7 @@ module amontons_stress_field
       shape_functions, tri3
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t, materials_t
+   use amontons_material, only: in_plane, material_t, materials_t, max_components, n_strains
    use amontons_mesh, only: coloring_t, mesh_t, worth_threads
    use amontons_quantity, only: quantity_t
    use amontons_recovery_tables, only: block_size, far_weight, find_terms, frame_t, is_linear, known_traction_t, &
@@ -27,15 +27,14 @@ module amontons_stress_field
    private
 
    public :: error_estimate_t, find_node_stresses, internal_forces, new_error_estimate, new_recovered_stress, &
-      new_stress_field, recovered_stress_t, stress_field_t, von_mises, with_twist
+      new_stress_field, recovered_stress_t, stress_field_t, von_mises
 
-   !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop, and in a twisted one the shears
-   !> r-theta and z-theta, too.
+   !> Stresses, in the order of `material_t`.
    type :: stress_field_t
-      real(dp), allocatable :: element(:, :) !! mean stress of each element (4 or 6, n_elements) [F/L^2]
+      real(dp), allocatable :: element(:, :) !! mean stress of each element (n_strains, n_elements) [F/L^2]
       real(dp), allocatable :: energy_density(:) !! mean strain energy density of each element (n_elements) [F/L^2]
       real(dp), allocatable :: node(:, :)
-         !! stress at each node: the mean of its elements' values; 0 at one without elements (4 or 6, n_nodes) [F/L^2]
+         !! stress at each node, the mean of its elements' values; 0 without elements (n_strains, n_nodes) [F/L^2]
       real(dp), allocatable :: force(:, :)
          !! nodal forces that the stresses amount to; K u - f_th where there are no springs (components, n_nodes) [F]
    end type stress_field_t
@@ -48,14 +47,14 @@ module amontons_stress_field
       logical :: is_plain = .false. !! whether it is a plane quadrilateral with nothing acting inside
       type(plane_quadrilateral_t) :: plain !! then this
       type(element_geometry_t) :: geometry !! else its shape functions
-      real(dp) :: strain(4, max_points) = 0.0_dp !! and the elastic strains at its points [-]
-      real(dp) :: stress(4, max_points) = 0.0_dp !! stresses at its points [F/L^2]
+      real(dp) :: strain(n_strains, max_points) = 0.0_dp !! and the elastic strains at its points [-]
+      real(dp) :: stress(n_strains, max_points) = 0.0_dp !! stresses at its points [F/L^2]
    end type element_stress_t
 
    !> The stresses and tractions that a stress field is recovered from.
    type :: recovered_stress_t
       private
-      real(dp), allocatable :: sample(:, :) !! the stresses that are fitted: xx, yy, xy, zz (4, n_samples) [F/L^2]
+      real(dp), allocatable :: sample(:, :) !! the stresses that are fitted (n_strains, n_samples) [F/L^2]
       integer, allocatable :: side_start(:) !! where the sides of a patch begin in `tractions` (patches + 1)
       type(known_traction_t), allocatable :: tractions(:) !! the known tractions, patch by patch
    end type recovered_stress_t
@@ -66,16 +65,14 @@ module amontons_stress_field
       real(dp), allocatable :: element(:) !! norm of the error of each element (n_elements) [sqrt(F L)]
       real(dp) :: norm = 0.0_dp !! norm of the error of the body [sqrt(F L)]
       real(dp) :: relative = 0.0_dp !! its ratio to the norm of the stresses, the error's included [-]
-      real(dp), private :: squares = 0.0_dp !! square of this norm of the stresses [F L]
    contains
-      procedure :: add => error_estimate_add
       procedure :: quantities => error_estimate_quantities
    end type error_estimate_t
 
 contains
 
    !> Evaluates the stresses of a displacement field.
-   recursive subroutine new_stress_field(field, mesh, materials, coloring, displacement, element_load)
+   subroutine new_stress_field(field, mesh, materials, coloring, displacement, element_load)
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
@@ -84,37 +81,16 @@ contains
       real(dp), intent(in), optional :: element_load(:)
          !! what acts inside the elements, from `sum_element_loads` [-], [L]
       real(dp), allocatable :: node(:, :), inside(:, :)
-      type(stress_field_t) :: twist
-      type(materials_t) :: twist_materials
 
-      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes), &
-         field%force(2, mesh%n_nodes), source=0.0_dp)
+      allocate (field%element(n_strains, mesh%n_elements), field%energy_density(mesh%n_elements), &
+         node(n_strains, mesh%n_nodes), field%force(size(displacement, 1), mesh%n_nodes))
+      field%element = 0.0_dp
+      field%energy_density = 0.0_dp
+      field%force = 0.0_dp
       if (present(element_load)) inside = reshape(element_load, [size(element_load), 1])
-      call find_node_stresses(node, 1, mesh, materials, coloring, displacement(:2, :), inside, field)
+      call find_node_stresses(node, 1, mesh, materials, coloring, displacement, inside, field)
       call move_alloc(node, field%node)
-      if (size(displacement, 1) == 2) return
-      call materials%twist_part(twist_materials)
-      call new_stress_field(twist, mesh, twist_materials, coloring, around_axis(displacement))
-      field%element = with_twist(field%element, twist%element)
-      field%node = with_twist(field%node, twist%node)
-      field%energy_density = field%energy_density + twist%energy_density
-      call move_alloc(field%force, node)
-      allocate (field%force(3, mesh%n_nodes))
-      field%force(:2, :) = node
-      field%force(3, :) = twist%force(1, :)
    end subroutine new_stress_field
-
-   !> Stresses extended by those of a twist, see `materials_twist_part` (6, any) [F/L^2].
-   pure function with_twist(stress, twist) result(whole)
-      real(dp), intent(in) :: stress(:, :) !! stresses xx, yy, xy, zz (4, any) [F/L^2]
-      real(dp), intent(in) :: twist(:, :) !! those of the field around the axis (4, any) [F/L^2]
-      real(dp), allocatable :: whole(:, :)
-
-      allocate (whole(6, size(stress, 2)))
-      whole(:4, :) = stress
-      whole(5, :) = twist(1, :)
-      whole(6, :) = twist(3, :)
-   end function with_twist
 
    !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
    subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, element_load)
@@ -136,16 +112,17 @@ contains
    subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, element_load, field_of_one)
       integer, intent(in) :: n_fields !! number of fields
       type(mesh_t), intent(in) :: mesh !! a checked mesh
-      real(dp), intent(out) :: node(4, mesh%n_nodes, n_fields) !! stress at each node (4, n_nodes, fields) [F/L^2]
       type(materials_t), intent(in) :: materials !! its materials
+      real(dp), intent(out) :: node(n_strains, mesh%n_nodes, n_fields) !! stress at each node [F/L^2]
       type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), intent(in) :: displacement(2, mesh%n_nodes, n_fields) !! displacement of the nodes [L]
+      real(dp), intent(in) :: displacement(materials%list(1)%n_components, mesh%n_nodes, n_fields)
+         !! displacement of the nodes [L]
       real(dp), intent(in), optional :: element_load(:, :)
          !! what acts inside the elements, from `sum_element_loads` (any, fields) [-], [L]
       type(stress_field_t), intent(inout), optional :: field_of_one
          !! gains means and nodal forces of the one displacement field; its arrays made, 0
       type(element_stress_t) :: own
-      real(dp) :: to_nodes(max_nodes, max_points, size(element_names), 2), at_nodes(4, max_nodes)
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names), 2)
       integer, allocatable :: n_elements(:)
       integer :: color, element, field, i, k
 
@@ -157,7 +134,7 @@ contains
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(own) if (mesh%n_elements >= worth_threads) &
-         !$omp private(element, field, at_nodes, k) &
+         !$omp private(element, field, k) &
          !$omp shared(n_fields, node, mesh, materials, coloring, displacement, element_load, to_nodes, n_elements, &
          !$omp color, field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
@@ -172,10 +149,7 @@ contains
                         element_load(:, field))
                      call compute_stresses(own, material, displacement(:, :, field))
                      k = merge(1, 2, own%n_points == n_element_points(mesh%element_kind(element), .false.))
-                     call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element), k), at_nodes)
-                     do k = 1, own%n_nodes
-                        node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
-                     end do
+                     call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element), k), node(:, :, field))
                   end do
                   if (present(field_of_one)) call integrate(field_of_one, element, own, material)
                end associate
@@ -216,12 +190,12 @@ contains
    pure subroutine compute_stresses(own, material, displacement)
       type(element_stress_t), intent(inout) :: own !! the element; gains them
       type(material_t), intent(in) :: material !! its material
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       integer :: point
 
       if (own%is_plain) then
          call own%plain%compute_stresses(material, displacement)
-         own%stress(:, :4) = transpose(own%plain%stress)
+         own%stress(:4, :4) = transpose(own%plain%stress)
          return
       end if
       call find_elastic_strains(own%geometry, material, displacement, own%strain)
@@ -236,14 +210,14 @@ contains
       integer, intent(in) :: element !! number of the element
       type(element_stress_t), intent(in) :: own !! the element
       type(material_t), intent(in) :: material !! its material
-      real(dp) :: share(max_points), density(max_points), force(2, max_nodes), mean(4)
+      real(dp) :: share(max_points), density(max_points), force(max_components, max_nodes), mean(n_strains)
       integer :: k, point
 
       associate (n => own%n_points)
          if (own%is_plain) then
             share(:n) = own%plain%area/sum(own%plain%area)
             density(:n) = own%plain%energy_density()
-            force(:, :4) = own%plain%forces(material%thickness)
+            force(:2, :4) = own%plain%forces(material%thickness)
          else
             share(:n) = own%geometry%volume(:n)/sum(own%geometry%volume(:n))
             density(:n) = 0.5_dp*sum(own%strain(:, :n)*own%stress(:, :n), dim=1)
@@ -257,29 +231,31 @@ contains
          field%energy_density(element) = dot_product(share(:n), density(:n))
       end associate
       do k = 1, own%n_nodes
-         field%force(:, own%node(k)) = field%force(:, own%node(k)) + force(:, k)
+         field%force(:, own%node(k)) = field%force(:, own%node(k)) + force(:material%n_components, k)
       end do
    end subroutine integrate
 
    !> Adds the stresses of an element, extrapolated from its quadrature points, to its nodes.
-   pure subroutine carry_to_nodes(own, to_nodes, at_nodes)
+   pure subroutine carry_to_nodes(own, to_nodes, node)
       type(element_stress_t), intent(in) :: own !! the element
       real(dp), intent(in) :: to_nodes(max_nodes, max_points)
          !! weights of the quadrature points at each node (node, point) [-]
-      real(dp), intent(inout) :: at_nodes(4, max_nodes)
-         !! stress at the element's nodes; unchanged past the last node [F/L^2]
-      real(dp) :: sum(4)
+      real(dp), contiguous, intent(inout) :: node(:, :) !! stress at the nodes of the mesh; gains these [F/L^2]
+      real(dp) :: sum(n_strains)
       integer :: i, k, point
 
       do i = 1, own%n_nodes
          sum = 0.0_dp
          do point = 1, own%n_points
             !$omp simd
-            do k = 1, 4
+            do k = 1, n_strains
                sum(k) = sum(k) + to_nodes(i, point)*own%stress(k, point)
             end do
          end do
-         at_nodes(:, i) = sum
+         !$omp simd
+         do k = 1, n_strains
+            node(k, own%node(i)) = node(k, own%node(i)) + sum(k)
+         end do
       end do
    end subroutine carry_to_nodes
 
@@ -314,7 +290,7 @@ contains
 
    !> Von Mises stress of a stress tensor [F/L^2].
    pure real(dp) function von_mises(stress)
-      real(dp), intent(in) :: stress(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
+      real(dp), intent(in) :: stress(n_strains) !! the stress [F/L^2]
       real(dp), parameter :: least = tiny(least)/epsilon(least) ! smaller squares lose digits
       real(dp) :: square
       integer :: power
@@ -331,23 +307,23 @@ contains
 
    !> The square of the von Mises stress [F^2/L^4].
    pure real(dp) function deviatoric_square(s)
-      real(dp), intent(in) :: s(:) !! stress xx, yy, xy, zz, and the shears of a twist (4 or 6) [F/L^2]
+      real(dp), intent(in) :: s(n_strains) !! the stress [F/L^2]
 
-      deviatoric_square = 0.5_dp*((s(1) - s(2))**2 + (s(2) - s(4))**2 + (s(4) - s(1))**2) + 3.0_dp*s(3)**2
-      if (size(s) > 4) deviatoric_square = deviatoric_square + 3.0_dp*(s(5)**2 + s(6)**2)
+      deviatoric_square = 0.5_dp*((s(1) - s(2))**2 + (s(2) - s(3))**2 + (s(3) - s(1))**2) &
+         + 3.0_dp*(s(4)**2 + s(5)**2 + s(6)**2)
    end function deviatoric_square
 
    !> Fits a polynomial to the stresses of the elements of a patch, by least squares.
    pure subroutine fit_polynomial(coefficient, patches, patch, mesh, stress, tractions)
-      real(dp), intent(out) :: coefficient(4, max_terms)
-         !! coefficients of the stresses xx, yy, xy, zz: those of the terms, nothing behind the last; of a linear
-         !! polynomial the stresses at the node and their gradients along x and y (component, term) [F/L^2], [F/L^3]
+      real(dp), intent(out) :: coefficient(n_strains, max_terms)
+         !! coefficients of the stresses: those of the terms, nothing behind the last; of a linear polynomial the
+         !! stresses at the node and their gradients along x and y (component, term) [F/L^2], [F/L^3]
       type(patch_table_t), intent(in) :: patches !! the patches
       integer, intent(in) :: patch !! number of the patch
       type(mesh_t), intent(in) :: mesh !! the mesh
-      real(dp), contiguous, intent(in) :: stress(:, :) !! the stresses of the samples: xx, yy, xy, zz (4, any) [F/L^2]
+      real(dp), contiguous, intent(in) :: stress(:, :) !! the stresses of the samples (n_strains, any) [F/L^2]
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
-      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), along(4, 2), distance(2), weight
+      real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms), along(n_strains, 2), distance(2), weight
       logical :: is_determined, has_plane
       integer :: i
 
@@ -368,7 +344,7 @@ contains
                   normal(i, i) = weight
                end do
             end if
-            call fit_tractions(coefficient, frame, normal(:n, :n), transpose(right(:3, :n)), tractions, node)
+            call fit_tractions(coefficient, frame, normal(:n, :n), transpose(right(in_plane, :n)), tractions, node)
          end if
          if (.not. has_plane) return
          along(:, 1) = frame%scale(1, 1)*coefficient(:, 2) + frame%scale(2, 1)*coefficient(:, 3)
@@ -383,10 +359,10 @@ contains
    !> the weights times the identity.
    pure subroutine sum_linear_samples(total, right, frame, samples, stress, elements, n_near)
       real(dp), intent(out) :: total !! sum of the weights [-]
-      real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
+      real(dp), intent(out) :: right(n_strains, max_terms) !! their right-hand sides (component, term) [F/L^2]
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
-      real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (4, n_samples) [F/L^2]
+      real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (n_strains, n_samples) [F/L^2]
       integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp) :: distance(2), weight, x, y
@@ -403,7 +379,7 @@ contains
             y = weight*(frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2))
             total = total + weight
             !$omp simd
-            do component = 1, 4
+            do component = 1, n_strains
                right(component, 1) = right(component, 1) + weight*stress(component, k)
                right(component, 2) = right(component, 2) + x*stress(component, k)
                right(component, 3) = right(component, 3) + y*stress(component, k)
@@ -414,9 +390,11 @@ contains
 
    !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions: at the middle of each
    !> side, and at the node, where two sides with a smooth transition have the mean of their normals. The remainder is
-   !> measured by the norm of the tensor, in which xy counts twice, so that the axes have no effect.
+   !> measured by the norm of the tensor, in which xy counts twice, so that the axes have no effect. Tractions around an
+   !> axis are left to the fit.
    pure subroutine fit_tractions(coefficient, frame, normal, right, tractions, node)
-      real(dp), intent(inout) :: coefficient(4, max_terms) !! coefficients of the stresses; gains those of these three
+      real(dp), intent(inout) :: coefficient(n_strains, max_terms)
+         !! coefficients of the stresses; gains those of these three
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       real(dp), intent(in) :: normal(:, :) !! the lower triangle of the normal matrix of the samples
       real(dp), intent(in) :: right(:, :) !! its right-hand sides (term, component)
@@ -462,7 +440,7 @@ contains
       end if
       call cholesky_factor(matrix, info)
       call cholesky_solve(matrix, joint)
-      coefficient(:3, :n) = transpose(reshape(joint, [n, 3]))
+      coefficient(in_plane, :n) = transpose(reshape(joint, [n, 3]))
    end subroutine fit_tractions
 
    !> Adds the known tractions at a position on a side to the normal equations.
@@ -502,15 +480,15 @@ contains
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions on the sides of the boundary
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in), optional :: element_load(:)
          !! what acts inside the elements, from `sum_element_loads` [-], [L]
       type(element_geometry_t) :: geometry
-      real(dp) :: strain(4, max_points)
+      real(dp) :: strain(n_strains, max_points)
       integer, allocatable :: side(:)
       integer :: patch(2, size(tractions)), first, i, k, point
 
-      allocate (recovered%sample(4, size(patches%samples%position, 2)))
+      allocate (recovered%sample(n_strains, size(patches%samples%position, 2)))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
       !$omp firstprivate(geometry) private(point, strain) &
       !$omp shared(recovered, patches, mesh, materials, displacement, element_load)
@@ -546,8 +524,8 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material, without a mean dilatation
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp) :: stress(4)
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp) :: stress(n_strains)
       real(dp), dimension(2) :: dx, dy, du, dv
 
       associate (node => mesh%node(mesh%node_start(element):mesh%node_start(element) + 3))
@@ -556,8 +534,8 @@ contains
          du = displacement(1, node(3:4)) - displacement(1, node(1:2))
          dv = displacement(2, node(3:4)) - displacement(2, node(1:2))
       end associate
-      stress = material%stress([du(1)*dy(2) - du(2)*dy(1), dv(2)*dx(1) - dv(1)*dx(2), &
-         du(2)*dx(1) - du(1)*dx(2) + dv(1)*dy(2) - dv(2)*dy(1), 0.0_dp]/(dx(1)*dy(2) - dx(2)*dy(1)))
+      stress = material%stress([du(1)*dy(2) - du(2)*dy(1), dv(2)*dx(1) - dv(1)*dx(2), 0.0_dp, &
+         du(2)*dx(1) - du(1)*dx(2) + dv(1)*dy(2) - dv(2)*dy(1), 0.0_dp, 0.0_dp]/(dx(1)*dy(2) - dx(2)*dy(1)))
    end function center_stress
 
    !> Estimates the error of a displacement field.
@@ -565,7 +543,7 @@ contains
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
       real(dp), intent(in), optional :: element_load(:)
@@ -583,21 +561,9 @@ contains
       !$omp end parallel do
       sums = sum(squares, dim=2)
       estimate%norm = sqrt(sums(1))
-      estimate%squares = sum(sums)
       if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(sums))
       estimate%element = sqrt(squares(1, :))
    end subroutine new_error_estimate
-
-   !> Adds the estimated error of a field that does no work on the first one.
-   pure subroutine error_estimate_add(self, other)
-      class(error_estimate_t), intent(inout) :: self !! the estimate of the first field
-      type(error_estimate_t), intent(in) :: other !! that of the other one
-
-      self%element = hypot(self%element, other%element)
-      self%norm = hypot(self%norm, other%norm)
-      self%squares = self%squares + other%squares
-      if (self%norm > 0.0_dp) self%relative = self%norm/sqrt(self%squares)
-   end subroutine error_estimate_add
 
    !> Estimates the error of a block of elements.
    pure subroutine estimate_block(squares, mesh, materials, displacement, patches, recovered, block, element_load)
@@ -605,20 +571,20 @@ contains
          !! squares of the norms of error and stresses of all elements; gains those of the block (2, n_elements) [F L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! its materials
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
       integer, intent(in) :: block !! number of the block
       real(dp), intent(in), optional :: element_load(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
-      real(dp) :: of_patch(4, max_terms), weights(max_points, max_corners, size(element_names))
+      real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, size(element_names))
       logical :: is_plain
       integer :: i
 
       weights = corner_weights()
       associate (listed => patches%listed(patches%block_start(block):patches%block_start(block + 1) - 1))
-         allocate (coefficient(4, max(3, maxval(patches%frame(listed)%n_terms)), size(listed)))
+         allocate (coefficient(n_strains, max(3, maxval(patches%frame(listed)%n_terms)), size(listed)))
          do i = 1, size(listed)
             associate (sides => recovered%side_start(listed(i):listed(i) + 1))
                call fit_polynomial(of_patch, patches, listed(i), mesh, recovered%sample, &
@@ -652,12 +618,12 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp), contiguous, intent(in) :: weights(:, :) !! linear shape functions of the corners (points, corners) [-]
       real(dp) :: squares(2)
-      real(dp) :: strain(4, max_points), stress(4), smooth(4, max_points)
+      real(dp) :: strain(n_strains, max_points), stress(n_strains), smooth(n_strains, max_points)
       integer :: point
 
       call find_recovered(smooth, mesh, element, patches, coefficient, geometry%n_points, geometry%position, weights)
@@ -678,11 +644,11 @@ contains
       type(material_t), intent(in) :: material !! its material
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
-      real(dp), intent(in) :: stress(4) !! the stress of its displacements [F/L^2]
+      real(dp), intent(in) :: stress(n_strains) !! the stress of its displacements [F/L^2]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions (points, corners) [-]
       real(dp) :: squares(2)
       integer, parameter :: n_points = n_fine_points(tri3)
-      real(dp) :: x(2, 3), position(2, n_points), smooth(4, n_points), volume
+      real(dp) :: x(2, 3), position(2, n_points), smooth(n_strains, n_points), volume
       integer :: i, point
 
       do i = 1, 3
@@ -706,7 +672,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh, all linear
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp) :: squares(2)
@@ -725,9 +691,9 @@ contains
             y(point) = y(point) + quadrilateral_shapes(point, i)*plain%corner(i, 2)
          end do
       end do
-      difference = -plain%stress(:, :3)
+      difference = -plain%stress(:, in_plane)
       do i = 1, 4
-         c = coefficient(:3, :3, patches%of_corner(mesh%node_start(element) - 1 + i))
+         c = coefficient(in_plane, :3, patches%of_corner(mesh%node_start(element) - 1 + i))
          shape = quadrilateral_shapes(:, i)
          do k = 1, 3
             !$omp simd
@@ -741,17 +707,17 @@ contains
       squares(2) = 2.0_dp*material%thickness*dot_product(plain%area, plain%energy_density())
    end function plain_squared_norms
 
-   !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].
+   !> The recovered stresses at points of an element [F/L^2].
    pure subroutine find_recovered(stress, mesh, element, patches, coefficient, n_points, position, weights)
       integer, intent(in) :: n_points !! number of points
-      real(dp), intent(out) :: stress(4, n_points) !! the stresses [F/L^2]
+      real(dp), intent(out) :: stress(n_strains, n_points) !! the stresses [F/L^2]
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
       real(dp), intent(in) :: position(2, n_points) !! the points [L]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions of the corners there (points, corners) [-]
-      real(dp) :: p(max_terms), sum(4)
+      real(dp) :: p(max_terms), sum(n_strains)
       integer :: i, k, corner, point
 
       stress = 0.0_dp

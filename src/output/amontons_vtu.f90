@@ -70,10 +70,8 @@ module amontons_vtu
    integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
-   !> Components of vectors in VTK, which are in space; the third one is 0 in the plane.
-   integer, parameter :: in_space(*) = [1, 2, 3]
-   !> Order of the components of stresses xx, yy, xy, zz, and of a twist xz, yz, in VTK: xx, yy, zz, xy, yz, xz.
-   integer, parameter :: as_tensor(*) = [1, 2, 4, 3, 6, 5]
+   !> Numbers of components of vectors and of stresses in VTK, which are in space.
+   integer, parameter :: in_space = 3, as_tensor = 6
 
 contains
 
@@ -283,24 +281,18 @@ contains
    end subroutine write_array
 
    !> Passes an array to the grid with its components in another order, zeros for missing ones.
-   subroutine vtk_file_put_spread(self, section, name, dimension, values, component)
+   subroutine vtk_file_put_spread(self, section, name, dimension, values, n)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
       character(*), intent(in) :: dimension !! its dimension, as `unit_of` takes it
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
-      integer, intent(in) :: component(:) !! which component each number is; 0 where there is none
-      real(dp), allocatable :: spread_out(:)
-      integer :: i, k
+      integer, intent(in) :: n !! number of components in the file; 0 beyond those of the values
+      real(dp), allocatable :: spread_out(:, :)
 
-      allocate (spread_out(size(component, kind=int64)*size(values, 2)))
-      do i = 1, size(values, 2)
-         do k = 1, size(component)
-            spread_out((i - 1)*size(component) + k) = merge(values(min(size(values, 1), component(k)), i), &
-               0.0_dp, component(k) <= size(values, 1))
-         end do
-      end do
-      call self%put_reals(section, name, dimension, size(component), spread_out)
+      allocate (spread_out(n, size(values, 2)), source=0.0_dp)
+      spread_out(:size(values, 1), :) = values
+      call self%put_reals(section, name, dimension, n, reshape(spread_out, [size(spread_out)]))
    end subroutine vtk_file_put_spread
 
    !> Passes points and cells to the file.

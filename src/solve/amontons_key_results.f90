@@ -520,7 +520,7 @@ contains
    pure function body_peaks(mesh, displacement, stress) result(list)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: stress(:, :) !! stress at each node (4, n_nodes) [F/L^2]
+      real(dp), intent(in) :: stress(:, :) !! stress at each node (n_strains, n_nodes) [F/L^2]
       type(quantity_t) :: list(2)
 
       list = body_peaks_at_rest()
@@ -530,7 +530,7 @@ contains
 
    !> Von Mises stresses of the nodes [F/L^2].
    pure function all_von_mises(stress) result(mises)
-      real(dp), intent(in) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, any) [F/L^2]
+      real(dp), intent(in) :: stress(:, :) !! the stresses (n_strains, any) [F/L^2]
       real(dp) :: mises(size(stress, 2))
       integer :: i
 

@@ -6,7 +6,7 @@
 !> results that `--verify` reads.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: around_axis, sum_uncanceled_terms
+   use amontons_assembly, only: sum_uncanceled_terms
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: boundary_line_t, new_boundary_line
@@ -25,7 +25,6 @@ module amontons_solve_case
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
    use amontons_load_solver, only: check_balance, forget_start, load_solver_t, new_load_solver
    use amontons_loads, only: load_by_temperature, load_t
-   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: method_options_t
@@ -435,9 +434,6 @@ contains
       type(recovery_tables_t), pointer :: tables
       type(known_tractions_t) :: tractions
       type(recovered_stress_t) :: recovered
-      type(error_estimate_t) :: of_twist
-      type(materials_t) :: twist
-      real(dp), allocatable :: field(:, :)
 
       if (allocated(body%recovery)) then
          tables => body%recovery
@@ -450,16 +446,9 @@ contains
       call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
       call set_contact_tractions(tractions, body, load_case, force)
       call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, &
-         displacement(:2, :), load_case%element_load)
-      call new_error_estimate(estimate, body%mesh, body%materials, displacement(:2, :), tables%patches, recovered, &
+         displacement, load_case%element_load)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement, tables%patches, recovered, &
          load_case%element_load)
-      if (size(displacement, 1) == 2) return
-      ! Tractions around the axis are left to the fit.
-      call body%materials%twist_part(twist)
-      field = around_axis(displacement)
-      call new_recovered_stress(recovered, tables%patches, body%mesh, twist, tractions%side(:0), field)
-      call new_error_estimate(of_twist, body%mesh, twist, field, tables%patches, recovered)
-      call estimate%add(of_twist)
    end subroutine estimate_error
 
    !> Sets the tractions on the sides of the contact sets: the forces of the points of each set on its nodes, over their

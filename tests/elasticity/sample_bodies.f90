@@ -9,7 +9,7 @@ module sample_bodies
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
-   use amontons_material, only: material_t, materials_t, new_material, new_materials
+   use amontons_material, only: material_t, materials_t, max_components, n_strains, new_material, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: sparse_matrix_t
@@ -189,25 +189,25 @@ contains
       call internal_forces(forces, mesh, uniform(material, mesh), no_springs, coloring, displacement)
    end function nodal_reactions
 
-   !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
+   !> Stress at a quadrature point [F/L^2].
    pure function element_stress(geometry, material, displacement, point) result(stress)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
-      real(dp) :: stress(4), strain(4, max_points)
+      real(dp) :: stress(n_strains), strain(n_strains, max_points)
 
       call find_elastic_strains(geometry, material, displacement, strain)
       stress = material%stress(strain(:, point))
    end function element_stress
 
    !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a projected
-   !> dilatation is one of the modes, so that B does as well as B-bar (2, nodes) [F].
+   !> dilatation is one of the modes, so that B does as well as B-bar (components, nodes) [F].
    pure function element_forces(geometry, material, displacement) result(forces)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp) :: forces(2, max_nodes), stress(4, geometry%n_points)
+      real(dp) :: forces(max_components, max_nodes), stress(n_strains, geometry%n_points)
       integer :: point
 
       do point = 1, geometry%n_points

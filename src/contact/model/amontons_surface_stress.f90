@@ -11,7 +11,7 @@ module amontons_surface_stress
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
-   use amontons_material, only: material_t, turned_compliance
+   use amontons_material, only: in_plane, material_t, n_strains, turned_compliance
    use amontons_rounding, only: input_rounding
    implicit none (type, external)
    private
@@ -153,7 +153,8 @@ contains
       type(material_t) :: material
       real(dp), allocatable :: field(:, :, :)
       real(dp) :: thermal(2, size(parts)), share(2, 2), outward(2), tangent(2), row(2*body%zone%n_points)
-      real(dp) :: weight, values(3), slopes(3), along(2), position(2), compliance(4, 4), law(2, 2), form(4), expansion
+      real(dp) :: weight, values(3), slopes(3), along(2), position(2), compliance(4, 4), law(2, 2)
+      real(dp) :: form(n_strains), strain(2), expansion
       integer :: i, j, k
 
       allocate (field(2, body%mesh%n_nodes, 2), source=0.0_dp)
@@ -189,14 +190,14 @@ contains
             if (.not. allocated(parts(1)%element_load)) cycle
             associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
                form = material%expansion_form()
-               form(3) = dot_product(form(:3), [tangent**2, product(tangent)])
+               strain = [dot_product(form(in_plane), [tangent**2, product(tangent)]), form(3)]
                do i = 1, size(parts)
                   expansion = 0.0_dp
                   do k = 1, count(side(:3) > 0)
                      expansion = expansion + values(k)*parts(i)%element_load(first - 1 &
                         + findloc(body%mesh%node(first:last), side(k), dim=1))
                   end do
-                  thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, form(3:))
+                  thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, strain)
                end do
             end associate
          end associate
@@ -234,9 +235,9 @@ contains
       type(material_t), intent(in) :: material !! the material
       real(dp), intent(in) :: tangent(2) !! unit vector along the surface, the outward normal on its right [-]
       real(dp) :: compliance(4, 4)
-      integer, parameter :: order(4) = [1, 3, 2, 4]
+      integer, parameter :: order(4) = [1, 4, 2, 3]
 
-      compliance = turned_compliance(material%compliance, atan2(-tangent(1), tangent(2)))
+      compliance = turned_compliance(material%compliance(:4, :4), atan2(-tangent(1), tangent(2)))
       compliance = compliance(order, order)
    end function surface_compliance
 

@@ -7,7 +7,6 @@
 !> Rows are made on several threads without functions that return a text: gfortran 12 keeps the length of such a text in
 !> a variable that all threads share.
 module amontons_sweep_chunk
-   use amontons_assembly, only: around_axis
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t
    use amontons_cone, only: least_squares
@@ -23,7 +22,7 @@ module amontons_sweep_chunk
    use amontons_load_family, only: acting_t, add_part, check_shear, load_case_t, one_part, parting_t, &
       recover_displacements
    use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
-   use amontons_material, only: materials_t
+   use amontons_material, only: n_strains
    use amontons_model_warnings, only: add_sweep_warnings
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form, &
       set_named_values
@@ -32,7 +31,7 @@ module amontons_sweep_chunk
       outcome_numbers, outcome_solved, result_t
    use amontons_result_warnings, only: case_warning_names, find_case_warnings, tally_t
    use amontons_solve_case, only: cache_t, prepare_case
-   use amontons_stress_field, only: find_node_stresses, with_twist
+   use amontons_stress_field, only: find_node_stresses
    use amontons_study, only: study_monitor_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_load
    use amontons_text, only: longest_decimal, newline, put_decimals, put_integer, put_text
@@ -585,9 +584,8 @@ contains
       type(load_case_t) :: load_cases(n_together)
       type(acting_t) :: acting
       real(dp), allocatable :: displacement(:, :), force(:, :), field(:, :, :), stress(:, :, :), strains(:, :)
-      real(dp), allocatable :: nodal(:, :), whole(:, :)
+      real(dp), allocatable :: whole(:, :)
       logical :: is_far(n_together)
-      type(materials_t) :: twist
       integer :: first, i, k, n
 
       n = chunk%last - chunk%first + 1
@@ -603,7 +601,7 @@ contains
          ! These cases take one pass over the factor and the elements.
          associate (some => cases(first:min(size(cases), first + n_together - 1)), loads => task%solver%loads)
             allocate (displacement(body%zone%n_rows, size(some)), force(body%zone%n_rows, size(some)), &
-               stress(4, body%mesh%n_nodes, size(some)))
+               stress(n_strains, body%mesh%n_nodes, size(some)))
             do k = 1, size(some)
                acting%factor(2:) = task%sweep%values(chunk%first + some(k) - 1)
                displacement(:, k) = solutions(some(k))%displacement
@@ -621,16 +619,9 @@ contains
                   solutions(some(k))%force)
                field(:, :, k) = whole
             end do
-            call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field(:2, :, :), &
-               strains)
+            call find_node_stresses(stress, size(some), body%mesh, body%materials, body%coloring, field, strains)
             do k = 1, size(some)
-               nodal = stress(:, :, k)
-               if (body%zone%n_tangents == 2) then
-                  if (k == 1) call body%materials%twist_part(twist)
-                  call find_node_stresses(nodal, 1, body%mesh, twist, body%coloring, around_axis(field(:, :, k)))
-                  nodal = with_twist(stress(:, :, k), nodal)
-               end if
-               peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), nodal)
+               peaks(:, some(k)) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
             end do
          end associate
          deallocate (displacement, force, stress)
