@@ -72,7 +72,9 @@ def body(number):
     hold = one_of(choice, clamped=3, guided=3, wedged=2, free=2)
     push = choice.uniform(-1, 1)*stress
     if hold == "clamped":
-        lines.append("&support set = 'right'  ux = 0.0  uy = 0.0 /")
+        # Stiff springs: a corner that is held at rest may lie in an obstacle, which is refused.
+        stiff = 100*young/size[0]
+        lines.append(f"&support set = 'right'  spring_n = {stiff:.6g}  spring_t = {stiff:.6g} /")
         lines.append(f"&load set = 'left'  traction = {push:.6g}, {choice.uniform(-0.1, 0.1)*stress:.6g} /")
     elif hold == "guided":
         lines.append("&support set = 'right'  ux = 0.0 /")

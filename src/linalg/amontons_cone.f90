@@ -187,7 +187,7 @@ contains
 
       allocate (share(0))
       do
-         change = damped_solution(columns, vector - matmul(columns, factor))
+         change = damped_solution(columns, vector - matmul(columns, factor), 1.0_dp)
          share = merge(factor/max(-change, tiny(1.0_dp)), 1.0_dp, factor + change <= 0.0_dp)
          if (all(share >= 1.0_dp)) exit
          factor = factor + minval(share)*change
@@ -231,19 +231,21 @@ contains
    pure function least_squares(matrix, vector) result(factor)
       real(dp), intent(in) :: matrix(:, :) !! the columns (k, n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
-      real(dp) :: factor(size(matrix, 2))
+      real(dp) :: factor(size(matrix, 2)), scale
 
-      factor = damped_solution(matrix, vector)
+      scale = maxval([0.0_dp, norm2(matrix, dim=1)])
+      factor = damped_solution(matrix, vector, scale)
       associate (left => matmul(vector - matmul(matrix, factor), matrix))
          if (any(abs(left) > difference_rounding*norm2(vector)*norm2(matrix, dim=1))) factor = factor &
-            + damped_solution(matrix, vector - matmul(matrix, factor))
+            + damped_solution(matrix, vector - matmul(matrix, factor), scale)
       end associate
    end function least_squares
 
-   !> The factors x of columns that make |A x - b|^2 + sum (d_i x_i)^2 least, with small d in proportion to the columns.
-   pure function damped_solution(matrix, vector) result(factor)
+   !> The factors x of columns that make |A x - b|^2 + |d x|^2 least, with a small d.
+   pure function damped_solution(matrix, vector, scale) result(factor)
       real(dp), intent(in) :: matrix(:, :) !! the columns A (k, n)
       real(dp), intent(in) :: vector(:) !! the vector b (k)
+      real(dp), intent(in) :: scale !! the largest length of a column, to which d is in proportion
       real(dp) :: factor(size(matrix, 2))
       type(triangle_t) :: triangle
       real(dp) :: row(size(factor))
@@ -255,7 +257,7 @@ contains
       end do
       do i = 1, size(factor)
          row = 0.0_dp
-         row(i) = damping*norm2(matrix(:, i))
+         row(i) = damping*scale
          call triangle%add_row(row, 0.0_dp)
       end do
       factor = triangle%solution()

@@ -230,7 +230,7 @@ class Settings(ProgramTest):
     def test_file_of_a_setting_counts_from_the_current_directory(self):
         shutil.copy(MESHES / "quad4-41.msh", self.directory / "block.msh")
         self.write("table.csv", "0.0 0.3\n4.0 0.3\n")
-        deck = block("support set = 'right end'  ux = 0.01  uy = -0.01", "contact set = 'bottom'",
+        deck = block("support set = 'right end'  ux = 0.01  uy = 0.0", "contact set = 'bottom'",
                      mesh="kind = 'file'  file = 'mine.msh'")
         for folder in ("one", "two"):
             (self.directory / folder).mkdir()

@@ -35,6 +35,12 @@ class NumericalFailure(ProgramTest):
     def test_displacements_out_of_range(self):
         self.assert_failure(block(SUPPORT, CONTACT, "load set = 'top'  pressure = 1e300",
                                   material="young = 1e-300  poisson = 0.25"),
+                            "displacements, forces or energies leave the range of double precision (1.8e308): choose "
+                            "other units\n")
+        # A method that squares the displacements leaves it first.
+        self.assert_failure(block("support set = 'left'  ux = 0.0  uy = 0.0", CONTACT,
+                                  "load set = 'top'  pressure = 1e180", "solver method = 'psor'",
+                                  material="young = 1e-150  poisson = 0.25"),
                             "floating-point overflow in the contact method: check the units of stiffness, load and "
                             "friction\n")
 
