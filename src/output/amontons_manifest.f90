@@ -150,7 +150,7 @@ contains
       type(checksum_t) :: checksum
       integer :: i
 
-      manifest = manifest_t(inputs=self%inputs)
+      manifest%inputs = self%inputs
       call manifest%add_inputs(mesh, contacts, loads)
       call checksum%add([mesh%coordinates, real(mesh%node, dp)])
       do i = 1, manifest%inputs%n

@@ -171,8 +171,8 @@ class Interruption(SweepTest, RanksTest):
         # Condensed stiffnesses of one rank and of two differ in their last digits; deck and mesh are the same.
         groups = (SUPPORT, PRESSED, PUSHED, CONTACT)
         mesh = "size = 4.0, 2.0  cells = 104, 52"
-        self.write("sweep.nml", block(*groups, "sweep load = 'push'  factor = -1.0, 1.0  count = 6000", mesh=mesh))
-        self.write("history.nml", block(*groups, "history times = 0.0, 1.0, 2.0, 3.0  substeps = 150",
+        self.write("sweep.nml", block(*groups, "sweep load = 'push'  factor = -1.0, 1.0  count = 60000", mesh=mesh))
+        self.write("history.nml", block(*groups, "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3000",
                                         "steps load = 'press'  factor = 0.0, 1.0, 0.5, 1.0",
                                         "steps load = 'push'  factor = 0.0, 1.0, -1.0, 1.0", mesh=mesh))
         for name, grown in (("sweep", "sweep.sweep.part"), ("history", "history.history.csv.part")):
