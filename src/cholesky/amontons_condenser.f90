@@ -226,8 +226,8 @@ contains
 
    !> Refuses a factor that does not give the known solutions back. That of a singular matrix has a pivot of rounding
    !> errors, which may be as large as a small one and of either sign, and returns its kernel times a number of order 1.
-   !> One number may be small by chance, two of them are not: the larger one was above 0.19 in all mechanisms, below 4e-4
-   !> in rods that are 2000 times as long as wide, and about 1e-2 where parts of a body differ by 1e12 in stiffness.
+   !> One number may be small by chance, two of them are not: the larger one was above 0.19 in all mechanisms, below
+   !> 4e-4 in rods 2000 times as long as wide, and about 1e-2 where parts of a body differ by 1e12 in stiffness.
    pure subroutine condenser_check_solutions(self, solutions, error)
       class(condenser_t), intent(inout) :: self !! the condenser; loses the known loads
       real(dp), intent(in) :: solutions(:, :) !! what its factor makes of these (n, 2)
