@@ -354,8 +354,10 @@ contains
       type(driven_motion_t) :: driven
       real(dp) :: unit(3)
       integer :: i, k, number, n
+      logical :: moves(3)
 
-      allocate (body%driven(3*size(body%constraints%rigid)))
+      moves = [(.not. body%is_axisymmetric .or. (k > 1 .and. k <= size(body%constraints%is_free, 1)), k=1, 3)]
+      allocate (body%driven(count(moves)*size(body%constraints%rigid)))
       number = 0
       n = 0
       do i = 1, size(supports)
@@ -363,7 +365,7 @@ contains
          number = number + 1
          associate (rigid => body%constraints%rigid(number))
             do k = 1, 3
-               if (body%is_axisymmetric .and. (k == 1 .or. k > size(body%constraints%is_free, 1))) cycle
+               if (.not. moves(k)) cycle
                driven%name = supports(i)%name
                driven%kind = 'rigid'
                driven%words = [character(16) :: rigid_components(k), drives(k)]
@@ -383,7 +385,6 @@ contains
             end do
          end associate
       end do
-      body%driven = body%driven(:n)
    end subroutine add_rigid_drives
 
    !> Adds the jump of a preload to the driven motions. Its force is a uniform pressure on both sides.
