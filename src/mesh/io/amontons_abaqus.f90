@@ -1,9 +1,9 @@
 !> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand the model.
 !> Everything else is ignored, with a warning where it may affect results.
 module amontons_abaqus
-   use amontons_abaqus_lines, only: assembly_scope, end_instance, find_parameter, get_set, insert_included, &
-      is_at_line_end, name_instance_sets, next_data_line, next_keyword, read_set, read_surface, resolve_elements, &
-      set_of_field, start_instance, start_part, take_comma
+   use amontons_abaqus_lines, only: assembly_scope, end_instance, expected_instance, get_set, &
+      insert_included, instance_shift, is_at_line_end, name_instance_sets, next_data_line, next_keyword, parameter_of, &
+      read_set, read_surface, resolve_elements, set_of_field, start_instance, start_part, take_comma, take_tag
    use amontons_abaqus_model, only: finish_model, model_keywords, model_uses, read_model_keyword
    use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
    use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t, use_materials, use_names
@@ -47,7 +47,7 @@ contains
    subroutine read_abaqus(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
-      character(:), allocatable :: keyword, line, value
+      character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
       type(integer_list_t) :: section_group, section_place
       integer :: i
@@ -64,7 +64,7 @@ contains
          if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then
             if (size(raw%parts) > 1) call input%refuse_line( &
                'several of *PART, but no *INSTANCE that says where they are')
-            call start_instance(raw, input, 'instance, name, part='//raw%parts(1)%name)
+            call start_instance(raw, input, '', trim(raw%parts(1)%name))
             cycle
          end if
          if (keyword == '' .or. allocated(input%error)) exit
@@ -87,14 +87,16 @@ contains
             raw%place_behind = 0
          case ('assembly', 'instance', 'endinstance', 'endassembly')
             call end_instance(raw, input, keyword)
-            if (keyword == 'instance') call start_instance(raw, input, line)
+            if (keyword == 'instance') then
+               if (parameter_of(line, 'name') == '') call input%refuse_line(expected_instance)
+               call start_instance(raw, input, parameter_of(line, 'name'), parameter_of(line, 'part'))
+            end if
             if (keyword == 'endassembly') raw%scope = ''
          case ('system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
             call input%refuse_line('*'//keyword//' is not read: write the nodes and elements out')
          case default
             if (index(keyword, 'section') > 0) then
-               call find_parameter(line, 'elset', value, is_read)
-               call section_group%append(set_of_field(raw, value))
+               call section_group%append(set_of_field(raw, parameter_of(line, 'elset')))
                call section_place%append(input%position - 1)
             end if
             call read_model_keyword(raw, input, keyword, line, is_read)
@@ -125,21 +127,21 @@ contains
       character(*), intent(in) :: line !! the keyword line
       ! Numbers behind the coordinates, as the normals of shells, are skipped.
       integer, parameter :: most_numbers = 6
-      character(:), allocatable :: value
-      integer :: group, i, place, tag
+      integer :: group, i, place, shift, tag
       real(dp) :: numbers(most_numbers)
       logical :: is_there
 
-      call find_parameter(line, 'input', value, is_there)
-      if (is_there) call input%refuse_line('*NODE with INPUT= is not read: write the nodes out')
-      call find_parameter(line, 'system', value, is_there)
-      if (is_there .and. lower_case(value) /= 'r') call input%refuse_line('nodes in other than rectangular coordinates')
+      if (parameter_of(line, 'input') /= '') call input%refuse_line( &
+         '*NODE with INPUT= is not read: write the nodes out')
+      if (all(lower_case(parameter_of(line, 'system')) /= ['r', ' '])) call input%refuse_line( &
+         'nodes in other than rectangular coordinates')
       call get_set(raw, input, line, 'nset', group)
+      shift = instance_shift(raw, raw%scope)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          place = input%position
-         call input%take_integer(tag, 'the number of a node')
+         call take_tag(input, shift, tag, 'the number of a node')
          numbers = 0.0_dp
          do i = 1, most_numbers
             call take_comma(input, is_there)
@@ -150,6 +152,11 @@ contains
          end do
          call input%end_line()
          if (allocated(input%error)) exit
+         if (raw%is_in_instance) then
+            associate (instance => raw%instances(size(raw%instances)))
+               numbers(:3) = instance%origin + matmul(instance%rotation, numbers(:3))
+            end associate
+         end if
          call raw%add_node(tag, place, numbers(:3))
          if (group > 0) call raw%groups(group)%node%append(tag)
       end do
@@ -165,12 +172,12 @@ contains
       character(3), parameter :: families(3) = ['cpe', 'cps', 'cax']
       character(:), allocatable :: value
       character(12) :: before
-      integer :: family, group, i, kind, n, nodes(max_nodes), place, tag
+      integer :: family, group, i, kind, n, nodes(max_nodes), place, shift, tag
       logical :: is_there
 
-      call find_parameter(line, 'input', value, is_there)
-      if (is_there) call input%refuse_line('*ELEMENT with INPUT= is not read: write the elements out')
-      call find_parameter(line, 'type', value, is_there)
+      if (parameter_of(line, 'input') /= '') call input%refuse_line( &
+         '*ELEMENT with INPUT= is not read: write the elements out')
+      value = parameter_of(line, 'type')
       call find_kind(input, value, kind)
       family = 0
       if (kind > 0 .and. scan(value, 'pP', back=.true.) < 4) family = findloc(families == lower_case(value(:3)), &
@@ -188,17 +195,18 @@ contains
       if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse_line( &
          'materials cannot be used: some elements are of type '//trim(before)//', others of '//trim(raw%hypothesis))
       n = n_cell_nodes(kind)
+      shift = instance_shift(raw, raw%scope)
       call get_set(raw, input, line, 'elset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          place = input%position
-         call input%take_integer(tag, 'the number of an element')
+         call take_tag(input, shift, tag, 'the number of an element')
          do i = 1, n
             call take_comma(input, is_there)
             if (.not. is_there) call input%refuse('expected a comma and a node of an element, found '//input%word())
             if (is_at_line_end(input)) call next_data_line(input, is_there)
-            call input%take_integer(nodes(i), 'a node of an element')
+            call take_tag(input, shift, nodes(i), 'a node of an element')
          end do
          call take_comma(input, is_there)
          call input%end_line()

@@ -3,19 +3,18 @@
 module amontons_abaqus_lines
    use amontons_element, only: n_corners
    use amontons_error, only: error_t
-   use amontons_file_model, only: file_part_t, longest_name, raw_mesh_t
+   use amontons_file_model, only: file_part_t, identity, longest_name, raw_mesh_t
    use amontons_input_file, only: beside, input_file_t, new_input_file
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_rounding, only: input_rounding
    use amontons_text, only: lower_case, read_integer, read_real, to_text
    implicit none (type, external)
    private
 
-   public :: add_members, assembly_scope, degree, end_instance, find_parameter, get_set, insert_included, &
-      is_at_line_end, name_instance_sets, next_data_line, next_keyword, place_of_name, read_set, read_surface, &
-      read_tag, refuse_parameters, resolve_elements, set_of_field, start_instance, start_part, take_comma, &
-      take_fields, take_line_of_numbers, take_number
+   public :: add_members, assembly_scope, degree, end_instance, expected_instance, get_set, insert_included, &
+      instance_shift, is_at_line_end, name_instance_sets, next_data_line, next_keyword, parameter_of, place_of_name, &
+      read_set, read_surface, read_tag, refuse_parameters, resolve_elements, set_of_field, start_instance, start_part, &
+      take_comma, take_fields, take_line_of_numbers, take_number, take_tag
 
    character, parameter :: line_feed = achar(10)
    !> Largest length of a keyword line.
@@ -25,6 +24,8 @@ module amontons_abaqus_lines
    character(*), parameter :: assembly_scope = 'assembly.'
    !> Largest number of included files.
    integer, parameter :: most_included = 300
+   !> What is wrong with the line of an instance without a name.
+   character(*), parameter :: expected_instance = 'expected *INSTANCE, NAME= and a name of at most 80 characters'
    !> Largest number of numbers in a line that defines axes or a translation.
    integer, parameter :: most_numbers = 9
    !> A degree [rad].
@@ -41,7 +42,6 @@ contains
       type(input_file_t) :: included
       character(:), allocatable :: file, keyword, line, name
       integer :: n_included, number, place, start
-      logical :: is_there
 
       start = input%position
       n_included = 0
@@ -53,7 +53,7 @@ contains
          call next_keyword(input, keyword, line)
          if (keyword /= 'include') cycle
          n_included = n_included + 1
-         call find_parameter(line, 'input', name, is_there)
+         name = parameter_of(line, 'input')
          if (name == '') call input%refuse('*INCLUDE: expected INPUT= and the name of a file', place)
          if (n_included > most_included) call input%refuse('*INCLUDE: more than '//to_text(most_included)// &
             ' files; do they include each other?', place)
@@ -175,28 +175,26 @@ contains
       end do
    end subroutine next_keyword
 
-   !> Finds a parameter of a keyword line, as in `*NSET, NSET=left, GENERATE`.
-   pure subroutine find_parameter(line, name, value, is_there)
+   !> The value of a parameter of a keyword line, as in `*NSET, NSET=left, GENERATE`, without quotes; its own name, in
+   !> small letters, where it has no value; empty if the line has no such parameter.
+   pure function parameter_of(line, name) result(value)
       character(*), intent(in) :: line !! the line
       character(*), intent(in) :: name !! name of the parameter, in small letters
-      character(:), allocatable, intent(out) :: value !! its value without quotes, empty where there is none
-      logical, intent(out) :: is_there !! whether the line has this parameter
+      character(:), allocatable :: value
       integer :: equals, first, last
 
       value = ''
-      is_there = .false.
       first = index(line//',', ',') + 1
-      do while (first <= len(line))
+      do while (first <= len(line) .and. value == '')
          last = first - 2 + index(line(first:)//',', ',')
          equals = index(line(first:last)//'=', '=')
          if (lower_case(trim(adjustl(line(first:first + equals - 2)))) == name) then
-            is_there = .true.
-            value = unquoted(trim(adjustl(line(first + equals:last))))
-            return
+            value = name
+            if (first + equals - 1 <= last) value = unquoted(trim(adjustl(line(first + equals:last))))
          end if
          first = last + 2
       end do
-   end subroutine find_parameter
+   end function parameter_of
 
    !> A text without the double quotes around it.
    pure function unquoted(text) result(inside)
@@ -310,9 +308,8 @@ contains
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: keyword, more, name
       type(file_part_t) :: part
-      logical :: is_there
 
-      call find_parameter(line, 'name', name, is_there)
+      name = parameter_of(line, 'name')
       if (name == '' .or. len(name) > longest_name .or. place_of_name(raw%parts%name, name) > 0) call &
          input%refuse_line('expected *PART, NAME= and a name that no part has above')
       part%name = name
@@ -334,35 +331,34 @@ contains
       if (instance%name /= '') scope = trim(instance%name)//'.'
    end function scope_of
 
-   !> Starts an instance at its keyword line: reads its translation and rotation, and moves to the text of its part.
-   pure subroutine start_instance(raw, input, line)
+   !> Starts an instance: reads its translation and rotation, and moves to the text of its part. Its nodes and elements
+   !> get numbers above all others.
+   pure subroutine start_instance(raw, input, name, part)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file so far
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: name, part
+      character(*), intent(in) :: name !! its name; empty for the only part of a file without instances
+      character(*), intent(in) :: part !! name of its part; empty where its contents follow
       type(file_part_t) :: instance
-      real(dp) :: turn(most_numbers), way(3)
+      real(dp) :: turn(most_numbers)
       integer :: i
       logical :: is_there
 
-      call find_parameter(line, 'name', name, is_there)
-      if (.not. is_there .or. len(name) > longest_name) call input%refuse_line( &
-         'expected *INSTANCE, NAME= and a name of at most '//to_text(longest_name)//' characters')
+      if (len(name) > longest_name) call input%refuse_line(expected_instance)
       if (place_of_name(raw%instances%name, name) > 0) call input%refuse_line("a second instance '"//name//"'")
-      call find_parameter(line, 'part', part, is_there)
       i = place_of_name(raw%parts%name, part)
-      if (is_there .and. i == 0) call input%refuse_line("there is no part '"//part//"' above")
+      if (part /= '' .and. i == 0) call input%refuse_line("there is no part '"//part//"' above")
       call take_line_of_numbers(input, instance%origin)
       call take_line_of_numbers(input, turn)
       call next_data_line(input, is_there)
       if (is_there) call input%refuse('*INSTANCE has two data lines at most: a translation and a rotation')
-      way = turn(4:6) - turn(:3)
-      if (abs(turn(7)) > 0.0_dp .and. .not. norm2(way(:2)) < input_rounding*abs(way(3))) call input%refuse_line( &
-         'an instance can be turned about an axis normal to the plane only')
-      instance%axis = [cos(turn(7)*degree), sign(1.0_dp, way(3))*sin(turn(7)*degree)]
-      instance%origin(:2) = turn(:2) + turned(instance%axis, instance%origin(:2) - turn(:2))
+      if (abs(turn(7)) > 0.0_dp) then
+         if (.not. norm2(turn(4:6) - turn(:3)) > 0.0_dp) call input%refuse_line( &
+            'expected two different points of the axis about which an instance is turned, and the angle')
+         instance%rotation = rotation_matrix(turn(4:6) - turn(:3), turn(7))
+         instance%origin = turn(:3) + matmul(instance%rotation, instance%origin - turn(:3))
+      end if
       instance%name = name
-      instance%n_before = [raw%node_tag%n, raw%cell_tag%n, raw%node%n, raw%n_groups]
+      instance%shift = maxval([0, raw%node_tag%items(), raw%cell_tag%items()])
       raw%instances = [raw%instances, instance]
       raw%is_in_instance = .true.
       raw%scope = scope_of(instance)
@@ -371,61 +367,29 @@ contains
       input%position = raw%parts(i)%place
    end subroutine start_instance
 
-   !> Ends an instance, if one has begun: moves its nodes, and gives nodes and elements numbers above all others.
-   subroutine end_instance(raw, input, keyword)
+   !> Ends an instance, if one has begun.
+   pure subroutine end_instance(raw, input, keyword)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file so far
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: keyword !! the keyword that ends it; empty at the end of the file
-      integer :: group, node, shift
 
-      raw%scope = assembly_scope
-      if (.not. raw%is_in_instance) return
+      if (raw%is_in_instance .and. keyword /= 'endinstance' .and. raw%scope /= '') call input%refuse_line( &
+         "the instance '"//raw%scope(:len(raw%scope) - 1)//"' does not end: expected *END INSTANCE")
       raw%is_in_instance = .false.
-      associate (instance => raw%instances(size(raw%instances)))
-         if (keyword /= 'endinstance' .and. instance%name /= '') call input%refuse_line( &
-            "the instance '"//trim(instance%name)//"' does not end: expected *END INSTANCE")
-         do node = instance%n_before(1) + 1, raw%node_tag%n
-            raw%coordinates(:, node) = instance%origin + [turned(instance%axis, raw%coordinates(:2, node)), &
-               raw%coordinates(3, node)]
-         end do
-         shift = 0
-         if (instance%n_before(1) > 0) shift = maxval(raw%node_tag%item(:instance%n_before(1)))
-         if (instance%n_before(2) > 0) shift = max(shift, maxval(raw%cell_tag%item(:instance%n_before(2))))
-         instance%shift = shift
-         call shift_items(raw%node_tag, instance%n_before(1))
-         call shift_items(raw%cell_tag, instance%n_before(2))
-         call shift_items(raw%node, instance%n_before(3))
-         do group = instance%n_before(4) + 1, raw%n_groups
-            call shift_items(raw%groups(group)%node, 0)
-            call shift_items(raw%groups(group)%cell, 0)
-         end do
-      end associate
-
-   contains
-
-      !> Adds the instance's shift to the numbers that it has appended to a list.
-      subroutine shift_items(list, n_before)
-         type(integer_list_t), intent(inout) :: list !! the list
-         integer, intent(in) :: n_before !! number of items that were there before
-
-         if (list%n == n_before .or. allocated(input%error)) return
-         associate (tags => list%item(n_before + 1:list%n))
-            if (maxval(tags) > huge(shift) - shift) call input%refuse_line('the number '//to_text(maxval(tags))// &
-               ' is too large for a node or element of an instance behind others')
-            tags = tags + merge(0, shift, allocated(input%error))
-         end associate
-      end subroutine shift_items
-
+      raw%scope = assembly_scope
    end subroutine end_instance
 
-   !> A vector rotated by the angle of a turned x axis.
-   pure function turned(axis, x)
-      real(dp), intent(in) :: axis(2) !! direction of the turned x axis, of length 1
-      real(dp), intent(in) :: x(2) !! the vector
-      real(dp) :: turned(2)
+   !> The matrix of a rotation about an axis, by Rodrigues' formula.
+   pure function rotation_matrix(axis, angle) result(matrix)
+      real(dp), intent(in) :: axis(3) !! direction of the axis, of any length but 0
+      real(dp), intent(in) :: angle !! the angle [degrees]
+      real(dp) :: matrix(3, 3)
 
-      turned = [axis(1)*x(1) - axis(2)*x(2), axis(2)*x(1) + axis(1)*x(2)]
-   end function turned
+      associate (k => axis/norm2(axis), c => cos(angle*degree), s => sin(angle*degree))
+         matrix = c*identity + s*reshape([0.0_dp, k(3), -k(2), -k(3), 0.0_dp, k(1), k(2), -k(1), 0.0_dp], [3, 3]) &
+            + (1.0_dp - c)*spread(k, 2, 3)*spread(k, 1, 3)
+      end associate
+   end function rotation_matrix
 
    !> Reads the first numbers of a data line; all are zero if there is no data line.
    pure subroutine take_line_of_numbers(input, values)
@@ -465,6 +429,19 @@ contains
       if (instance > 0) shift = raw%instances(instance)%shift
    end function instance_shift
 
+   !> Reads the number of a node or element of the present instance.
+   pure subroutine take_tag(input, shift, tag, what)
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: shift !! by how much numbers of the instance are greater than in its text
+      integer, intent(out) :: tag !! the number, behind those of the instances before
+      character(*), intent(in) :: what !! meaning of the number, for the message
+
+      call input%take_integer(tag, what)
+      if (tag > huge(tag) - shift) call input%refuse('the number '//to_text(tag)// &
+         ' is too large for a node or element of an instance behind others')
+      tag = tag + merge(0, shift, allocated(input%error))
+   end subroutine take_tag
+
    !> Reads a field that is the number of a node or element, possibly preceded by the name of its instance and a point.
    pure subroutine read_tag(raw, field, tag, is_number)
       type(raw_mesh_t), intent(in) :: raw !! contents of the file
@@ -472,11 +449,14 @@ contains
       integer, intent(out) :: tag !! the number, behind those of the instances before
       logical, intent(out) :: is_number !! whether it is one
       character(:), allocatable :: scope
+      integer :: shift
 
       scope = field(:index(field, '.', back=.true.))
       call read_integer(field(len(scope) + 1:), tag, is_number)
       if (scope == '') scope = raw%scope
-      if (is_number) tag = tag + instance_shift(raw, scope)
+      shift = instance_shift(raw, scope)
+      is_number = is_number .and. tag <= huge(tag) - shift
+      if (is_number) tag = tag + shift
    end subroutine read_tag
 
    !> Finds the set that a keyword line names, or makes a new one.
@@ -487,10 +467,9 @@ contains
       character(*), intent(in) :: parameter !! name of the parameter, in small letters
       integer, intent(out) :: group !! the set, 0 where the line names none
       character(:), allocatable :: name
-      logical :: is_there
 
       group = 0
-      call find_parameter(line, parameter, name, is_there)
+      name = parameter_of(line, parameter)
       if (name == '') return
       call raw%get_group(input, raw%scope//name, group)
       raw%groups(group)%n_scope = len(raw%scope)
@@ -503,25 +482,23 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
-      character(:), allocatable :: instance, scope, value
+      character(:), allocatable :: instance, scope
       type(integer_list_t) :: members
       integer :: group
-      logical :: has_elements, is_in_instance, is_left_out, is_range
+      logical :: is_left_out
 
-      call find_parameter(line, 'elset', value, has_elements)
-      call find_parameter(line, 'instance', instance, is_in_instance)
-      if (is_in_instance .and. place_of_name(raw%instances%name, instance) == 0) call input%refuse_line( &
+      instance = parameter_of(line, 'instance')
+      if (instance /= '' .and. place_of_name(raw%instances%name, instance) == 0) call input%refuse_line( &
          "there is no instance '"//instance//"' above")
-      call find_parameter(line, 'generate', value, is_range)
-      if (keyword == 'nset' .and. has_elements) then
+      if (keyword == 'nset' .and. parameter_of(line, 'elset') /= '') then
          call raw%add_note('a set of the nodes of an element set left out: '//line)
          return
       end if
       call get_set(raw, input, line, keyword, group)
       scope = raw%scope
-      if (is_in_instance) raw%scope = instance//'.'
+      if (instance /= '') raw%scope = instance//'.'
       if (group == 0) call input%refuse_line('expected '//keyword//'= and a name')
-      call take_set_lines(raw, input, keyword, is_range, members, is_left_out)
+      call take_set_lines(raw, input, keyword, parameter_of(line, 'generate') /= '', members, is_left_out)
       raw%scope = scope
       if (allocated(input%error)) return
       if (is_left_out) then
@@ -552,11 +529,11 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          if (is_range) then
-            call take_range(input, first, last, increment)
+            call take_range(input, shift, first, last, increment)
             n = (last - first)/max(1, increment)
             call raw%expect_members(input, n)
             call input%end_line()
-            if (.not. allocated(input%error)) call members%append_all([(shift + first + i*increment, i=0, n)])
+            if (.not. allocated(input%error)) call members%append_all([(first + i*increment, i=0, n)])
          else
             do
                call take_field(input, field)
@@ -571,25 +548,26 @@ contains
          end if
       end do
       ! Some programs write sets of their own with numbers below 1.
-      if (members%n > 0) is_left_out = is_left_out .or. any(members%items() < 1)
+      if (members%n > 0) is_left_out = is_left_out .or. any(members%items() < 1 + shift)
    end subroutine take_set_lines
 
    !> Reads a range: its first number, its last one and an increment.
-   pure subroutine take_range(input, first, last, increment)
+   pure subroutine take_range(input, shift, first, last, increment)
       type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: shift !! by how much numbers of the instance are greater than in its text
       integer, intent(out) :: first !! the first number
       integer, intent(out) :: last !! the last number, or a bound of it
       integer, intent(out) :: increment !! the increment, 1 where it is absent
       logical :: is_there
 
-      call input%take_integer(first, 'the first number of a range')
+      call take_tag(input, shift, first, 'the first number of a range')
       call take_comma(input, is_there)
-      call input%take_integer(last, 'the last number of a range')
+      call take_tag(input, shift, last, 'the last number of a range')
       call take_comma(input, is_there)
       increment = 1
       if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
       call take_comma(input, is_there)
-      if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
+      if (first <= shift .or. last < first .or. increment < 1) call input%refuse( &
          'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
    end subroutine take_range
 
@@ -688,15 +666,14 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: field, type, value
+      character(:), allocatable :: field, type
       type(integer_list_t) :: members
       integer :: group, n, side
-      logical :: is_combined, is_there, is_typed, of_nodes
+      logical :: is_there, of_nodes
 
-      call find_parameter(line, 'type', type, is_typed)
-      call find_parameter(line, 'combine', value, is_combined)
-      of_nodes = lower_case(type) == 'node'
-      if (is_combined .or. (is_typed .and. .not. of_nodes .and. lower_case(type) /= 'element')) then
+      type = lower_case(parameter_of(line, 'type'))
+      of_nodes = type == 'node'
+      if (parameter_of(line, 'combine') /= '' .or. all(type /= [character(7) :: '', 'node', 'element'])) then
          call raw%add_note('a surface of other things than sides and nodes left out: '//line)
          return
       end if

@@ -2,7 +2,7 @@
 !> initial temperatures of nodes (without strain) and those of the step, supports and loads; steps keep, replace and end
 !> what was given before them.
 module amontons_abaqus_model
-   use amontons_abaqus_lines, only: add_members, degree, find_parameter, next_data_line, place_of_name, read_tag, &
+   use amontons_abaqus_lines, only: add_members, degree, next_data_line, parameter_of, place_of_name, read_tag, &
       refuse_parameters, set_of_field, take_fields, take_line_of_numbers, take_number
    use amontons_constraints, only: new_support, support_t
    use amontons_error, only: error_t
@@ -42,9 +42,7 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it was one; of a step: whether displacements are small
-      character(:), allocatable :: value
       integer :: place
-      logical :: is_there
 
       place = findloc(model_keywords == keyword, .true., dim=1)
       associate (is_used => raw%model%is_used)
@@ -73,10 +71,9 @@ contains
                'a second *STEP: &mesh step = 2 uses the supports and loads of this one, and what it keeps of the first')
             model%n_earlier_supports = model%n_supports
             model%n_earlier_loads = model%n_loads
-            call find_parameter(line, 'perturbation', value, is_there)
-            if (is_there .and. model%step > 1) call input%refuse_line('*STEP with PERTURBATION cannot be used')
-            call find_parameter(line, 'nlgeom', value, is_there)
-            is_read = .not. is_there .or. lower_case(value) == 'no'
+            if (parameter_of(line, 'perturbation') /= '' .and. model%step > 1) call input%refuse_line( &
+               '*STEP with PERTURBATION cannot be used')
+            is_read = any(lower_case(parameter_of(line, 'nlgeom')) == ['  ', 'no'])
             ! What comes behind the step that is used does not matter.
             if (model%step > 0 .and. model%n_steps > model%step) then
                is_read = .true.
@@ -104,7 +101,7 @@ contains
 
       select case (keyword)
       case ('material')
-         call find_parameter(line, 'name', name, is_there)
+         name = parameter_of(line, 'name')
          if (name == '' .or. len(name) > longest_name) call input%refuse_line( &
             'expected NAME= and the name of a material')
          raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
@@ -112,7 +109,7 @@ contains
          call refuse_parameters(input, line)
          last = size(raw%model%definitions)
          if (last == 0) call input%refuse_line('*'//keyword//' before any *MATERIAL')
-         call find_parameter(line, 'type', name, is_there)
+         name = parameter_of(line, 'type')
          is_engineering = index(lower_case(name), 'engineering') == 1
          n_values = merge(2, 1, keyword == 'elastic')
          if (lower_case(name) == 'ortho') n_values = 3
@@ -161,8 +158,8 @@ contains
       integer :: group, i, n
       logical :: is_there
 
-      call find_parameter(line, 'elset', region, is_there)
-      call find_parameter(line, 'material', name, is_there)
+      region = parameter_of(line, 'elset')
+      name = parameter_of(line, 'material')
       group = set_of_field(raw, region)
       if (group == 0) call input%refuse_line("*SOLID SECTION: there is no set '"//region//"' above")
       if (name == '' .or. len(name) > longest_name) call input%refuse_line( &
@@ -171,8 +168,8 @@ contains
       section%name = name
       section%region = raw%groups(group)%name
       section%place = input%position - 1
-      call find_parameter(line, 'orientation', name, is_there)
-      if (is_there) then
+      name = parameter_of(line, 'orientation')
+      if (name /= '') then
          i = place_of_name(raw%model%orientations%name, name)
          if (i == 0) call input%refuse_line("*SOLID SECTION: there is no *ORIENTATION '"//name//"' above")
          if (i > 0) section%angle = raw%model%orientations(i)%angle
@@ -193,20 +190,17 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: orientation
-      character(:), allocatable :: name
       real(dp) :: axis(2), points(most_fields), turn(2)
-      logical :: is_there
 
       call refuse_parameters(input, line)
-      call find_parameter(line, 'name', name, is_there)
       call take_line_of_numbers(input, points)
       call take_line_of_numbers(input, turn)
       if (any(abs(points([3, 6])) > 0.0_dp) .or. .not. points(1)*points(5) > points(2)*points(4) &
          .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse_line( &
          '*ORIENTATION: the third axis must be that of z')
       axis = [1.0_dp, 0.0_dp]
-      if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%axis
-      orientation%name = name
+      if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%rotation(:2, 1)
+      orientation%name = parameter_of(line, 'name')
       orientation%angle = (atan2(points(2), points(1)) + atan2(axis(2), axis(1)))/degree + turn(2)
       raw%model%orientations = [raw%model%orientations, orientation]
    end subroutine read_orientation
@@ -220,22 +214,20 @@ contains
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it is read: initial conditions of another type are not
       character(longest_name) :: fields(most_fields)
-      character(:), allocatable :: name, type
+      character(:), allocatable :: name
       type(integer_list_t) :: tags
       integer :: i, n, node
       real(dp) :: value
       logical :: is_there
 
-      call find_parameter(line, 'type', type, is_read)
-      is_read = keyword == 'temperature' .or. lower_case(type) == 'temperature'
+      is_read = keyword == 'temperature' .or. lower_case(parameter_of(line, 'type')) == 'temperature'
       if (.not. is_read) return
       call refuse_parameters(input, line)
       call expect_nodes(raw%model%temperatures, raw%node_tag%items())
       name = '*'//line(:index(line//',', ',') - 1)//': '
       associate (temperatures => raw%model%temperatures)
          if (keyword == 'temperature') temperatures%place = input%position - 1
-         call find_parameter(line, 'op', type, is_there)
-         if (lower_case(type) == 'new' .and. temperatures%n_steps < raw%model%n_steps) then
+         if (lower_case(parameter_of(line, 'op')) == 'new' .and. temperatures%n_steps < raw%model%n_steps) then
             temperatures%of_node(2, :) = not_given
             temperatures%n_steps = raw%model%n_steps
          end if
@@ -538,12 +530,9 @@ contains
       type(file_model_t), intent(inout) :: model !! the model
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! how the names of the loads begin; empty for supports
-      character(:), allocatable :: value
       integer :: i
-      logical :: is_there
 
-      call find_parameter(line, 'op', value, is_there)
-      if (lower_case(value) /= 'new') return
+      if (lower_case(parameter_of(line, 'op')) /= 'new') return
       do i = 1, merge(model%n_earlier_supports, 0, keyword == '')
          model%supports(i)%is_held = .false.
       end do

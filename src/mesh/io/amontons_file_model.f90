@@ -11,8 +11,8 @@ module amontons_file_model
    implicit none (type, external)
    private
 
-   public :: file_material_t, file_model_t, file_part_t, file_temperatures_t, line2, line3, longest_name, &
-      n_cell_nodes, no_cell, point1, raw_mesh_t
+   public :: cell_dimension, file_material_t, file_model_t, file_part_t, file_temperatures_t, identity, line2, line3, &
+      longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
 
    !> Parts of the model that may be read, as a deck names them.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
@@ -100,14 +100,17 @@ module amontons_file_model
       type(integer_list_t) :: node !! numbers of its nodes in the file
    end type raw_group_t
 
+   !> The rotation of what is not turned.
+   real(dp), parameter :: identity(3, 3) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, &
+      1.0_dp], [3, 3])
+
    !> A part of an Abaqus file, or an instance of one, with its own sets and numbers.
    type :: file_part_t
       character(longest_name) :: name = '' !! its name
       integer :: place = 0 !! where the text of a part begins
-      integer :: n_before(4) = 0 !! numbers of nodes, cells, nodes of cells and named sets before an instance
       integer :: shift = 0 !! by how much numbers of nodes and elements of an instance are greater than in its text
       real(dp) :: origin(3) = 0.0_dp !! position of the origin of its coordinates [L]
-      real(dp) :: axis(2) = [1.0_dp, 0.0_dp] !! direction of its x axis, of length 1
+      real(dp) :: rotation(3, 3) = identity !! the rotation of its axes
    end type file_part_t
 
    !> The contents of a mesh file.
@@ -175,6 +178,14 @@ contains
       n_cell_nodes = -kind
       if (kind > 0) n_cell_nodes = n_element_nodes(kind)
    end function n_cell_nodes
+
+   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for plane elements.
+   elemental integer function cell_dimension(kind)
+      integer, intent(in) :: kind !! the kind
+
+      cell_dimension = merge(0, 1, kind == point1)
+      if (kind > 0) cell_dimension = 2
+   end function cell_dimension
 
    !> Adds a note, unless it is there already.
    pure subroutine raw_mesh_add_note(self, sentence)

@@ -2,9 +2,9 @@
 !> supported; physical groups with their cells and names; entities, nodes and elements.
 module amontons_gmsh
    use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
-   use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
+   use amontons_file_model, only: cell_dimension, line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
    use amontons_input_file, only: input_file_t
-   use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
+   use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_text, only: counted, ends_word, to_text
    implicit none (type, external)
@@ -19,135 +19,84 @@ module amontons_gmsh
       quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
 
    !> The physical groups of one dimension.
-   type :: dimension_t
-      type(integer_list_t) :: named_tag !! number of each physical group that has a name, positive
-      type(integer_list_t) :: named_group !! its set in the raw mesh; a name without members is still a set
-      type(integer_list_t) :: entity !! numbers of entities, not negative
-      type(integer_list_t) :: entity_tag !! number of a physical group that each belongs to
-      type(integer_list_t) :: run_owner !! what a run of cells belongs to: an entity or a physical group
-      type(integer_list_t) :: run_first !! first cell of the run
-      type(integer_list_t) :: run_last !! last cell of the run
-   end type dimension_t
+   type :: groups_t
+      type(integer_list_t) :: tag !! number of each physical group met so far, positive
+      type(integer_list_t) :: group !! its set in the raw mesh; a name without members is still a set
+      integer :: latest = 0 !! place of the one met last
+      type(integer_list_t) :: entity !! numbers of entities, each once for every physical group that it belongs to
+      type(integer_list_t) :: entity_tag !! number of this group
+   end type groups_t
 
-   !> The physical groups of a file by dimension: points, curves, surfaces.
-   type :: gmsh_groups_t
-      logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
-      type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
-   end type gmsh_groups_t
-
-   !> Smallest number of bytes for a number of version 4.1: in text a digit and a blank, in a binary file more.
+   !> Smallest number of bytes for a number: in text a digit and a blank, in a binary file more.
    integer, parameter :: least_bytes = 2
-   !> Largest number of reals of a node: three coordinates and three parameters.
-   integer, parameter :: most_numbers = 6
-
-   !> Smallest number of bytes for a node in a text of version 2.2: `1 0 0 0` and the end of the line.
-   integer, parameter :: least_node_text = 8
-   !> Number of bytes of a node in a binary file of version 2.2: an integer and three reals.
-   integer, parameter :: least_node_bytes = 28
-   !> Smallest number of bytes for an element of version 2.2: in text `1 15 0 1` and the end of the line; in binary two
-   !> integers.
-   integer, parameter :: least_element = 8
    !> Largest number of tags of an element; physical group, entity and partitions need a few.
    integer, parameter :: most_tags = 1000
 
 contains
 
-   !> Records that consecutive cells belong to an entity or a group.
-   pure subroutine add_run(groups, owner, first, last)
-      type(dimension_t), intent(inout) :: groups !! the groups of the dimension of the cells
-      integer, intent(in) :: owner !! number of the entity or of the physical group
-      integer, intent(in) :: first !! first of the cells
-      integer, intent(in) :: last !! last of the cells
-
-      associate (n => groups%run_last%n)
-         if (n > 0) then
-            if (groups%run_last%item(n) == first - 1 .and. groups%run_owner%item(n) == owner) then
-               groups%run_last%item(n) = last
-               return
-            end if
-         end if
-      end associate
-      call groups%run_owner%append(owner)
-      call groups%run_first%append(first)
-      call groups%run_last%append(last)
-   end subroutine add_run
-
-   !> Makes named sets of a raw mesh from the physical groups. If there are physical surfaces, the body consists of
-   !> their elements, and all others are removed.
-   pure subroutine add_sets(groups, raw, input)
-      type(gmsh_groups_t), intent(in) :: groups !! the groups
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
-      type(input_file_t), intent(inout) :: input !! the file
-      logical, allocatable :: is_kept(:)
-      logical :: has_surfaces
-      integer :: dimension, n_dropped
-
-      is_kept = raw%cell_kind%items() < 0
-      if (.not. groups%has_entities .and. raw%n_groups > 0) then
-         if (all([(groups%of_dimension(dimension)%run_owner%n == 0, dimension=0, 2)])) call input%refuse( &
-            'no element belongs to any of the named physical groups, as version 2.2 leaves it with Mesh.SaveAll: '// &
-            'save without that, or as version 4.1')
-      end if
-      do dimension = 0, 2
-         call add_sets_of_dimension(groups%of_dimension(dimension), groups%has_entities, raw, input, is_kept, &
-            has_surfaces)
-      end do
-      n_dropped = count(.not. is_kept)
-      if (.not. has_surfaces .or. n_dropped == 0) return
-      where (.not. is_kept) raw%cell_kind%item(:raw%cell_kind%n) = no_cell
-      call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
-   end subroutine add_sets
-
-   !> Makes named sets of a raw mesh from the physical groups of one dimension.
-   pure subroutine add_sets_of_dimension(groups, has_entities, raw, input, is_kept, has_any)
-      type(dimension_t), intent(in) :: groups !! the groups
-      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+   !> Finds the set of a physical group, or makes one, called by the number of the group if that has no name.
+   pure subroutine find_group(groups, raw, input, tag, name)
+      type(groups_t), intent(inout) :: groups !! the groups of its dimension; the latest is this one on return
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
-      logical, intent(inout) :: is_kept(:) !! becomes true for the cells in groups
-      logical, intent(out) :: has_any !! whether any cell belongs to a group; false after a fault
-      type(integer_list_t) :: tag, run
-      type(tag_map_t) :: entities, map, names
-      integer :: cell, first, group, i, place, named
+      integer, intent(in) :: tag !! number of the group
+      character(*), intent(in) :: name !! name of the group
+      integer :: group
 
-      has_any = .false.
-      ! The physical groups, and the runs that belong to them.
-      if (has_entities) then
-         call new_tag_map(entities, groups%entity%items())
-         do i = 1, groups%run_owner%n
-            do place = entities%first(groups%run_owner%item(i)), size(entities%tag)
-               if (entities%tag(place) /= groups%run_owner%item(i)) exit
-               call tag%append(groups%entity_tag%item(entities%item(place)))
-               call run%append(i)
-               call raw%expect_members(input, 1)
-               if (allocated(input%error)) return
-            end do
-         end do
-      else
-         tag = groups%run_owner
-         call run%append_all([(i, i=1, tag%n)])
+      if (groups%latest > 0) then
+         if (groups%tag%item(groups%latest) == tag) return
       end if
-      call new_tag_map(map, tag%items())
-      call new_tag_map(names, groups%named_tag%items())
-      has_any = tag%n > 0
-      first = 0
-      do place = 1, tag%n
-         if (map%tag(place) /= first) then
-            first = map%tag(place)
-            named = names%find(first)
-            if (named > 0) group = groups%named_group%item(named)
-            if (named == 0) call raw%get_group(input, to_text(first), group)
-         end if
-         i = run%item(map%item(place))
-         call raw%expect_members(input, groups%run_last%item(i) - groups%run_first%item(i) + 1)
-         if (allocated(input%error)) return
-         do cell = groups%run_first%item(i), groups%run_last%item(i)
-            call raw%groups(group)%cell%append(cell)
-            call raw%groups(group)%side%append(0)
-            is_kept(cell) = .true.
+      groups%latest = findloc(groups%tag%items(), tag, dim=1)
+      if (groups%latest > 0) return
+      call raw%get_group(input, name, group)
+      call groups%tag%append(tag)
+      call groups%group%append(group)
+      groups%latest = groups%tag%n
+   end subroutine find_group
+
+   !> Puts consecutive cells into the set of a physical group.
+   pure subroutine put_cells(groups, raw, input, tag, first, last)
+      type(groups_t), intent(inout) :: groups !! the groups of the dimension of the cells
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: tag !! number of the group
+      integer, intent(in) :: first !! first of the cells
+      integer, intent(in) :: last !! last of the cells
+      integer :: cell
+
+      call raw%expect_members(input, last - first + 1)
+      if (.not. allocated(input%error)) call find_group(groups, raw, input, tag, to_text(tag))
+      if (allocated(input%error)) return
+      associate (group => raw%groups(groups%group%item(groups%latest)))
+         do cell = first, last
+            call group%cell%append(cell)
+            call group%side%append(0)
          end do
+      end associate
+   end subroutine put_cells
+
+   !> Removes the elements that belong to no physical group, if others do.
+   pure subroutine keep_groups(raw, input, groups, version)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, complete
+      type(input_file_t), intent(inout) :: input !! the file
+      type(groups_t), intent(in) :: groups(:) !! the physical groups of each dimension
+      integer, intent(in) :: version !! version of the format
+      logical, allocatable :: is_dropped(:)
+      integer :: group, n_elements
+
+      if (raw%n_groups > 0 .and. version == msh_22 .and. all(groups%latest == 0)) call input%refuse( &
+         'no element belongs to any of the named physical groups, as version 2.2 leaves it with Mesh.SaveAll: '// &
+         'save without that, or as version 4.1')
+      is_dropped = raw%cell_kind%items() > 0
+      n_elements = count(is_dropped)
+      do group = 1, raw%n_groups
+         is_dropped(raw%groups(group)%cell%items()) = .false.
       end do
-   end subroutine add_sets_of_dimension
+      if (all(count(is_dropped) /= [integer :: 0, n_elements])) then
+         where (is_dropped) raw%cell_kind%item(:raw%cell_kind%n) = no_cell
+         call raw%add_note(counted(count(is_dropped), 'element')//' outside the physical surfaces left out')
+      end if
+   end subroutine keep_groups
 
    !> Reads the type of an element; refuses types that are not supported.
    pure subroutine take_cell_kind(input, kind)
@@ -179,17 +128,9 @@ contains
       end select
    end subroutine take_cell_kind
 
-   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for elements.
-   elemental integer function dimension_of(kind)
-      integer, intent(in) :: kind !! the kind
-
-      dimension_of = merge(0, 1, kind == point1)
-      if (kind > 0) dimension_of = 2
-   end function dimension_of
-
    !> Reads the section of the entities, of which only the physical groups are used.
    pure subroutine read_entities_4(groups, input, version)
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(groups_t), intent(inout) :: groups(0:) !! the physical groups of each dimension
       type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
       integer, intent(in) :: version !! `msh_40` or `msh_41`
       integer :: n(0:3), dimension, entity, group, i, k, n_more
@@ -216,8 +157,8 @@ contains
                call input%take_integer(group, 'a physical group')
                if (allocated(input%error)) return
                if (dimension == 3 .or. group == 0) cycle
-               call groups%of_dimension(min(dimension, 2))%entity%append(entity)
-               call groups%of_dimension(min(dimension, 2))%entity_tag%append(abs(group))
+               call groups(dimension)%entity%append(entity)
+               call groups(dimension)%entity_tag%append(abs(group))
             end do
             if (dimension > 0) then
                call input%take_size(n_more, 'the number of entities that bound an entity')
@@ -233,28 +174,30 @@ contains
       end do
    end subroutine read_entities_4
 
-   !> Reads the section of the nodes: blocks of numbers, followed by coordinates and parameters on the entity. In
-   !> version 4.0 each number is followed by the coordinates of its node.
-   pure subroutine read_nodes_4(raw, input, version)
+   !> Reads the section of the nodes: blocks of numbers, followed by coordinates and parameters on the entity. Before
+   !> version 4.1 each number is followed by the coordinates of its node; version 2.2 has one block.
+   pure subroutine read_nodes(raw, input, version, is_parametric)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
-      integer, intent(in) :: version !! `msh_40` or `msh_41`
+      type(input_file_t), intent(inout) :: input !! the file, at the number of nodes or blocks
+      integer, intent(in) :: version !! `msh_22`, `msh_40` or `msh_41`
+      logical, intent(in) :: is_parametric !! of version 2.2: whether entity and parameters follow the coordinates
       integer, allocatable :: tags(:), places(:)
-      integer :: block, dimension, entity, i, has_parameters, n, n_blocks, n_left, n_numbers, node
-      real(dp) :: x(most_numbers)
+      integer :: block, dimension, entity, i, has_parameters, n, n_blocks, n_left, node
+      real(dp) :: parameter, x(3)
 
       call take_section_header(input, version, n_blocks, n_left, 'nodes')
-      if (allocated(input%error)) return
+      has_parameters = 0
       do block = 1, n_blocks
-         call take_entity(input, version, dimension, entity)
-         call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
-         if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
-            'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
-         call take_block_size(input, n, n_left, 'nodes')
          if (allocated(input%error)) return
-         n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
-         tags = spread(0, 1, n)
-         places = tags
+         n = n_left
+         if (version /= msh_22) then
+            call take_entity(input, version, dimension, entity)
+            call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
+            if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
+               'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
+            call take_block_size(input, n, n_left, 'nodes')
+         end if
+         allocate (tags(n), places(n), source=0)
          do node = 1, merge(n, 0, version == msh_41)
             call input%start_record()
             places(node) = input%position
@@ -262,21 +205,31 @@ contains
          end do
          do node = 1, n
             call input%start_record()
-            if (version == msh_40) then
+            if (version /= msh_41) then
                places(node) = input%position
-               call take_tag(input, version, tags(node), 'the number of a node')
+               call input%take_integer(tags(node), 'the number of a node')
             end if
-            do i = 1, n_numbers
-               call input%take_real(x(i), 'a coordinate or parameter of a node')
+            do i = 1, 3
+               call input%take_real(x(i), 'a coordinate')
+            end do
+            if (is_parametric .and. version == msh_22) then
+               call input%take_integer(dimension, "the dimension of a node's entity")
+               call input%take_integer(entity, "the number of a node's entity")
+               ! Nodes in volumes have no parameters here.
+               has_parameters = merge(0, 1, dimension > 2)
+            end if
+            do i = 1, has_parameters*dimension
+               call input%take_real(parameter, 'a parameter of a node')
             end do
             call input%end_record()
             if (allocated(input%error)) return
-            call raw%add_node(tags(node), places(node), x(:3))
+            call raw%add_node(tags(node), places(node), x)
          end do
+         deallocate (tags, places)
       end do
-      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer nodes than announced', &
-         input%position - 1)
-   end subroutine read_nodes_4
+      if (n_left > 0 .and. version /= msh_22) call input%refuse('the blocks hold '//to_text(n_left)// &
+         ' fewer nodes than announced', input%position - 1)
+   end subroutine read_nodes
 
    !> Reads dimension and number of the entity of a block; version 4.0 has them in the other order.
    pure subroutine take_entity(input, version, dimension, entity)
@@ -291,26 +244,30 @@ contains
       if (version == msh_41) call input%take_integer(entity, 'the number of an entity')
    end subroutine take_entity
 
-   !> Reads the header of a section: the numbers of blocks and of items and, except in version 4.0, the smallest and the
-   !> largest number of an item.
+   !> Reads the header of a section: the numbers of blocks and of items and, in version 4.1, the least and greatest of
+   !> their numbers. Version 2.2 has the number of items only.
    pure subroutine take_section_header(input, version, n_blocks, n, things)
       type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: version !! `msh_40` or `msh_41`
+      integer, intent(in) :: version !! `msh_22`, `msh_40` or `msh_41`
       integer, intent(out) :: n_blocks !! number of blocks
       integer, intent(out) :: n !! number of things
       character(*), intent(in) :: things !! noun for the items, for messages
-      integer :: least, greatest
+      integer :: limit, k
 
-      call input%start_record()
-      call input%take_size(n_blocks, 'the number of blocks of '//things)
-      call input%take_size(n, 'the number of '//things)
-      if (version == msh_41) then
-         call input%take_size(least, 'the least number of all '//things)
-         call input%take_size(greatest, 'the greatest number of all '//things)
+      n_blocks = 1
+      if (version == msh_22) then
+         call input%take_count(n, things)
+      else
+         call input%start_record()
+         call input%take_size(n_blocks, 'the number of blocks of '//things)
+         call input%take_size(n, 'the number of '//things)
+         do k = 1, merge(2, 0, version == msh_41)
+            call input%take_size(limit, 'the least and the greatest number of all '//things)
+         end do
+         call input%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
       end if
-      call input%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
       call input%check_count(n, 2*least_bytes, things)
-      call input%end_record()
+      if (version /= msh_22) call input%end_record()
    end subroutine take_section_header
 
    !> Reads the number of items in a block, the last entry of its header.
@@ -327,31 +284,54 @@ contains
       n_left = n_left - n
    end subroutine take_block_size
 
+   !> Reads the number of an element and its nodes in a version with blocks, or its nodes alone.
+   pure subroutine take_cell(raw, input, version, kind, tag, place)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; gains the cell, unless it repeats the one before
+      type(input_file_t), intent(inout) :: input !! the file, at the first node
+      integer, intent(in) :: version !! `msh_22`, `msh_40` or `msh_41`
+      integer, intent(in) :: kind !! kind of the cell
+      integer, intent(in) :: tag !! number of the element
+      integer, intent(in) :: place !! position of its definition
+      integer :: i, nodes(max_nodes)
+
+      associate (own => nodes(:n_cell_nodes(kind)))
+         do i = 1, size(own)
+            call take_tag(input, version, own(i), 'a node of an element')
+         end do
+         call input%end_record()
+         if (allocated(input%error)) return
+         if (version == msh_22) then
+            if (is_twin(raw, kind, own)) return
+         end if
+         call raw%add_cell(kind, tag, place, own)
+      end associate
+   end subroutine take_cell
+
    !> Reads the number of a node or element.
    pure subroutine take_tag(input, version, tag, what)
       type(input_file_t), intent(inout) :: input !! the file
-      integer, intent(in) :: version !! `msh_40` or `msh_41`
+      integer, intent(in) :: version !! `msh_22`, `msh_40` or `msh_41`
       integer, intent(out) :: tag !! the number
       character(*), intent(in) :: what !! meaning of the number, for the message
 
-      if (version == msh_40) call input%take_integer(tag, what)
       if (version == msh_41) call input%take_size(tag, what)
+      if (version /= msh_41) call input%take_integer(tag, what)
    end subroutine take_tag
 
    !> Reads the section of the elements: blocks of elements of one type on one entity.
    pure subroutine read_elements_4(raw, groups, input, version)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(groups_t), intent(inout) :: groups(0:) !! the physical groups of each dimension
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
       integer, intent(in) :: version !! `msh_40` or `msh_41`
-      integer :: block, dimension, element, entity, first, i, kind, n, n_blocks, n_left, nodes(max_nodes), place, tag
+      integer :: block, dimension, element, entity, first, i, kind, n, n_blocks, n_left, place, tag
 
       call take_section_header(input, version, n_blocks, n_left, 'elements')
-      if (allocated(input%error)) return
       do block = 1, n_blocks
+         if (allocated(input%error)) return
          call take_entity(input, version, dimension, entity)
          call take_cell_kind(input, kind)
-         if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
+         if (dimension /= cell_dimension(kind)) call input%refuse('elements on an entity of dimension '// &
             to_text(dimension)//', which is not their own')
          call take_block_size(input, n, n_left, 'elements')
          first = raw%cell_tag%n + 1
@@ -359,63 +339,26 @@ contains
             call input%start_record()
             place = input%position
             call take_tag(input, version, tag, 'the number of an element')
-            do i = 1, n_cell_nodes(kind)
-               call take_tag(input, version, nodes(i), 'a node of an element')
-            end do
-            call input%end_record()
+            call take_cell(raw, input, version, kind, tag, place)
             if (allocated(input%error)) return
-            call raw%add_cell(kind, tag, place, nodes(:n_cell_nodes(kind)))
          end do
-         if (allocated(input%error)) return
-         if (n > 0) call add_run(groups%of_dimension(dimension), entity, first, raw%cell_tag%n)
+         do i = 1, merge(groups(dimension)%entity%n, 0, n > 0)
+            if (groups(dimension)%entity%item(i) == entity) call put_cells(groups(dimension), raw, input, &
+               groups(dimension)%entity_tag%item(i), first, raw%cell_tag%n)
+         end do
       end do
       if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer elements than announced', &
          input%position - 1)
    end subroutine read_elements_4
 
-   !> Reads the section of the nodes in version 2.2.
-   pure subroutine read_nodes_2(raw, input, is_parametric)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(input_file_t), intent(inout) :: input !! the file, at the number of nodes
-      logical, intent(in) :: is_parametric !! whether entity and parameters follow the coordinates
-      integer :: dimension, entity, i, n, node, tag, place
-      real(dp) :: parameter, x(3)
-
-      call input%take_count(n, 'nodes')
-      call input%check_count(n, merge(least_node_bytes, least_node_text, input%is_binary), 'nodes')
-      if (allocated(input%error)) return
-      do node = 1, n
-         call input%start_record()
-         place = input%position
-         call input%take_integer(tag, 'the number of a node')
-         do i = 1, 3
-            call input%take_real(x(i), 'a coordinate')
-         end do
-         if (is_parametric) then
-            call input%take_integer(dimension, "the dimension of a node's entity")
-            call input%take_integer(entity, "the number of a node's entity")
-            ! Nodes in volumes have no parameters here.
-            if (dimension > 2) dimension = 0
-            do i = 1, dimension
-               call input%take_real(parameter, 'a parameter of a node')
-            end do
-         end if
-         call input%end_record()
-         if (allocated(input%error)) return
-         call raw%add_node(tag, place, x)
-      end do
-   end subroutine read_nodes_2
-
    !> Reads the section of the elements in version 2.2.
    pure subroutine read_elements_2(raw, groups, input)
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(groups_t), intent(inout) :: groups(0:) !! the physical groups of each dimension
       type(input_file_t), intent(inout) :: input !! the file, at the number of elements
-      integer :: at, cell, element, group, i, kind, n, n_alike, n_tags, nodes(max_nodes), place, tag, &
-         tag_of_element
+      integer :: at, element, group, i, kind, n, n_alike, n_blocks, n_tags, place, tag, tag_of_element
 
-      call input%take_count(n, 'elements')
-      call input%check_count(n, least_element, 'elements')
+      call take_section_header(input, msh_22, n_blocks, n, 'elements')
       n_alike = 0
       do element = 1, n
          if (allocated(input%error)) return
@@ -444,46 +387,31 @@ contains
             ! The first is its physical group; reversed ones have a minus.
             if (i == 1) group = abs(tag_of_element)
          end do
-         associate (own => nodes(:n_cell_nodes(kind)))
-            do i = 1, size(own)
-               call input%take_integer(own(i), 'a node of an element')
-            end do
-            if (allocated(input%error)) return
-            cell = raw%cell_tag%n
-            if (.not. is_twin(raw, cell, kind, own)) then
-               cell = cell + 1
-               call raw%add_cell(kind, tag, place, own)
-            end if
-         end associate
-         if (group > 0) call add_run(groups%of_dimension(dimension_of(kind)), group, cell, cell)
-         call input%end_record()
+         call take_cell(raw, input, msh_22, kind, tag, place)
+         if (group > 0) call put_cells(groups(cell_dimension(kind)), raw, input, group, raw%cell_tag%n, raw%cell_tag%n)
       end do
    end subroutine read_elements_2
 
    !> Whether an element repeats the one before: the format lists it once for every physical group it belongs to.
-   pure logical function is_twin(raw, cell, kind, nodes)
+   pure logical function is_twin(raw, kind, nodes)
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
-      integer, intent(in) :: cell !! the element before, 0 for none
       integer, intent(in) :: kind !! kind of the element
       integer, intent(in) :: nodes(:) !! its nodes
       integer :: i
 
       is_twin = .false.
-      if (cell == 0) return
-      if (raw%cell_kind%item(cell) /= kind) return
-      associate (twin => raw%node%item(raw%cell_start%item(cell):raw%cell_start%item(cell) + size(nodes) - 1))
-         do i = 1, size(twin)
-            if (all(nodes /= twin(i))) return
-         end do
+      if (raw%cell_kind%n == 0) return
+      if (raw%cell_kind%item(raw%cell_kind%n) /= kind) return
+      associate (twin => raw%node%item(raw%node%n - size(nodes) + 1:raw%node%n))
+         is_twin = all([(any(nodes == twin(i)), i=1, size(twin))])
       end associate
-      is_twin = .true.
    end function is_twin
 
    !> Reads a mesh section by section. Faults are recorded in the input.
    pure subroutine read_gmsh(raw, input)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its first section
-      type(gmsh_groups_t) :: groups
+      type(groups_t) :: groups(0:3)
       integer, parameter :: longest_name = 80
       character(:), allocatable :: name, seen
       integer :: at, last, version
@@ -502,24 +430,24 @@ contains
             'expected a section such as $Nodes, found '//input%word())
          input%position = last + 1
          ! Older versions of the format begin otherwise.
-         if (version == 0 .and. name /= 'MeshFormat' .and. name /= 'Comments') call input%refuse( &
+         if (version == 0 .and. all(name /= [character(10) :: 'MeshFormat', 'Comments'])) call input%refuse( &
             'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
          select case (name)
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
             if (index(seen, ' '//name//' ') > 0) call input%refuse('a second section $'//name)
             seen = seen//name//' '
+            if (raw%cell_tag%n > 0 .and. any(name == [character(13) :: 'PhysicalNames', 'Entities'])) call &
+               input%refuse('expected $'//name//' before $Elements')
             call input%end_line()
             select case (name)
             case ('MeshFormat')
                call read_format(input, version)
-               groups%has_entities = version /= msh_22
             case ('PhysicalNames')
                call read_names(raw, groups, input)
             case ('Entities')
                call read_entities_4(groups, input, version)
             case ('Nodes', 'ParametricNodes')
-               if (version /= msh_22) call read_nodes_4(raw, input, version)
-               if (version == msh_22) call read_nodes_2(raw, input, name == 'ParametricNodes')
+               call read_nodes(raw, input, version, name == 'ParametricNodes')
             case default
                if (version /= msh_22) call read_elements_4(raw, groups, input, version)
                if (version == msh_22) call read_elements_2(raw, groups, input)
@@ -539,7 +467,7 @@ contains
       if (raw%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
       if (all(raw%cell_kind%items() < 0)) call input%refuse( &
          'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
-      if (.not. allocated(input%error)) call add_sets(groups, raw, input)
+      if (.not. allocated(input%error)) call keep_groups(raw, input, groups, version)
    end subroutine read_gmsh
 
    !> Skips the end marker of a section.
@@ -588,11 +516,10 @@ contains
    !> Reads the names of the physical groups.
    pure subroutine read_names(raw, groups, input)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
-      type(gmsh_groups_t), intent(inout) :: groups !! the groups
+      type(groups_t), intent(inout) :: groups(0:) !! the physical groups of each dimension
       type(input_file_t), intent(inout) :: input !! the file, at the number of names
-      type(tag_map_t) :: map
       character(:), allocatable :: name
-      integer :: dimension, group, i, n, place, tag
+      integer :: dimension, i, n, place, tag
 
       call input%take_count(n, 'names')
       do i = 1, n
@@ -609,15 +536,12 @@ contains
          if (allocated(input%error)) return
          name = trim(adjustl(name(2:len(name) - 1)))
          if (dimension == 3 .or. len(name) == 0) cycle
-         call raw%get_group(input, name, group)
-         call groups%of_dimension(dimension)%named_tag%append(tag)
-         call groups%of_dimension(dimension)%named_group%append(group)
+         if (any(groups(dimension)%tag%items() == tag)) call input%refuse('a physical group is named twice', &
+            input%position - 1)
+         call find_group(groups(dimension), raw, input, tag, name)
          if (allocated(input%error)) return
       end do
-      do dimension = 0, 2
-         call new_tag_map(map, groups%of_dimension(dimension)%named_tag%items())
-         if (map%repeated() > 0) call input%refuse('a physical group is named twice', input%position - 1)
-      end do
+      groups%latest = 0
    end subroutine read_names
 
 end module amontons_gmsh

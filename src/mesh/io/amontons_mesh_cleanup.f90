@@ -6,14 +6,15 @@
 !> between them. The sides on both faces of a slit, and those at hanging nodes, are then boundary sides, so that only
 !> these are searched.
 module amontons_mesh_cleanup
-   use amontons_element, only: n_corners, n_element_nodes, quad4, tri3
+   use amontons_element, only: is_triangle, mapped_square, n_corners, n_element_nodes, quad4, quad8, side_nodes, tri3, &
+      tri6
    use amontons_error, only: input_refused, new_error
-   use amontons_file_model, only: n_cell_nodes, raw_mesh_t
+   use amontons_file_model, only: cell_dimension, n_cell_nodes, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, named_set_t, new_side_table, number_pieces, side_element, side_place, &
-      side_table_t, sides_per_element
+   use amontons_mesh, only: jacobian_determinant, mesh_t, named_set_t, new_side_table, number_pieces, side_element, &
+      side_place, side_table_t, sides_per_element
    use amontons_rounding, only: angle_rounding, input_rounding
    use amontons_text, only: counted, to_text
    implicit none (type, external)
@@ -33,8 +34,6 @@ module amontons_mesh_cleanup
       type(tag_map_t) :: place !! from the number of a node in the file to its place in the raw mesh
       integer, allocatable :: node(:) !! node of the mesh of each node of the raw mesh, 0 for none
       integer, allocatable :: element(:) !! element of each cell of the raw mesh, 0 for none
-      logical, allocatable :: is_turned(:) !! whether an element runs round the other way than its cell (n_elements)
-      integer, allocatable :: collapsed(:) !! side of each quadrilateral that is a triangle with one of length 0; or 0
    end type renumbering_t
 
    !> Members of a set that is being collected: each once, in the order found.
@@ -136,35 +135,26 @@ contains
       type(side_table_t) :: table
       type(incoming_sides_t) :: incoming
       integer, allocatable :: cell_of(:), piece(:)
-      integer :: cell, element, first, i, n_pieces, node, tag
+      integer :: cell, element, i, n_pieces, node
 
       call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
       if (allocated(input%error)) return
       call new_tag_map(renumbering%place, raw%node_tag%items())
-      allocate (renumbering%collapsed(raw%cell_tag%n), source=0)
       do cell = 1, raw%cell_tag%n
-         first = raw%cell_start%item(cell)
-         call collapse(raw, cell, renumbering%collapsed(cell))
-         do i = first, first + n_cell_nodes(raw%cell_kind%item(cell)) - 1
-            tag = raw%node%item(i)
-            node = renumbering%place%find(tag)
-            if (node == 0) then
-               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//', which the file does not give')
-            else if (any(raw%node%item(first:i - 1) == node)) then
-               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//' twice')
-            end if
-            if (allocated(input%error)) return
+         do i = raw%cell_start%item(cell), raw%cell_start%item(cell) + n_cell_nodes(raw%cell_kind%item(cell)) - 1
+            node = renumbering%place%find(raw%node%item(i))
+            if (node == 0) call refuse_cell(input, raw, cell, 'names node '//to_text(raw%node%item(i))// &
+               ', which the file does not give')
             raw%node%item(i) = node
          end do
+         if (allocated(input%error)) return
       end do
-      if (any(renumbering%collapsed > 0)) call raw%add_note(counted(count(renumbering%collapsed > 0), &
-         'quadrilateral')//' with two corners at one node read as a triangle')
       call connect_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
       call place_nodes(mesh, raw, input, renumbering%node)
       if (allocated(input%error)) return
-      call turn_elements(mesh, raw, input, cell_of, renumbering%is_turned)
+      call turn_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
       call check_neighbors(mesh, raw, input, cell_of, table, incoming)
       if (allocated(input%error)) return
@@ -177,23 +167,6 @@ contains
       mesh%hypothesis = raw%hypothesis
       if (allocated(raw%warning)) call mesh%warnings%add(raw%warning)
    end subroutine new_clean_mesh
-
-   !> Makes a triangle of a quadrilateral of four nodes of which two that follow each other are the same.
-   pure subroutine collapse(raw, cell, side)
-      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
-      integer, intent(in) :: cell !! the cell
-      integer, intent(out) :: side !! number of the side between them, 0 if there is none
-      integer :: i
-
-      side = 0
-      if (raw%cell_kind%item(cell) /= quad4) return
-      associate (node => raw%node%item(raw%cell_start%item(cell):raw%cell_start%item(cell) + 3))
-         side = findloc(node == cshift(node, 1), .true., dim=1)
-         if (side == 0) return
-         node(:3) = pack(node, [(i /= side, i=1, 4)])
-      end associate
-      raw%cell_kind%item(cell) = tri3
-   end subroutine collapse
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
    pure subroutine check_tags(input, thing, tags, places)
@@ -222,37 +195,46 @@ contains
       call input%refuse('element '//to_text(raw%cell_tag%item(cell))//' '//sentence, raw%cell_place%item(cell))
    end subroutine refuse_cell
 
-   !> Makes elements of the cells that are neither points nor lines; their nodes are still indices in the list of the
-   !> raw mesh.
+   !> Makes elements of the cells of the highest dimension; their nodes are still indices in the list of the raw mesh. A
+   !> quadrilateral of which one side has a single node is a triangle.
    pure subroutine connect_elements(mesh, raw, input, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
-      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, allocatable, intent(out) :: cell_of(:) !! cell of each element (n_elements)
-      integer :: cell, element, first, n
+      integer, allocatable :: nodes(:)
+      integer :: cell, element, first, i, kind, n, n_collapsed, side
 
-      if (raw%cell_tag%n > 0) then
-         cell_of = pack([(cell, cell=1, raw%cell_tag%n)], raw%cell_kind%items() > 0)
-      else
-         allocate (cell_of(0))
-      end if
+      cell_of = pack([(cell, cell=1, raw%cell_tag%n)], cell_dimension(raw%cell_kind%items()) == 2)
       mesh%n_elements = size(cell_of)
-      if (mesh%n_elements == 0) then
-         call input%refuse('the file holds no triangles or quadrilaterals', len(input%text))
-         return
-      end if
-      allocate (mesh%node_start(mesh%n_elements + 1))
+      if (mesh%n_elements == 0) call input%refuse('the file holds no triangles or quadrilaterals', len(input%text))
       mesh%element_kind = raw%cell_kind%item(cell_of)
-      mesh%node_start(1) = 1
+      allocate (mesh%node_start(mesh%n_elements + 1), mesh%node(sum(n_element_nodes(mesh%element_kind))))
+      n = 0
+      n_collapsed = 0
       do element = 1, mesh%n_elements
-         mesh%node_start(element + 1) = mesh%node_start(element) + n_element_nodes(mesh%element_kind(element))
-      end do
-      allocate (mesh%node(mesh%node_start(mesh%n_elements + 1) - 1))
-      do element = 1, mesh%n_elements
+         kind = mesh%element_kind(element)
          first = raw%cell_start%item(cell_of(element))
-         n = n_element_nodes(mesh%element_kind(element))
-         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1) = raw%node%item(first:first + n - 1)
+         nodes = raw%node%item(first:first + n_element_nodes(kind) - 1)
+         side = 0
+         if (kind == quad4 .or. kind == quad8) side = findloc(nodes(:4) == cshift(nodes(:4), 1), .true., dim=1)
+         if (side > 0 .and. all(nodes(4 + side:size(nodes):4) == nodes(side))) then
+            n_collapsed = n_collapsed + 1
+            nodes = pack(nodes, [(mod(i - side, 4) /= 0, i=1, size(nodes))])
+            mesh%element_kind(element) = merge(tri3, tri6, kind == quad4)
+         end if
+         do i = 2, size(nodes)
+            if (any(nodes(:i - 1) == nodes(i))) call refuse_cell(input, raw, cell_of(element), 'names node '// &
+               to_text(raw%node_tag%item(nodes(i)))//' twice')
+         end do
+         mesh%node_start(element) = n + 1
+         mesh%node(n + 1:n + size(nodes)) = nodes
+         n = n + size(nodes)
       end do
+      mesh%node_start(mesh%n_elements + 1) = n + 1
+      mesh%node = mesh%node(:n)
+      if (n_collapsed > 0) call raw%add_note(counted(n_collapsed, 'quadrilateral')// &
+         ' with two corners at one node read as a triangle')
    end subroutine connect_elements
 
    !> Keeps the nodes of elements. Refuses coordinates that are out of range or outside of the plane z = constant of the
@@ -295,31 +277,29 @@ contains
          raw%node_place%item(kept(node)))
    end subroutine place_nodes
 
-   !> Reverses elements with clockwise nodes; refuses those whose map from the reference element is not one to one.
-   pure subroutine turn_elements(mesh, raw, input, cell_of, is_turned)
+   !> Reverses elements that are given the other way round; refuses those whose map from the reference element is not
+   !> one to one.
+   pure subroutine turn_elements(mesh, raw, input, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
-      logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
-      real(dp) :: x(2, 4)
-      integer :: element, first, n
+      ! The nodes of triangles and quadrilaterals in the other order round the first corner.
+      integer, parameter :: triangle(*) = [1, 3, 2, 6, 5, 4], quadrilateral(*) = [1, 4, 3, 2, 8, 7, 6, 5, 9]
+      integer :: element, kind, n_turned
 
-      allocate (is_turned(mesh%n_elements))
+      n_turned = 0
       do element = 1, mesh%n_elements
-         first = mesh%node_start(element)
-         n = n_corners(mesh%element_kind(element))
-         x(:, :n) = mesh%coordinates(:, mesh%node(first:first + n - 1))
-         is_turned(element) = doubled_area(x(:, :n)) < 0.0_dp
-         if (is_turned(element)) then
-            ! Round its first corner: side i becomes side n + 1 - i.
-            associate (nodes => mesh%node(first:mesh%node_start(element + 1) - 1))
-               nodes(2:n) = nodes(n:2:-1)
-               if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
+         kind = mesh%element_kind(element)
+         if (jacobian_determinant(mesh, element, mapped_square(kind, spread(0.5_dp, 1, 2))) < 0.0_dp) then
+            n_turned = n_turned + 1
+            associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+               if (is_triangle(kind)) nodes = nodes(triangle(:size(nodes)))
+               if (.not. is_triangle(kind)) nodes = nodes(quadrilateral(:size(nodes)))
             end associate
          end if
          if (.not. mesh%is_turned_over(element)) cycle
-         if (n == n_element_nodes(mesh%element_kind(element))) then
+         if (n_corners(kind) == n_element_nodes(kind)) then
             call refuse_cell(input, raw, cell_of(element), 'is degenerate: its corners must go round a convex area')
          else
             call refuse_cell(input, raw, cell_of(element), 'is folded: its corners must go round a convex area, '// &
@@ -327,27 +307,8 @@ contains
          end if
          return
       end do
-      if (any(is_turned)) call raw%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
+      if (n_turned > 0) call raw%add_note(counted(n_turned, 'clockwise element')//' turned round')
    end subroutine turn_elements
-
-   !> Twice the area of a polygon, negative if its corners are in clockwise order [L^2].
-   pure real(dp) function doubled_area(x)
-      real(dp), intent(in) :: x(:, :) !! coordinates of three or four corners (2, corners) [L]
-
-      if (size(x, 2) == 3) then
-         doubled_area = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
-      else
-         doubled_area = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
-      end if
-   end function doubled_area
-
-   !> The out-of-plane component of a cross product.
-   pure real(dp) function cross(a, b)
-      real(dp), intent(in) :: a(2) !! one vector
-      real(dp), intent(in) :: b(2) !! the other vector
-
-      cross = a(1)*b(2) - a(2)*b(1)
-   end function cross
 
    !> Refuses overlapping elements, hanging nodes, and neighbors with different nodes in the middle of their common
    !> side. At a hanging node shorter sides lead from one end of an element's side to the other along it; a slit, with
@@ -359,7 +320,8 @@ contains
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
       type(incoming_sides_t), intent(out) :: incoming !! those of the boundary
-      integer :: elements(2), node, number, numbers(2), one(3), other(3), overlapping(2), side
+      integer, allocatable :: one(:), other(:)
+      integer :: elements(2), i, node, number, numbers(2), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
@@ -394,7 +356,7 @@ contains
          numbers = [table%sides(side)%left, table%sides(side)%right]
          one = mesh%side(side_element(numbers(1)), side_place(numbers(1)))
          other = mesh%side(side_element(numbers(2)), side_place(numbers(2)))
-         if (one(3) == other(3)) cycle
+         if (count(one > 0) == count(other > 0) .and. all([(any(other == one(i)), i=1, size(one))])) cycle
          elements = side_element([minval(numbers), maxval(numbers)])
          call refuse_cell(input, raw, cell_of(elements(2)), 'shares a side with element '// &
             to_text(raw%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
@@ -502,7 +464,8 @@ contains
       end associate
    end subroutine refuse_lost
 
-   !> Collects the mesh entities of a group's cells and sides of cells.
+   !> Collects the mesh entities of a group's cells and sides of cells. Sides are found by their corners, whatever their
+   !> direction; cells below the dimension of sides name their nodes.
    subroutine collect_cells(members, mesh, raw, input, table, renumbering, group)
       type(group_members_t), intent(inout) :: members !! the members of the group; gains those
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -511,57 +474,55 @@ contains
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
       integer, intent(in) :: group !! number of the group
-      integer :: cell, element, i, left, n, nodes(3), number, on_side(3), right, side
+      integer, allocatable :: nodes(:), on_side(:)
+      integer :: cell, i, k, kind, left, right, side
 
       do i = 1, raw%groups(group)%cell%n
          cell = raw%groups(group)%cell%item(i)
          side = raw%groups(group)%side%item(i)
-         element = renumbering%element(cell)
-         n = n_cell_nodes(raw%cell_kind%item(cell))
-         if (side > 0) then
-            if (side == renumbering%collapsed(cell)) cycle
-            if (renumbering%collapsed(cell) > 0 .and. side > renumbering%collapsed(cell)) side = side - 1
-            if (renumbering%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
-            nodes = mesh%side(element, side)
-         else
-            if (element > 0) call members%elements%put(element, group)
-            if (element > 0 .or. members%of_cell(cell) == group) cycle
+         kind = raw%cell_kind%item(cell)
+         if (side == 0) then
+            if (renumbering%element(cell) > 0) call members%elements%put(renumbering%element(cell), group)
+            if (renumbering%element(cell) > 0 .or. members%of_cell(cell) == group) cycle
             members%of_cell(cell) = group
-            associate (first => raw%cell_start%item(cell))
-               nodes(:n) = renumbering%node(raw%node%item(first:first + n - 1))
-            end associate
+            nodes = [(k, k=1, n_cell_nodes(kind))]
+         else
+            nodes = side_nodes(kind, side)
+            nodes = pack(nodes, nodes > 0)
          end if
-         call find_side(table, nodes, merge(2, n, side > 0), left, right)
-         number = max(left, right)
-         if (side == 0 .and. n == 1) then
+         nodes = renumbering%node(raw%node%item(raw%cell_start%item(cell) - 1 + nodes))
+         if (cell_dimension(kind) == 0) then
             call put_node(members, nodes(1), group)
-         else if (min(left, right) > 0) then
+            cycle
+         end if
+         ! The side of a quadrilateral that is a triangle.
+         if (nodes(1) == nodes(2)) cycle
+         call find_side(table, nodes, left, right)
+         if (min(left, right) > 0) then
             members%n_inside = members%n_inside + 1
-         else if (number == 0) then
+         else if (max(left, right) == 0) then
             members%n_elsewhere = members%n_elsewhere + 1
          else
-            call members%sides%put(number, group)
-            if (side > 0) cycle
-            on_side = mesh%side(side_element(number), side_place(number))
-            if (n == 3 .and. on_side(3) > 0 .and. nodes(n) /= on_side(n)) call input%refuse('line '// &
-               to_text(raw%cell_tag%item(cell))//' has another middle node than the element at its side', &
-               raw%cell_place%item(cell))
+            call members%sides%put(max(left, right), group)
+            on_side = mesh%side(side_element(max(left, right)), side_place(max(left, right)))
+            if (count(on_side > 0) == size(nodes) .and. any([(all(on_side /= nodes(k)), k=1, size(nodes))])) call &
+               input%refuse('line '//to_text(raw%cell_tag%item(cell))// &
+               ' has another middle node than the element at its side', raw%cell_place%item(cell))
          end if
       end do
    end subroutine collect_cells
 
    !> Finds the sides of elements to the left and to the right of a line.
-   pure subroutine find_side(table, nodes, n, left, right)
+   pure subroutine find_side(table, nodes, left, right)
       type(side_table_t), intent(in) :: table !! the sides of the elements
-      integer, intent(inout) :: nodes(3) !! nodes of the line; on return the middle is the last
-      integer, intent(in) :: n !! number of these nodes; a point has no sides
+      integer, intent(inout) :: nodes(:) !! nodes of the line; on return the corners are the first
       integer, intent(out) :: left !! number of the side on the left, 0 for none
       integer, intent(out) :: right !! number of the side on the right, 0 for none
 
       left = 0
       right = 0
-      if (n > 1 .and. all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
-      if (n < 3 .or. max(left, right) > 0) return
+      if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+      if (size(nodes) /= 3 .or. max(left, right) > 0) return
       ! Some programs give the middle second.
       nodes = nodes([1, 3, 2])
       if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
