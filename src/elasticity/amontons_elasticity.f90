@@ -131,7 +131,7 @@ contains
          geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
          if (.not. material%is_axisymmetric) cycle
          !$omp simd
-         do i = 1, max_nodes
+         do i = 1, geometry%n_functions
             geometry%hoop(i, point) = geometry%values(i, point)/geometry%position(1, point)
          end do
       end do

@@ -13,9 +13,9 @@ module amontons_stress_field
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: element_geometry_t, find_elastic_strains, find_nodal_forces, &
       is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_element_load
-   use amontons_element, only: element_names, is_triangle, max_corners, max_nodes, max_points, n_corners, &
-      n_element_nodes, n_element_points, n_fine_points, n_sampling_points, node_coordinates, quad4, quadrature_point, &
-      shape_functions, tri3
+   use amontons_element, only: corner_kind, element_names, max_corners, max_nodes, max_points, &
+      n_corners, n_element_nodes, n_element_points, n_fine_points, n_plane_kinds, n_sampling_points, &
+      node_coordinates, quadrature_point, shape_functions, tri3
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_material, only: in_plane, material_t, materials_t, max_components, n_strains
@@ -127,6 +127,7 @@ contains
       integer :: color, element, field, i, k
 
       do k = 1, size(element_names)
+         if (.not. any(mesh%element_kind == k)) cycle
          to_nodes(:, :, k, 1) = extrapolation(k, n_element_points(k, .false.))
          to_nodes(:, :, k, 2) = extrapolation(k, n_element_points(k, .true.))
       end do
@@ -260,19 +261,19 @@ contains
    end subroutine carry_to_nodes
 
    !> Weights of the extrapolation from the quadrature points of a kind of element to its nodes, by the least-squares
-   !> fit of the polynomial 1, x, y (and x y in a quadrilateral) (node, point) [-].
+   !> fit of the polynomial 1, x, y, z (and of products of these in a quadrilateral or hexahedron) (node, point) [-].
    pure function extrapolation(kind, n_points) result(weights)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of quadrature points
-      real(dp) :: weights(max_nodes, max_points), terms(4), xi(2), unused
+      real(dp) :: weights(max_nodes, max_points), terms(max_corners), xi(size(node_coordinates(kind, 1))), unused
       real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
       integer :: n_terms, i, info
 
-      n_terms = min(n_points, merge(3, 4, is_triangle(kind)))
+      n_terms = min(n_points, n_corners(kind))
       allocate (at_points(n_terms, n_points))
       do i = 1, n_points
          call quadrature_point(kind, n_points, i, xi, unused)
-         terms = [1.0_dp, xi, product(xi)]
+         terms = products(xi)
          at_points(:, i) = terms(:n_terms)
       end do
       normal = matmul(at_points, transpose(at_points))
@@ -283,10 +284,21 @@ contains
       weights = 0.0_dp
       do i = 1, n_element_nodes(kind)
          xi = node_coordinates(kind, i)
-         terms = [1.0_dp, xi, product(xi)]
+         terms = products(xi)
          weights(i, :n_points) = matmul(terms(:n_terms), right)
       end do
    end function extrapolation
+
+   !> The coordinates of a point and their products: 1, x, y, x y; in space 1, x, y, z, x y, y z, x z, x y z; then 0.
+   pure function products(xi) result(terms)
+      real(dp), intent(in) :: xi(:) !! the point [-]
+      real(dp) :: terms(max_corners)
+
+      terms = 0.0_dp
+      terms(:size(xi) + 1) = [1.0_dp, xi]
+      if (size(xi) == 3) terms(5:7) = xi*cshift(xi, 1)
+      terms(2**size(xi)) = product(xi)
+   end function products
 
    !> Von Mises stress of a stress tensor [F/L^2].
    pure real(dp) function von_mises(stress)
@@ -578,7 +590,7 @@ contains
       real(dp), intent(in), optional :: element_load(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
-      real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, size(element_names))
+      real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, n_plane_kinds)
       logical :: is_plain
       integer :: i
 
@@ -754,15 +766,15 @@ contains
    !> The linear shape functions of the corners at the quadrature points of every kind of element (point, corner, kind)
    !> [-].
    pure function corner_weights() result(weights)
-      real(dp) :: weights(max_points, max_corners, size(element_names))
+      real(dp) :: weights(max_points, max_corners, n_plane_kinds)
       real(dp) :: xi(2), weight, values(max_nodes), derivatives(2, max_nodes)
       integer :: kind, point
 
       weights = 0.0_dp
-      do kind = 1, size(element_names)
+      do kind = 1, n_plane_kinds
          do point = 1, n_fine_points(kind)
             call quadrature_point(kind, n_fine_points(kind), point, xi, weight)
-            call shape_functions(merge(tri3, quad4, is_triangle(kind)), xi, values, derivatives)
+            call shape_functions(corner_kind(kind), xi, values, derivatives)
             weights(point, :, kind) = values(:max_corners)
          end do
       end do

@@ -5,7 +5,7 @@ module amontons_config_groups
    use amontons_constraints, only: longest_name, rigid_components, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
-   use amontons_element, only: element_names
+   use amontons_element, only: element_names, n_plane_kinds
    use amontons_error, only: error_t
    use amontons_file_model, only: use_loads, use_names, use_supports
    use amontons_generated_mesh, only: diagonal_names
@@ -295,7 +295,7 @@ contains
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
          is_required=needs_size, also='elements divisions n nx ny h'), part%rectangle%cells, is_written)
       call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype order'), part%rectangle%element, element_names, is_written)
+         also='type etype order'), part%rectangle%element, element_names(:n_plane_kinds), is_written)
       call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
          ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, is_written)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &

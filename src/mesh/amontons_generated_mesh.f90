@@ -2,8 +2,8 @@
 !> from linear ones; and uniform refinement of any mesh. Refinement divides every element into four; the middles of
 !> sides lie where the shape functions put them, so that curved sides keep their shape.
 module amontons_generated_mesh
-   use amontons_element, only: element_names, is_triangle, max_nodes, n_corners, n_element_nodes, node_coordinates, &
-      quad4, quad8, quad9, shape_functions, tri3, tri6
+   use amontons_element, only: corner_kind, element_names, is_triangle, max_nodes, n_corners, n_element_nodes, &
+      n_plane_kinds, n_sides, node_coordinates, quad4, quad8, quad9, shape_functions, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_mesh, only: mesh_t, new_side_table, parents_t, side_number, side_table_t
@@ -85,7 +85,7 @@ contains
    pure subroutine cut_elements(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains nodes and elements
       type(mesh_t), intent(in) :: parent !! the same mesh, of quadratic elements
-      integer :: node(max_nodes), element, part, n, n_centers, first
+      integer :: node(n_element_nodes(quad9)), element, part, n, n_centers, first
 
       deallocate (mesh%node, mesh%node_start)
       allocate (mesh%node(n_parts*sum(n_corners(parent%element_kind))), mesh%node_start(n_parts*parent%n_elements + 1))
@@ -97,7 +97,7 @@ contains
             node(:size(nodes)) = nodes
             if (kind == quad8) then
                n_centers = n_centers + 1
-               node(max_nodes) = parent%n_nodes + n_centers
+               node(size(node)) = parent%n_nodes + n_centers
             end if
             n = n_corners(kind)
             do part = 1, n_parts
@@ -109,7 +109,7 @@ contains
             end do
          end associate
       end do
-      mesh%element_kind = [spread(merge(tri3, quad4, is_triangle(parent%element_kind)), 1, n_parts)]
+      mesh%element_kind = [spread(corner_kind(parent%element_kind), 1, n_parts)]
       mesh%n_elements = n_parts*parent%n_elements
       mesh%n_nodes = parent%n_nodes + n_centers
       mesh%coordinates = reshape(parent%coordinates, [2, mesh%n_nodes], pad=[0.0_dp])
@@ -132,7 +132,7 @@ contains
    pure subroutine place_new_nodes(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the refined mesh, its new nodes anywhere
       type(mesh_t), intent(in) :: parent !! the mesh before
-      real(dp) :: share(max_nodes, max_nodes, n_parts, size(element_names))
+      real(dp) :: share(max_nodes, max_nodes, n_parts, n_plane_kinds)
       logical :: is_placed(mesh%n_nodes)
       type(parents_t) :: parents
       integer :: element, pass, part, i, first, last, n
@@ -189,13 +189,13 @@ contains
    !> The shape functions of the elements of every kind at the nodes of their parts (shape function, node, part,
    !> kind) [-].
    pure function part_shares() result(share)
-      real(dp) :: share(max_nodes, max_nodes, n_parts, size(element_names))
+      real(dp) :: share(max_nodes, max_nodes, n_parts, n_plane_kinds)
       real(dp) :: corners(2, 4), xi(2), values(max_nodes), derivatives(2, max_nodes)
       integer :: kind, part, i, shape
 
       share = 0.0_dp
-      do kind = 1, size(element_names)
-         shape = merge(tri3, quad4, is_triangle(kind))
+      do kind = 1, n_plane_kinds
+         shape = corner_kind(kind)
          do part = 1, n_parts
             associate (places => part_corners(kind, part))
                do i = 1, size(places)
@@ -300,14 +300,14 @@ contains
       real(dp) :: n_nodes, megabytes
       integer :: kind, shape
 
-      kind = findloc(element_names == rectangle%element, .true., dim=1)
+      kind = findloc(element_names(:n_plane_kinds) == rectangle%element, .true., dim=1)
       if (any(.not. rectangle%size > 0.0_dp) .or. any(rectangle%cells < 1) .or. .not. rectangle%grading > 0.0_dp &
          .or. kind == 0 .or. all(diagonal_names /= rectangle%diagonal)) then
          call new_error(error, input_refused, &
             'rectangle: size, cells and grading must be positive, element and diagonal known words')
          return
       end if
-      shape = merge(tri3, quad4, is_triangle(kind))
+      shape = corner_kind(kind)
       if (product(int(rectangle%cells, int64) + 1)*merge(1, 2, kind == shape) > most_nodes) then
          call new_error(error, input_refused, 'rectangle: more cells than node numbers allow (about 134 million, '// &
             'of quadratic elements half as many)')
@@ -407,7 +407,7 @@ contains
             allocate (set%element(n), set%side(n))
             do i = 1, n
                do element = per_cell*(cell(k) - 1) + 1, per_cell*cell(k)
-                  do side = 1, n_corners(mesh%element_kind(element))
+                  do side = 1, n_sides(mesh%element_kind(element))
                      ends = mesh%side(element, side)
                      if (any(ends(:2) /= [node(k), node(k) + node_step(k)])) cycle
                      set%element(i) = element

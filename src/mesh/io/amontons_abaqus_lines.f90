@@ -1,7 +1,7 @@
 !> Lines of the input format of Abaqus and CalculiX: keywords with parameters, and data lines with fields; included
 !> files; parts and their instances; sets of nodes and elements, and surfaces.
 module amontons_abaqus_lines
-   use amontons_element, only: n_corners
+   use amontons_element, only: n_sides
    use amontons_error, only: error_t
    use amontons_file_model, only: file_part_t, identity, longest_name, raw_mesh_t
    use amontons_input_file, only: beside, input_file_t, new_input_file
@@ -705,7 +705,7 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
-      integer :: cell, group, i, n_sides, tag
+      integer :: cell, group, i, n_own, tag
 
       call new_tag_map(map, raw%cell_tag%items())
       do group = 1, raw%n_groups
@@ -713,12 +713,12 @@ contains
             tag = raw%groups(group)%cell%item(i)
             cell = map%find(tag)
             ! Lines have no sides.
-            n_sides = 0
-            if (cell > 0) n_sides = merge(n_corners(max(1, raw%cell_kind%item(cell))), 0, raw%cell_kind%item(cell) > 0)
+            n_own = 0
+            if (cell > 0) n_own = merge(n_sides(max(1, raw%cell_kind%item(cell))), 0, raw%cell_kind%item(cell) > 0)
             if (cell == 0) then
                call input%refuse("the set '"//raw%groups(group)%name//"' names element "//to_text(tag)// &
                   ', which the file does not give', raw%groups(group)%place)
-            else if (raw%groups(group)%side%item(i) > n_sides) then
+            else if (raw%groups(group)%side%item(i) > n_own) then
                call input%refuse("the surface '"//raw%groups(group)%name//"' names a side that element "// &
                   to_text(tag)//' has not', raw%groups(group)%place)
             end if
