@@ -13,7 +13,7 @@
 !> unknown of a bonded node is fixed at 0. Stiffness and load of the unknowns are P^T K P and P^T f, computed element by
 !> element.
 module amontons_constraints
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
@@ -271,7 +271,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
       type(materials_t), intent(in), optional :: materials
          !! the materials, which say whether the body is twisted; it is not without them
-      type(boundary_line_t) :: line
+      type(patch_t) :: patch
       logical :: is_done
       integer :: i, set
 
@@ -298,9 +298,9 @@ contains
                ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
                is_done = allocated(error) .or. find_set(mesh%sets, support%set) == 0
             end if
-            if (.not. is_done) call new_boundary_line(line, mesh, support%set, error)
-            if (.not. (is_done .or. allocated(error))) call hold_nodes(constraints, prescribed, mesh, line%node, &
-               support, i, error, line%normal)
+            if (.not. is_done) call new_patch(patch, mesh, support%set, error)
+            if (.not. (is_done .or. allocated(error))) call hold_nodes(constraints, prescribed, mesh, patch%node, &
+               support, i, error, patch%normal)
             if (.not. allocated(error)) cycle
             error%message = support%origin//error%message
             return

@@ -441,12 +441,19 @@ contains
       type(contact_rows_t) :: slave
       type(master_line_t) :: line
       integer :: i, n_lines
-      integer, allocatable :: start(:), lone(:)
+      integer, allocatable :: segments(:, :), lone(:)
+      logical, allocatable :: is_lone(:)
 
       call contact_columns(columns, body, result)
       call new_master_line(line, body%zone)
       associate (zone => body%zone)
-         call vtk%begin_grid(zone%n_points + line%n_nodes, count(zone%next > 0) + count(.not. have_neighbor(zone)) &
+         ! Segments from point to point, then points without a neighbor.
+         allocate (segments(2, 0), is_lone(zone%n_points))
+         if (allocated(zone%line)) segments = zone%line%segments()
+         is_lone = .true.
+         is_lone([segments]) = .false.
+         lone = pack([(i, i=1, zone%n_points)], is_lone)
+         call vtk%begin_grid(zone%n_points + line%n_nodes, size(segments, 2) + size(lone) &
             + size(line%segment, 2))
       end associate
       ! Displacements and normals; where there are pairs, how far they move apart, and the forces, too.
@@ -473,13 +480,10 @@ contains
       vtk%scale = 0.0_dp
       call vtk%put_integers('PointData', 'status', [result%solution%status, 0*line%node])
       call vtk%put_integers('PointData', 'set', [body%zone%set, line%set])
-      ! Segments from point to point, then points without a neighbor.
       associate (zone => body%zone)
-         start = pack([(i, i=1, zone%n_points)], zone%next > 0)
-         lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
-         n_lines = size(start) + size(line%segment, 2)
+         n_lines = size(segments, 2) + size(line%segment, 2)
          call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
-            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + [line%segment], lone], &
+            [segments, zone%n_points + [line%segment], lone], &
             [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
             [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
       end associate
@@ -495,15 +499,6 @@ contains
       joined(:, :size(at_points, 2)) = at_points
       joined(:, size(at_points, 2) + 1:) = at_masters
    end function joined
-
-   !> Whether each point is the end of a segment.
-   pure function have_neighbor(zone)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      logical :: have_neighbor(zone%n_points)
-
-      have_neighbor = zone%next > 0
-      have_neighbor(pack(zone%next, zone%next > 0)) = .true.
-   end function have_neighbor
 
    !> Vectors of the contact points from their components along normals and tangents (components, m).
    pure function vectors(zone, components)

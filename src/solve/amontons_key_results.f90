@@ -102,16 +102,16 @@ contains
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
       type(trace_t), intent(in) :: trace !! forces, gaps and slips from which the ends of the zone are found
       type(chain_t) :: chain
-      logical :: is_done(zone%n_points)
-      integer :: first, last, n, p, n_intervals
+      integer, allocatable :: order(:), start(:)
+      integer :: first, last, n, p, k, n_intervals
 
-      allocate (intervals(count(is_inside)))
+      allocate (intervals(merge(count(is_inside), 0, allocated(zone%line))))
+      if (size(intervals) == 0) return
       n_intervals = 0
-      is_done = .false.
-      do
-         call next_chain(chain, zone, is_done)
+      call zone%line%walk(order, start)
+      do k = 1, size(start) - 1
+         call new_chain(chain, zone, order(start(k):start(k + 1) - 1))
          n = size(chain%point)
-         if (n == 0) exit
          last = 0
          do p = 1, n
             if (p <= last .or. .not. is_inside(chain%point(p))) cycle
@@ -128,35 +128,17 @@ contains
       intervals = intervals(:n_intervals)
    end subroutine find_intervals
 
-   !> Finds the next chain of consecutive points: from one without a predecessor, of a closed line from any.
-   pure subroutine next_chain(chain, zone, is_done)
-      type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
+   !> Finds where the points of one line are along it, and where their tributary lengths end.
+   pure subroutine new_chain(chain, zone, order)
+      type(chain_t), intent(out) :: chain !! the points
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      logical, intent(inout) :: is_done(:) !! which points were taken (m)
-      integer :: order(zone%n_points), n, p, i
-      logical :: has_predecessor(zone%n_points)
+      integer, intent(in) :: order(:) !! those of the line, one or more
       real(dp) :: share
+      integer :: i
 
-      n = 0
-      ! The point that the next chain begins with.
-      has_predecessor = .false.
-      do p = 1, zone%n_points
-         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
-      end do
-      p = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
-      if (p == 0) p = findloc(is_done, .false., dim=1)
-      do while (p > 0)
-         if (is_done(p)) exit
-         is_done(p) = .true.
-         n = n + 1
-         order(n) = p
-         p = zone%next(p)
-      end do
-      chain%point = order(:n)
-      ! Where the points are along the line, and where their tributary lengths end.
-      allocate (chain%arc(n), chain%bound(0:n))
-      if (n == 0) return
-      associate (order => chain%point)
+      chain%point = order
+      associate (n => size(order))
+         allocate (chain%arc(n), chain%bound(0:n))
          chain%arc(1) = 0.0_dp
          do i = 2, n
             chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
@@ -182,7 +164,7 @@ contains
             chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
          end do
       end associate
-   end subroutine next_chain
+   end subroutine new_chain
 
    !> Moves the beginning of a chain of slave corners to where the master begins to face them, which may be in the
    !> middle of a side.
@@ -578,7 +560,7 @@ contains
 
    !> Measures the zones along the sides, with the convention of Table 1 of the paper for its separated, sliding and
    !> sticking parts: the open zone ends at the first closed node, the slip zone at the first sticking node. A cell of
-   !> constant multipliers belongs to one zone as a whole.
+   !> constant multipliers belongs to one zone as a whole. All lengths are 0 where points have no order.
    pure subroutine new_lengths(lengths, zone, status, set)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -587,6 +569,7 @@ contains
       real(dp) :: length
       integer :: p, ends(2)
 
+      if (.not. allocated(zone%line)) return
       do p = 1, zone%n_points
          if (present(set)) then
             if (set > 0 .and. zone%set(p) /= set) cycle
@@ -595,8 +578,8 @@ contains
          if (zone%is_cell(p)) then
             length = zone%weight(p)
          else
-            if (zone%next(p) == 0) cycle
-            ends(2) = zone%next(p)
+            if (zone%line%next(p) == 0) cycle
+            ends(2) = zone%line%next(p)
             length = norm2(zone%position(:, ends(2)) - zone%position(:, p))
             ! Of a side of a pair the share that faces the master counts.
             if (allocated(zone%pairs)) then

@@ -277,6 +277,7 @@ contains
       character(:), allocatable :: names
       logical :: is_beside(body%mesh%n_nodes)
       real(dp) :: side, forces(2, body%mesh%n_nodes)
+      integer, allocatable :: ends(:, :)
       integer :: i, node
 
       forces = 0.0_dp
@@ -294,10 +295,11 @@ contains
       ! The longest side at an end of a zone, where the status changes; of the whole line if there is no end. A part of
       ! a quadratic side between two points counts as its share of the side.
       side = 0.0_dp
+      allocate (ends(2, 0))
       associate (zone => body%zone, status => result%solution%status)
-         do i = 1, zone%n_points
-            if (zone%next(i) == 0) cycle
-            if (status(i) /= status(zone%next(i))) side = max(side, zone%weight(i), zone%weight(zone%next(i)))
+         if (allocated(zone%line)) ends = zone%line%segments()
+         do i = 1, size(ends, 2)
+            if (status(ends(1, i)) /= status(ends(2, i))) side = max(side, maxval(zone%weight(ends(:, i))))
          end do
          if (side <= 0.0_dp .and. zone%n_points > 0) side = maxval(zone%weight)
       end associate

@@ -345,11 +345,12 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: reached(:) !! these ends, places in the body's free boundary
       integer, intent(in) :: point !! the point, 0 for none
+      integer :: i
 
       is_at_end = .false.
       if (point == 0) return
-      associate (at_ends => body%free_boundary%ends(reached)%point, next => body%zone%next)
-         is_at_end = any(at_ends == point .or. next(at_ends) == point .or. at_ends == next(point))
+      associate (at_ends => body%free_boundary%ends(reached)%point, near => [point, body%zone%line%beside(point)])
+         is_at_end = any([(any(at_ends == near(i)), i=1, size(near))])
       end associate
    end function is_at_end
 
@@ -443,17 +444,16 @@ contains
       end do
    end subroutine find_largest_strain
 
-   !> The point of the largest pressure, if this is more than twice the pressure of each neighbor; otherwise 0.
+   !> The point of the largest pressure, if this is more than twice the pressure of each neighbor; otherwise, and where
+   !> points have no order, 0.
    pure integer function jump_at(zone, pressure) result(peak)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
       real(dp), parameter :: large_jump = 2.0_dp
-      real(dp) :: neighbor
 
-      peak = maxloc(pressure, dim=1)
-      neighbor = maxval(pressure, mask=zone%next == peak)
-      if (zone%next(peak) > 0) neighbor = max(neighbor, pressure(zone%next(peak)))
-      if (.not. pressure(peak) > large_jump*max(neighbor, 0.0_dp)) peak = 0
+      peak = merge(maxloc(pressure, dim=1), 0, allocated(zone%line))
+      if (peak == 0) return
+      if (.not. pressure(peak) > large_jump*maxval([0.0_dp, pressure(zone%line%beside(peak))])) peak = 0
    end function jump_at
 
    !> Warns of points out of reach of the obstacle that the displacements move into it.
@@ -526,28 +526,26 @@ contains
       logical, intent(in) :: is_inside(:) !! which points belong to such a zone (m)
       integer, intent(in) :: n_per_side !! number of points for each side
       integer, parameter :: enough_sides = 4
-      integer :: before(body%zone%n_points), first, last, n, p
+      integer :: before(body%zone%n_points), first, last, n
       logical :: is_zone(body%zone%n_points)
 
-      before = 0
-      do p = 1, body%zone%n_points
-         if (body%zone%next(p) > 0) before(body%zone%next(p)) = p
-      end do
-      associate (zone => body%zone)
+      if (.not. allocated(body%zone%line)) return
+      before = body%zone%line%before()
+      associate (zone => body%zone, next => body%zone%line%next)
          do first = 1, zone%n_points
             if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
             ! Follows a zone along the line.
             is_zone = .false.
             last = first
             is_zone(last) = .true.
-            do while (is_in(is_inside, zone%next(last)))
-               last = zone%next(last)
+            do while (is_in(is_inside, next(last)))
+               last = next(last)
                is_zone(last) = .true.
             end do
             n = count(is_zone)
             if (before(first) > 0) is_end([before(first), first]) = .true.
-            if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
-            if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
+            if (next(last) > 0) is_end([last, next(last)]) = .true.
+            if (max(before(first), next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
             call result%warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
                result%warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
                ' sides: its ends are known to a side only'//error_clause(result, body, is_zone)// &

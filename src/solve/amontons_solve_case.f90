@@ -9,7 +9,7 @@ module amontons_solve_case
    use amontons_assembly, only: sum_uncanceled_terms
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_certificate, only: new_certificate
    use amontons_condensation, only: condensation_options_t
    use amontons_config, only: body_text, check_names, config_t
@@ -461,7 +461,7 @@ contains
       real(dp), allocatable :: traction(:, :), area(:)
       logical :: is_joined(body%mesh%n_nodes), is_meant(body%zone%n_points)
       integer, allocatable :: place(:)
-      type(boundary_line_t) :: line
+      type(patch_t) :: patch
       type(error_t), allocatable :: error
       integer :: i, k
 
@@ -472,14 +472,14 @@ contains
             body%mesh%n_nodes, 2)
          area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
             body%mesh%n_nodes, 2), dim=1)
-         ! The contact zone was made of these lines, so they are sound.
-         call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
+         ! The contact zone was made of these patches, so they are sound.
+         call new_patch(patch, body%mesh, load_case%contacts(i)%set, error, body%materials)
          ! The points of a pair have no area where the slave faces nothing.
-         line%area = max(line%area, area(line%node))
+         area = max(patch%area, area(patch%node))
          ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle node.
-         place = [(k, k=1, line%n_nodes)]
-         where (line%area <= computed_rounding*maxval(line%area)) place = merge(line%next, place - 1, line%next > 0)
-         traction(:, line%node) = traction(:, line%node(place))/spread(max(line%area(place), tiny(1.0_dp)), 1, 2)
+         place = [(k, k=1, patch%n_nodes)]
+         where (area <= computed_rounding*maxval(area)) place = merge(patch%line%next, place - 1, patch%line%next > 0)
+         traction(:, patch%node) = traction(:, patch%node(place))/spread(max(area(place), tiny(1.0_dp)), 1, 2)
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
       end do
       is_joined = .false.

@@ -4,17 +4,18 @@
 !> body's displacement along the normal of the geometry at each point, integrated exactly on straight sides; its
 !> multiplier is then the force on the cell, stress times area. Cells of a pair are cut out of its slave.
 module amontons_contact_cells
-   use amontons_boundary, only: boundary_line_t
+   use amontons_boundary, only: patch_t
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: cell_partition_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, new_face
    use amontons_kinds, only: dp
+   use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: cell_pieces, held_slave_text, least_cover, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
    use amontons_rounding, only: computed_rounding
-   use amontons_surface, only: meshed_body_t, mortar_segment_t, side_order
+   use amontons_surface, only: meshed_body_t, mortar_segment_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -29,13 +30,12 @@ module amontons_contact_cells
       integer :: side = 0 !! the side
       integer :: cell = 0 !! the cell
       real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! local coordinates of its ends on the side, from -1 to 1 [-]
-      real(dp) :: arc_length = 0.0_dp !! length along the line where the side begins [L]
    end type segment_t
 
    !> The cells in the order of the line.
    type :: contact_cells_t
       integer :: n_cells = 0 !! number of cells
-      integer, allocatable :: next(:) !! the cell that follows along the line, 0 for none (n_cells)
+      type(line_t) :: line !! how they follow each other
       real(dp), allocatable :: length(:) !! length of each cell (n_cells) [L]
       real(dp), allocatable :: area(:) !! length times depth of the body (n_cells) [L^2]
       real(dp), allocatable :: center(:, :) !! centroid (2, n_cells) [L]
@@ -50,25 +50,20 @@ module amontons_contact_cells
 contains
 
    !> Cuts a contact line into cells and integrates over them.
-   pure subroutine new_contact_cells(cells, body, set, line, partition, direction, error)
+   pure subroutine new_contact_cells(cells, body, patch, partition, direction, error)
       type(contact_cells_t), intent(out) :: cells !! the cells
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      character(*), intent(in) :: set !! name of the boundary set
-      type(boundary_line_t), intent(in) :: line !! its line
+      type(patch_t), intent(in) :: patch !! the patch of the set
       type(cell_partition_t), intent(in) :: partition !! the partition into cells
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
-      integer, allocatable :: sides(:, :)
       ! The mean normal of a cell that turns by 217 degrees has this length.
       real(dp), parameter :: smallest = 0.5_dp
       integer :: cell, k
 
-      call body%mesh%set_sides(set, sides, error)
+      call cut_into_cells(cells, patch%sides(), body%mesh, partition, error)
       if (allocated(error)) return
-      sides = sides(:, side_order(sides, line, body%mesh%n_nodes))
-      call cut_into_cells(cells, sides, body%mesh, partition, error)
-      if (allocated(error)) return
-      call integrate(cells, sides, body, direction)
+      call integrate(cells, patch, body, direction)
       allocate (cells%is_held(cells%n_cells), cells%is_tangent_fixed(cells%n_cells))
       do cell = 1, cells%n_cells
          associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
@@ -95,14 +90,13 @@ contains
       type(cell_partition_t), intent(in) :: partition !! the partition into cells
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       real(dp), allocatable :: ends(:)
-      real(dp) :: lengths(size(sides, 2)), arc_length
+      real(dp) :: lengths(size(sides, 2))
       integer :: first, last, i, n, cell, k
       type(segment_t) :: segment
       real(dp) :: begin
 
       lengths = [(length_up_to(sides(:, i), mesh, 1.0_dp), i=1, size(sides, 2))]
-      allocate (cells%segments(0), cells%next(0))
-      arc_length = 0.0_dp
+      allocate (cells%segments(0), cells%line%next(0))
       first = 1
       do while (first <= size(sides, 2))
          last = first
@@ -114,15 +108,12 @@ contains
             call new_error(error, input_refused, 'cell_ends needs a contact line of one piece; this one has more')
             return
          end if
-         if (first > 1) arc_length = arc_length &
-            + norm2(mesh%coordinates(:, sides(1, first)) - mesh%coordinates(:, sides(2, first - 1)))
          call partition%cell_ends(lengths(first:last), ends, error)
          if (allocated(error)) return
          cell = 1
          begin = 0.0_dp
          do k = 1, last - first + 1
             segment%side = first + k - 1
-            segment%arc_length = arc_length + begin
             segment%range = -1.0_dp
             do
                segment%cell = cells%n_cells + cell
@@ -139,10 +130,9 @@ contains
             begin = begin + lengths(first + k - 1)
          end do
          n = size(ends) - 1
-         cells%next = [cells%next, [(cells%n_cells + i, i=2, n)], 0]
-         if (sides(2, last) == sides(1, first) .and. n > 1) cells%next(cells%n_cells + n) = cells%n_cells + 1
+         cells%line%next = [cells%line%next, [(cells%n_cells + i, i=2, n)], 0]
+         if (sides(2, last) == sides(1, first) .and. n > 1) cells%line%next(cells%n_cells + n) = cells%n_cells + 1
          cells%n_cells = cells%n_cells + n
-         arc_length = arc_length + sum(lengths(first:last))
          first = last + 1
       end do
    end subroutine cut_into_cells
@@ -176,16 +166,18 @@ contains
    end function place_at
 
    !> Computes areas, centers, normals, rows and quadrature points of the cells.
-   pure subroutine integrate(cells, sides, body, direction)
+   pure subroutine integrate(cells, patch, body, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
-      integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
+      type(patch_t), intent(in) :: patch !! the patch of the set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(segment_t) :: segment
-      integer :: n_segments(cells%n_cells), side(4), i, cell, k, point, before, place
+      integer :: n_segments(cells%n_cells), sides(4, size(patch%faces)), side(4), i, cell, k, point, before, place
       type(face_t) :: face
-      real(dp) :: normal(2), outward(2)
+      real(dp) :: normal(2), outward(2), begin(maxval(patch%node))
 
+      sides = patch%sides()
+      begin(patch%node) = patch%line%arc_length
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
       n_segments = [(count(cells%segments%cell == cell), cell=1, cells%n_cells)]
@@ -208,7 +200,7 @@ contains
                cells%quadrature%position(:, place) = position
                cells%quadrature%normal(:, place) = normal
                cells%quadrature%share(place) = area
-               cells%quadrature%arc_length(place) = segment%arc_length &
+               cells%quadrature%arc_length(place) = begin(side(1)) &
                   + norm2(position - body%mesh%coordinates(:, side(1)))
                cells%length(own) = cells%length(own) + face%length(point)
                cells%area(own) = cells%area(own) + area
@@ -249,7 +241,7 @@ contains
       integer, allocatable :: point(:), kept(:), neighbor(:)
       integer :: cell, k
 
-      call new_contact_cells(cells, body, pair%set, pair%line, partition, no_direction, error)
+      call new_contact_cells(cells, body, pair%patch, partition, no_direction, error)
       if (allocated(error)) return
       pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
          k=1, size(cells%segments))]
@@ -268,8 +260,8 @@ contains
       pair%is_tangent_fixed = cells%is_tangent_fixed(kept)
       pair%cells%master = point(pair%cells%master)
       pair%normal = cells%normal(:, kept)
-      pair%next = point(cells%next(kept))
-      where (pair%next == point(kept)) pair%next = 0
+      pair%line%next = point(cells%line%next(kept))
+      where (pair%line%next == point(kept)) pair%line%next = 0
       pair%node = pair%node(:0)
       deallocate (pair%covered_share)
       pair%held_node = pair%node
@@ -285,8 +277,9 @@ contains
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, allocatable, intent(out) :: neighbor(:)
          !! the cell that each cell belongs to: itself, the one beside it, or 0 if it faces nothing (n_cells)
-      real(dp) :: share(0:cells%n_cells)
-      integer :: cell, k, beside(2)
+      real(dp) :: share(cells%n_cells)
+      integer, allocatable :: beside(:)
+      integer :: cell, k
 
       share = 0.0_dp
       do k = 1, size(pieces)
@@ -295,11 +288,13 @@ contains
                - pair%slave%corner(:, 1, segment%slave))/cells%length(pieces(k)%point(1))
          end associate
       end do
-      neighbor = merge([(cell, cell=1, cells%n_cells)], 0, share(1:) > 0.0_dp)
+      neighbor = merge([(cell, cell=1, cells%n_cells)], 0, share > 0.0_dp)
       do cell = 1, cells%n_cells
-         beside = [cells%next(cell), findloc(cells%next, cell, dim=1)]
-         k = beside(maxloc(share(beside), dim=1))
-         if (neighbor(cell) > 0 .and. share(cell) < least_cover .and. share(k) >= least_cover) neighbor(cell) = k
+         if (neighbor(cell) == 0 .or. share(cell) >= least_cover) cycle
+         beside = cells%line%beside(cell)
+         k = maxloc(share(beside), dim=1)
+         if (k == 0) cycle
+         if (share(beside(k)) >= least_cover) neighbor(cell) = beside(k)
       end do
    end subroutine join_cells
 

@@ -23,13 +23,14 @@
 !> on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is then another one than
 !> that of the normal.
 module amontons_mortar_pair
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, turned
    use amontons_contact_set, only: pairing_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t, outer_sides, side_element, side_place
    use amontons_obstacle, only: cross_product
    use amontons_rounding, only: exceeds, first_largest, input_rounding
@@ -40,7 +41,7 @@ module amontons_mortar_pair
    private
 
    public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      inverse, least_cover, mark_facing_sides, mark_line, mortar_pair_t, mortar_piece_t, mortar_points_t, &
+      inverse, least_cover, mark_facing_sides, mark_patch, mortar_pair_t, mortar_piece_t, mortar_points_t, &
       n_quadrature_points, new_mortar_pair
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
@@ -87,13 +88,13 @@ module amontons_mortar_pair
       character(:), allocatable :: set !! name of the slave's boundary set
       character(:), allocatable :: against !! name of the master's boundary set
       character(:), allocatable :: label !! its name, SLAVE/MASTER
-      type(boundary_line_t) :: line !! the slave's line
+      type(patch_t) :: patch !! the slave's patch
       type(surface_t) :: slave !! the surface that carries the multipliers
       type(surface_t) :: master !! the surface of the other body
       type(mortar_segment_t), allocatable :: segments(:) !! segments in which they face each other
       real(dp) :: search = 0.0_dp !! largest magnitude of a gap [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
-      integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
+      type(line_t) :: line !! how the points follow each other
       integer, allocatable :: partner(:)
          !! the node of the master at the same place that a bonded point is joined to alone, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
@@ -298,7 +299,7 @@ contains
       integer, dimension(size(pair%normal, 2)) :: n_pieces, n_partners, filled
       integer :: i, k, p, first_node, l, n, q
       type(surface_place_t) :: place, foot
-      real(dp) :: at, area, psi(2), hat, normal(2)
+      real(dp) :: at, area, psi(2), hat, normal(2), begin(maxval(pair%patch%node))
 
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
@@ -317,6 +318,7 @@ contains
       call points%rows%begin(n_piece_nodes*n_pieces + n_partners)
       call points%quadrature%begin(n_points*n_pieces)
       rule = gauss_rule(n_points)
+      begin(pair%patch%node) = pair%patch%line%arc_length
       hat_area = 0.0_dp
       shear_area = 0.0_dp
       filled = 0
@@ -354,7 +356,7 @@ contains
                   quadrature%position(:, q) = place%position
                   quadrature%normal(:, q) = normal
                   quadrature%outward(q) = 1.0_dp
-                  quadrature%arc_length(q) = slave%arc_length(segment%slave) &
+                  quadrature%arc_length(q) = begin(slave%side(1, segment%slave)) &
                      + norm2(place%position - slave%corner(:, 1, segment%slave))
                   quadrature%share(q) = hat
                   quadrature%gap(q) = dot_product(foot%position - place%position, normal)
@@ -418,7 +420,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
-      type(boundary_line_t) :: master_line
+      type(patch_t) :: facing
       real(dp), allocatable :: share(:)
       logical :: is_master(body%mesh%n_nodes)
       integer :: i
@@ -430,26 +432,23 @@ contains
          call new_error(error, input_refused, "self contact of the set '"//set//"': split the set in two")
          return
       end if
-      call new_boundary_line(pair%line, body%mesh, set, error, body%materials)
+      call new_patch(pair%patch, body%mesh, set, error, body%materials)
       if (allocated(error)) return
-      call new_boundary_line(master_line, body%mesh, pair%against, error)
+      call new_patch(facing, body%mesh, pair%against, error)
       if (allocated(error)) return
       is_master = .false.
-      is_master(master_line%node) = .true.
+      is_master(facing%node) = .true.
       ! At an end of the slave bodies may be joined, as at a crack's tip.
-      associate (line => pair%line)
-         do i = 1, line%n_nodes
-            if (.not. is_master(line%node(i))) cycle
-            if (line%next(i) == 0 .or. all(line%next /= i)) cycle
+      associate (patch => pair%patch)
+         i = findloc(is_master(patch%node) .and. patch%line%next > 0 .and. patch%line%before() > 0, .true., dim=1)
+         if (i > 0) then
             call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
-               place_text(body%mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
+               place_text(body%mesh%coordinates(:, patch%node(i)))//': these bodies are joined there')
             return
-         end do
+         end if
       end associate
-      call new_surface(pair%slave, body, set, pair%line, master_line, error)
-      if (allocated(error)) return
-      call new_surface(pair%master, body, pair%against, master_line, pair%line, error)
-      if (allocated(error)) return
+      call new_surface(pair%slave, body, pair%patch, facing)
+      call new_surface(pair%master, body, facing, pair%patch)
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
             place_text(body%mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
@@ -544,7 +543,7 @@ contains
       part = covered_parts(pair)
       share = sum(part, dim=1)
       call continue_sides(pair, part, share, constraints)
-      is_open(pair%line%node) = .true.
+      is_open(pair%patch%node) = .true.
       faces = .false.
       do i = 1, size(share)
          associate (nodes => pair%slave%side(:3, i))
@@ -554,13 +553,13 @@ contains
             if (pair%lead_side(i) == i) where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(nodes(:2)) = .true.
          end associate
       end do
-      pair%open_node = pack(pair%line%node, is_open(pair%line%node))
+      pair%open_node = pack(pair%patch%node, is_open(pair%patch%node))
       ! A single point would be a hinge; but another set may need the corner beyond the end.
-      do i = 1, merge(size(share), 0, count(faces(pair%line%node)) == 1 .and. all(follower >= 0))
+      do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) == 1 .and. all(follower >= 0))
          if (share(i) > 0.0_dp) faces(pair%slave%side(:2, i)) = .true.
       end do
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
-      facing = pack(pair%line%node, faces(pair%line%node))
+      facing = pack(pair%patch%node, faces(pair%patch%node))
       do i = 1, size(facing)
          associate (node => facing(i))
             if (follower(node) > 0) then
@@ -580,13 +579,13 @@ contains
       point = 0
       point(pair%node) = [(i, i=1, size(pair%node))]
       allocate (pair%point_of(2, pair%slave%n_sides))
-      allocate (pair%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
+      allocate (pair%line%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
       pair%gives_shear = pair%is_tangent_fixed .and. is_tied
       do i = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
             pair%point_of(:, i) = point(nodes(:2))
-            if (first > 0) pair%next(first) = pair%point_of(2, i)
+            if (first > 0) pair%line%next(first) = pair%point_of(2, i)
             if (first > 0) pair%covered_share(first) = share(i) + sum(max(0.0_dp, pair%reach(:, i)))
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
                .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
@@ -647,16 +646,18 @@ contains
       end do
    end function covered_parts
 
-   !> Marks the nodes and sides of a line as used by a contact set or tie.
-   pure subroutine mark_line(follower, line)
-      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the line (nodes)
-      type(boundary_line_t), intent(in) :: line !! the line of a set
+   !> Marks the nodes and sides of a patch as used by a contact set or tie.
+   pure subroutine mark_patch(follower, patch)
+      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the patch (nodes)
+      type(patch_t), intent(in) :: patch !! the patch of a set
       integer :: i
 
-      do i = 1, line%n_nodes
-         if (line%next(i) > 0) call mark_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
+      do i = 1, patch%n_nodes
+         associate (next => patch%line%next(i))
+            if (next > 0) call mark_side(follower, patch%node([i, next]), is_whole=.true.)
+         end associate
       end do
-   end subroutine mark_line
+   end subroutine mark_patch
 
    !> Marks the nodes and sides of a slave that face its master as used, except for sides that the master covers only
    !> in part: the rest of these is left to another set.

@@ -6,7 +6,7 @@
 !> p. On a quadratic side this holds in hierarchical unknowns, in which that of a middle node is its deviation from the
 !> mean of the corners.
 module amontons_pair_substitution
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
@@ -150,7 +150,7 @@ contains
       do i = 1, size(pair%node)
          if (constraints%rigid_of(pair%node(i)) > 0) cycle
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
-         sums(pair%node(i))%line = pair%line%node(1)
+         sums(pair%node(i))%line = pair%patch%node(1)
       end do
    end subroutine add_pair
 
@@ -355,7 +355,7 @@ contains
       real(dp), parameter :: least_cosine = 0.7_dp ! the walls of both continue as one line
       real(dp) :: normal(2, body%mesh%n_nodes)
       integer, allocatable :: facing(:)
-      type(boundary_line_t) :: line
+      type(patch_t) :: patch
       type(error_t), allocatable :: fault
       integer :: i, k, place
 
@@ -363,11 +363,11 @@ contains
       normal = 0.0_dp
       do i = 1, merge(size(contacts), 0, size(ties) > 0)
          if (contacts(i)%pairing%is_pair() .or. contacts(i)%partition%is_constant) cycle
-         call new_boundary_line(line, body%mesh, contacts(i)%set, fault, body%materials)
+         call new_patch(patch, body%mesh, contacts(i)%set, fault, body%materials)
          ! A missing set is reported later. A single linear side keeps the ends that no other set has.
-         if (line%n_nodes <= 2) cycle
-         area(line%node) = area(line%node) + line%area
-         normal(:, line%node) = line%normal
+         if (patch%n_nodes <= 2) cycle
+         area(patch%node) = area(patch%node) + patch%area
+         normal(:, patch%node) = patch%normal
       end do
       partner = [(i, i=1, size(area))]
       do i = 1, size(ties)

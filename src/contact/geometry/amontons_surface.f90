@@ -11,10 +11,9 @@
 !> if it is within reach; of several sides the nearest counts. Segments end where a ray meets a corner of the master, so
 !> that integrands are smooth on each segment.
 module amontons_surface
-   use amontons_boundary, only: boundary_line_t
+   use amontons_boundary, only: patch_t
    use amontons_constraints, only: constraints_t
    use amontons_element, only: side_shapes
-   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
@@ -24,7 +23,7 @@ module amontons_surface
    private
 
    public :: find_segments, join_sides, meet_master, meet_side, meeting_t, meshed_body_t, mortar_segment_t, &
-      new_surface, side_order, sides_near, surface_place_t, surface_t
+      new_surface, sides_near, surface_place_t, surface_t
 
    !> A mesh with its materials and supports.
    type :: meshed_body_t
@@ -43,8 +42,6 @@ module amontons_surface
          !! coordinates of first corner, second corner, middle of each side; the middle of a straight one is that of its
          !! chord (2, 3, n_sides) [L]
       real(dp), allocatable :: normal(:, :, :) !! unit outward normals there (2, 3, n_sides) [-]
-      real(dp), allocatable :: arc_length(:)
-         !! length along the line where each side begins, chord by chord (n_sides) [L]
       real(dp), allocatable :: box(:, :, :)
          !! least and largest coordinates of each `n_boxed` sides that follow each other (2, 2, any) [L]
       type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
@@ -85,28 +82,12 @@ module amontons_surface
 
 contains
 
-   !> The sides of a boundary set, reordered along the line of its nodes.
-   pure function side_order(sides, line, n_nodes) result(order)
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      type(boundary_line_t), intent(in) :: line !! the line
-      integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      integer, allocatable :: order(:)
-      integer :: side_from(n_nodes), i
-
-      side_from = 0
-      side_from(sides(1, :)) = [(i, i=1, size(sides, 2))]
-      order = pack(side_from(line%node), side_from(line%node) > 0)
-   end function side_order
-
    !> Makes the surface of a boundary set.
-   pure subroutine new_surface(surface, body, set, line, facing, error)
+   pure subroutine new_surface(surface, body, patch, facing)
       type(surface_t), intent(out) :: surface !! the surface
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      character(*), intent(in) :: set !! name of the boundary set
-      type(boundary_line_t), intent(in) :: line !! its line
-      type(boundary_line_t), intent(in) :: facing !! the line of the other body's set
-      type(error_t), allocatable, intent(out) :: error !! there is no such set
-      integer, allocatable :: sides(:, :)
+      type(patch_t), intent(in) :: patch !! the patch of the set
+      type(patch_t), intent(in) :: facing !! that of the other body's set
       ! A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
       ! degrees has the rounding error of its cosine.
       real(dp), parameter :: most = 0.501_dp
@@ -114,9 +95,7 @@ contains
       real(dp) :: held(2)
       integer :: i, k
 
-      call body%mesh%set_sides(set, sides, error)
-      if (allocated(error)) return
-      call join_sides(surface, body, sides(:, side_order(sides, line, body%mesh%n_nodes)))
+      call join_sides(surface, body, patch%sides())
       allocate (surface%mirrored_node(0))
       is_on_axis = on_axis(body%mesh, body%materials)
       is_corner = .false.
@@ -152,7 +131,7 @@ contains
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(surface_place_t) :: place
-      real(dp) :: begin, mean(2)
+      real(dp) :: mean(2)
       integer :: i, k, side_from(body%mesh%n_nodes), next
       ! Cosine of the smallest angle between two sides at a corner: 40 degrees.
       real(dp), parameter :: sharp = 0.766_dp
@@ -160,16 +139,12 @@ contains
       surface%side = sides
       surface%n_sides = size(sides, 2)
       surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
-      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
-         surface%arc_length(surface%n_sides))
-      begin = 0.0_dp
+      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides))
       do i = 1, surface%n_sides
          associate (corner => surface%corner(:, :, i), nodes => surface%side(:3, i))
             corner(:, :2) = body%mesh%coordinates(:, nodes(:2))
             corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
             if (nodes(3) > 0) corner(:, 3) = body%mesh%coordinates(:, nodes(3))
-            surface%arc_length(i) = begin
-            begin = begin + norm2(corner(:, 2) - corner(:, 1))
             surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
          end associate
          surface%normal(:, :, i) = 0.0_dp

@@ -219,7 +219,7 @@ contains
                   maxval(condensation%unknown) + 1
             end do
          end do
-         condensation%next = zone%next
+         condensation%next = zone%line%next
          allocate (condensation%rows)
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1

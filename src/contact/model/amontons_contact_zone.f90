@@ -8,7 +8,7 @@
 !> contact line: the least norm of the projection of a multiplier of norm 1 onto the traces of the body's displacements.
 !> It depends on mesh, cells and supports alone and lies between 0 and 1.
 module amontons_contact_zone
-   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
@@ -16,7 +16,8 @@ module amontons_contact_zone
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_line, &
+   use amontons_line, only: line_t
+   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_patch, &
       mortar_pair_t, mortar_points_t, n_quadrature_points, new_mortar_pair
    use amontons_obstacle, only: unit_vector
    use amontons_sparse_lu, only: sparse_lu_t
@@ -31,7 +32,7 @@ module amontons_contact_zone
    !> Number of quadrature points of a segment in the second integration.
    integer, parameter :: n_quadrature_again = n_quadrature_points + 3
 
-   !> The contact points of all contact sets, each set in the order of its line, body on the left.
+   !> The contact points of all contact sets, each set in the order of its patch.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
       integer :: n_tangents = 1 !! number of tangential directions of a point; 2 in a twisted body
@@ -49,7 +50,7 @@ module amontons_contact_zone
       real(dp), allocatable :: foot(:, :) !! mean position on the other body of a pair, `acting` without one (2, m) [L]
       type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
-      integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
+      type(line_t), allocatable :: line !! how the points follow each other; not allocated in space
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
@@ -86,14 +87,17 @@ contains
          !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
       integer :: follower(body%mesh%n_nodes), nothing(0), i, k
 
-      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%held_set(0), zone%held_normal(2, 0), &
-         zone%held_arc_length(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%passed_point(2, 0), zone%mean_point(0), zone%is_own(0), zone%is_cell(0), &
-         zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), &
-         zone%is_tangent_fixed(0))
+      allocate (zone%node(0), zone%set(0), zone%held_node(0), zone%held_set(0), zone%held_normal(2, 0), &
+         zone%held_arc_length(0), zone%shared_node(0), zone%zero_area_node(0), zone%passed_point(2, 0), &
+         zone%mean_point(0), zone%is_own(0), zone%is_cell(0), zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), &
+         zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_tangent_fixed(0))
       call zone%rows%begin(nothing)
       call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
+      if (size(body%mesh%coordinates, 1) == 2) then
+         allocate (zone%line)
+         allocate (zone%line%next(0))
+      end if
       follower = 0
       if (present(bonded)) follower = bonded
       do i = 1, size(contacts)
@@ -150,19 +154,19 @@ contains
       integer, intent(inout) :: follower(:)
          !! the nodes of earlier sets, see `amontons_mortar_pair`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
-      type(boundary_line_t) :: line
+      type(patch_t) :: patch
 
-      call new_boundary_line(line, body%mesh, contact%set, error, body%materials)
+      call new_patch(patch, body%mesh, contact%set, error, body%materials)
       if (allocated(error)) return
       if (contact%partition%is_constant) then
-         call add_cells(zone, set, contact, line, body, error)
+         call add_cells(zone, set, contact, patch, body, error)
       else
-         call add_line(zone, set, contact%direction, line, body, follower)
+         call add_nodes(zone, set, contact%direction, patch, body, follower)
       end if
-      if (all(zone%set /= set) .and. all(follower(line%node) > 0)) call new_error(error, input_refused, &
+      if (all(zone%set /= set) .and. all(follower(patch%node) > 0)) call new_error(error, input_refused, &
          'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve '// &
          'where the other begins, or draw both as one polyline')
-      call mark_line(follower, line)
+      call mark_patch(follower, patch)
    end subroutine add_set
 
    !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
@@ -272,12 +276,13 @@ contains
       integer, intent(in) :: set !! number of the contact set that they belong to
       logical, intent(in) :: is_cell !! whether they are cells of constant multipliers
       type(contact_zone_t), intent(in) :: points
-         !! the points; `next` counts among them, nodes that are no points are left out
+         !! the points; their line counts among them, nodes that are no points are left out
       integer :: n
 
       n = size(points%area)
       zone%set = [zone%set, spread(set, 1, n)]
-      zone%next = [zone%next, merge(zone%n_points + points%next, 0, points%next > 0)]
+      if (allocated(zone%line)) zone%line%next = [zone%line%next, merge(zone%n_points + points%line%next, 0, &
+         points%line%next > 0)]
       zone%n_points = zone%n_points + n
       zone%is_cell = [zone%is_cell, spread(is_cell, 1, n)]
       zone%is_own = [zone%is_own, points%is_own]
@@ -293,79 +298,78 @@ contains
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
 
-   !> Adds the nodes of one line as points.
+   !> Adds the nodes of a patch as points.
    !>
-   !> If the line continues that of an earlier set, the pressure at the node between them acts on the sides of both. A
+   !> If the patch continues that of an earlier set, the pressure at the node between them acts on the faces of both. A
    !> corner, where the law of the earlier set has another direction, is a point of either set.
    !>
    !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
    !> function N_a. With a share of that of the middle node, N_a + alpha N_b and (1 - alpha) N_b, both have one: the
    !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b.
-   pure subroutine add_line(zone, set, direction, line, body, follower)
+   pure subroutine add_nodes(zone, set, direction, patch, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
-      real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
-      type(boundary_line_t), intent(in) :: line !! its line
+      real(dp), intent(in) :: direction(:) !! along which its gaps count; 0 for the body's normal (n_dim) [-]
+      type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
-      real(dp) :: arc_length(line%n_nodes), area(line%n_nodes), normal(2, line%n_nodes), along
-      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), corner(line%n_nodes), i, k, n, n_corners
-      integer, allocatable :: own(:), place(:), stand_in(:)
-      logical :: is_own, points_are_own(line%n_nodes)
+      real(dp) :: area(patch%n_nodes), normal(size(direction), patch%n_nodes)
+      integer :: point_of(0:patch%n_nodes), kept(patch%n_nodes), corner(patch%n_nodes), before(patch%n_nodes)
+      integer :: i, k, n, n_corners
+      integer, allocatable :: own(:), place(:), stand_in(:), beside(:)
+      logical :: is_own, points_are_own(patch%n_nodes)
 
       point_of = 0
       n = 0
       n_corners = 0
-      along = 0.0_dp
-      area = merge(line%area, 0.0_dp, line%area > negligible*maxval(line%area))
-      do k = 1, line%n_nodes
+      before = patch%line%before()
+      area = merge(patch%area, 0.0_dp, patch%area > negligible*maxval(patch%area))
+      do k = 1, patch%n_nodes
+         if (area(k) > 0.0_dp) cycle
          ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
          ! pressure on the axis is exact where it is a quadratic function of the radius.
-         if (area(k) <= 0.0_dp) area(k) = min(0.0_dp, sum(max(area, 0.0_dp)*line%moment(k)/max(line%moment, &
-            tiny(1.0_dp)), mask=line%next == k .or. line%next(k) == [(i, i=1, line%n_nodes)]))
+         beside = patch%line%beside(k)
+         area(k) = min(0.0_dp, sum(max(area(beside), 0.0_dp)*patch%moment(k)/max(patch%moment(beside), tiny(1.0_dp))))
       end do
-      do k = 1, line%n_nodes
-         if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
-            - body%mesh%coordinates(:, line%node(k - 1)))
-         arc_length(k) = along
-         normal(:, k) = line%normal(:, k)
-         if (any(abs(direction) > 0.0_dp)) normal(:, k) = unit_vector(direction)
-         is_own = follower(line%node(k)) <= 0 .and. body%constraints%rigid_of(line%node(k)) == 0
-         i = 0
-         if (follower(line%node(k)) > 0) i = point_before(zone, line%node(k), normal(:, k))
-         if (is_taken(line, k, follower)) then
-            ! Earlier sets have all sides beside it.
-            zone%shared_node = [zone%shared_node, line%node(k)]
-         else if (i > 0) then
-            zone%shared_node = [zone%shared_node, line%node(k)]
-            zone%weight(i) = zone%weight(i) + line%weight(k)
-            zone%area(i) = zone%area(i) + line%area(k)
-            zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
-         else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
-            zone%held_node = [zone%held_node, line%node(k)]
-            zone%held_set = [zone%held_set, set]
-            zone%held_normal = reshape([zone%held_normal, normal(:, k)], [2, size(zone%held_node)])
-            zone%held_arc_length = [zone%held_arc_length, along]
-         else if (.not. abs(area(k)) > 0.0_dp .or. (area(k) < 0.0_dp .and. .not. is_own)) then
-            zone%zero_area_node = [zone%zero_area_node, line%node(k)]
-         else
-            n = n + 1
-            kept(n) = k
-            point_of(k) = n
-            points_are_own(n) = is_own
-            if (area(k) > 0.0_dp) cycle
-            n_corners = n_corners + 1
-            corner(n_corners) = k
-         end if
+      normal = patch%normal
+      if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
+      do k = 1, patch%n_nodes
+         associate (node => patch%node(k))
+            is_own = follower(node) <= 0 .and. body%constraints%rigid_of(node) == 0
+            i = 0
+            if (follower(node) > 0) i = point_before(zone, node, normal(:, k))
+            if (is_taken(patch, before(k), k, follower)) then
+               ! Earlier sets have all sides beside it.
+               zone%shared_node = [zone%shared_node, node]
+            else if (i > 0) then
+               zone%shared_node = [zone%shared_node, node]
+               zone%weight(i) = zone%weight(i) + patch%weight(k)
+               zone%area(i) = zone%area(i) + patch%area(k)
+               zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
+            else if (.not. body%constraints%leaves_free(node, normal(:, k))) then
+               zone%held_node = [zone%held_node, node]
+               zone%held_set = [zone%held_set, set]
+               zone%held_normal = reshape([zone%held_normal, normal(:, k)], [size(normal, 1), size(zone%held_node)])
+               zone%held_arc_length = [zone%held_arc_length, patch%line%arc_length(k)]
+            else if (.not. abs(area(k)) > 0.0_dp .or. (area(k) < 0.0_dp .and. .not. is_own)) then
+               zone%zero_area_node = [zone%zero_area_node, node]
+            else
+               n = n + 1
+               kept(n) = k
+               point_of(k) = n
+               points_are_own(n) = is_own
+               if (area(k) > 0.0_dp) cycle
+               n_corners = n_corners + 1
+               corner(n_corners) = k
+            end if
+         end associate
       end do
-      ! The point that represents each corner, and the places on the line that each point represents.
-      stand_in = point_of(line%next(corner(:n_corners)))
-      do i = 1, n_corners
-         if (stand_in(i) == 0) stand_in(i) = point_of(findloc(line%next, corner(i), dim=1))
-      end do
+      ! The point that represents each corner, and the nodes that each point represents.
+      stand_in = point_of(patch%line%next(corner(:n_corners)))
+      where (stand_in == 0) stand_in = point_of(before(corner(:n_corners)))
       zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
       points%rows%start(1) = 1
@@ -373,45 +377,47 @@ contains
          associate (first => points%rows%start(i), next => points%rows%start(i + 1))
             next = first + 1 + count(stand_in == i)
             place(first:next - 1) = [kept(i), pack(corner(:n_corners), stand_in == i)]
-            points%weight(i) = sum(line%weight(place(first:next - 1)), mask=area(place(first:next - 1))*area(kept(i)) &
+            points%weight(i) = sum(patch%weight(place(first:next - 1)), mask=area(place(first:next - 1))*area(kept(i)) &
                > 0.0_dp)
             points%area(i) = sum(area(place(first:next - 1)))
          end associate
       end do
       own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
-      points%next = point_of(line%next(kept(:n)))
+      allocate (points%line)
+      points%line%next = point_of(patch%line%next(kept(:n)))
       points%is_own = points_are_own(:n)
-      points%is_tangent_fixed = [(body%constraints%guides(line%node(kept(i)), normal(:, kept(i))), i=1, n)]
-      points%position = body%mesh%coordinates(:, line%node(kept(:n)))
+      points%is_tangent_fixed = [(body%constraints%guides(patch%node(kept(i)), normal(:, kept(i))), i=1, n)]
+      points%position = body%mesh%coordinates(:, patch%node(kept(:n)))
       points%normal = normal(:, kept(:n))
-      associate (share => area(place)/points%area(own), node => line%node(place))
+      associate (share => area(place)/points%area(own), node => patch%node(place))
          points%rows%node = node
-         points%rows%part = points%normal(:, own)*spread(share, 1, 2)
+         points%rows%part = points%normal(:, own)*spread(share, 1, size(direction))
          points%rows%tangent = points%rows%part
          points%rows%around = share
          call points%rows%set_tangents()
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
-            normal=points%normal(:, own), outward=sum(points%normal(:, own)*line%normal(:, place), dim=1), &
-            arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
+            normal=points%normal(:, own), outward=sum(points%normal(:, own)*patch%normal(:, place), dim=1), &
+            arc_length=patch%line%arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
          points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
-            - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [2, n])
+            - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [size(direction), n])
       end associate
-      points%area = abs(points%area) + line%bare_area(kept(:n))
-      zone%node = [zone%node, pack(line%node(kept(:n)), points%is_own)]
+      points%area = abs(points%area) + patch%bare_area(kept(:n))
+      zone%node = [zone%node, pack(patch%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
-   end subroutine add_line
+   end subroutine add_nodes
 
-   !> Whether earlier sets have a node and all sides of a line, or parts of quadratic ones, beside it.
-   pure logical function is_taken(line, place, follower)
-      type(boundary_line_t), intent(in) :: line !! the line
-      integer, intent(in) :: place !! place of the node on it
+   !> Whether earlier sets have a node and all sides of a patch, or parts of quadratic ones, beside it.
+   pure logical function is_taken(patch, before, place, follower)
+      type(patch_t), intent(in) :: patch !! the patch
+      integer, intent(in) :: before !! place of the node before it, 0 for none
+      integer, intent(in) :: place !! place of the node
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
-      integer :: before
 
-      before = findloc(line%next, place, dim=1)
-      is_taken = follower(line%node(place)) > 0
-      if (line%next(place) > 0) is_taken = is_taken .and. follower(line%node(place)) == line%node(line%next(place))
-      if (before > 0) is_taken = is_taken .and. follower(line%node(before)) == line%node(place)
+      associate (node => patch%node, next => patch%line%next(place))
+         is_taken = follower(node(place)) > 0
+         if (next > 0) is_taken = is_taken .and. follower(node(place)) == node(next)
+         if (before > 0) is_taken = is_taken .and. follower(node(before)) == node(place)
+      end associate
    end function is_taken
 
    !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the
@@ -431,12 +437,12 @@ contains
       point = 0
    end function point_before
 
-   !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
-   pure subroutine add_cells(zone, set, contact, line, body, error)
+   !> Adds the cells of a patch as points. A cell whose nodes supports hold along its normal is no point.
+   pure subroutine add_cells(zone, set, contact, patch, body, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
-      type(boundary_line_t), intent(in) :: line !! its line
+      type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       type(contact_cells_t) :: cells
@@ -444,13 +450,14 @@ contains
       integer, allocatable :: kept(:), point_of(:)
       integer :: k
 
-      call new_contact_cells(cells, body, contact%set, line, contact%partition, contact%direction, error)
+      call new_contact_cells(cells, body, patch, contact%partition, contact%direction, error)
       if (allocated(error)) return
       zone%n_held_cells = zone%n_held_cells + count(cells%is_held)
       kept = pack([(k, k=1, cells%n_cells)], .not. cells%is_held)
       allocate (point_of(0:cells%n_cells), source=0)
       point_of(kept) = [(k, k=1, size(kept))]
-      points%next = point_of(cells%next(kept))
+      allocate (points%line)
+      points%line%next = point_of(cells%line%next(kept))
       points%position = cells%center(:, kept)
       points%normal = cells%normal(:, kept)
       points%weight = cells%length(kept)
@@ -491,11 +498,11 @@ contains
          call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
          if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, body%mesh, error)
          if (allocated(error)) return
-         points%next = pair%next
+         points%line = pair%line
          points%is_tangent_fixed = pair%is_tangent_fixed
          points%normal = pair%normal
          if (contact%partition%is_constant) then
-            points%is_own = spread(.false., 1, size(pair%next))
+            points%is_own = spread(.false., 1, size(pair%line%next))
             points%position = integrals%center
          else
             points%is_own = body%constraints%rigid_of(pair%node) == 0

@@ -172,11 +172,12 @@ contains
       integer :: p, q, r
 
       normals = zone%normal
+      if (.not. allocated(zone%line)) return
       do q = 1, zone%n_points
-         p = zone%next(q)
+         p = zone%line%next(q)
          if (p == 0) cycle
          if (zone%is_cell(p)) cycle
-         r = zone%next(p)
+         r = zone%line%next(p)
          ! A direction that the deck gives is the same at all points.
          if (r == 0 .or. norm2(zone%normal(:, p) - zone%normal(:, q)) < computed_rounding) cycle
          before = zone%position(:, p) - zone%position(:, q)
