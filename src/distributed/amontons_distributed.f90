@@ -274,7 +274,9 @@ contains
          call channel%pass(mesh%node)
       end associate
       call channel%pass(self%node)
-      call channel%pass(self%constraints%axis)
+      if (channel%is_sender) blocks = reshape(self%constraints%frame, [4, size(self%node)])
+      call channel%pass(blocks)
+      self%constraints%frame = reshape(blocks, [2, 2, size(self%node)])
       call channel%pass(self%dof_map%dof)
       associate (substitution => self%dof_map%substitution)
          n_blocks = 0
@@ -396,7 +398,7 @@ contains
             end if
             own%materials%list = materials%list
             own%materials%of_element = materials%of_element(elements)
-            own%constraints%axis = constraints%axis(:, own%node)
+            own%constraints%frame = constraints%frame(:, :, own%node)
             if (i > 0) call own%pass(channel_t(i, .true.))
          end associate
       end do

@@ -144,8 +144,8 @@ contains
       end if
       ! Into the frames of supports that are aslant.
       do i = 1, size(own)
-         if (.not. abs(constraints%axis(2, own(i))) > 0.0_dp) cycle
-         associate (frame => constraints%frame(own(i)), first => n*(i - 1) + 1)
+         if (.not. constraints%is_turned(own(i))) cycle
+         associate (frame => constraints%frame(:, :, own(i)), first => n*(i - 1) + 1)
             turned(first:n*i, :) = matmul(transpose(frame), turned(first:n*i, :))
             turned(:, first:n*i) = matmul(turned(:, first:n*i), frame)
          end associate
@@ -259,7 +259,7 @@ contains
       own = dof_map%substitution%forces(field)
       do node = 1, size(field, 2)
          ! Into the frames of supports that are aslant.
-         if (abs(constraints%axis(2, node)) > 0.0_dp) own(:, node) = matmul(own(:, node), constraints%frame(node))
+         if (constraints%is_turned(node)) own(:, node) = matmul(own(:, node), constraints%frame(:, :, node))
          do axis = 1, size(own, 1)
             if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = own(axis, node)
          end do
@@ -280,8 +280,8 @@ contains
          do axis = 1, size(displacement, 1)
             if (dof_map%dof(axis, node) > 0) displacement(axis, node) = vector(dof_map%dof(axis, node))
          end do
-         if (abs(constraints%axis(2, node)) > 0.0_dp) displacement(:, node) = &
-            matmul(constraints%frame(node), displacement(:, node))
+         if (constraints%is_turned(node)) displacement(:, node) = matmul(constraints%frame(:, :, node), &
+            displacement(:, node))
       end do
       displacement = prescribed + dof_map%substitution%displacement(displacement)
    end function from_unknowns

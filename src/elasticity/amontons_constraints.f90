@@ -16,6 +16,7 @@ module amontons_constraints
    use amontons_boundary, only: new_patch, patch_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
+   use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: find_set, mesh_t
@@ -76,12 +77,14 @@ module amontons_constraints
       procedure :: is_driven => support_is_driven
    end type support_t
 
-   !> The directions that the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement
-   !> is the sum of what a load case prescribes and of free parts along e1 and e2.
+   !> The directions that the supports hold, node by node. Each node has an orthonormal frame; its displacement is the
+   !> sum of what a load case prescribes and of free parts along the axes of the frame.
    type :: constraints_t
       logical, allocatable :: is_free(:, :)
-         !! whether the node can move along e1, e2, and in a twisted body around the axis (components, n_nodes)
-      real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (components, n_nodes) [-]
+         !! whether the node can move along each axis of its frame (components, n_nodes)
+      real(dp), allocatable :: frame(:, :, :)
+         !! the axes as columns; in a twisted body the last one is the direction around the axis of revolution
+         !! (components, components, n_nodes) [-]
       type(rigid_set_t), allocatable :: rigid(:)
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
@@ -89,14 +92,14 @@ module amontons_constraints
       real(dp), allocatable :: place(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
-      real(dp), allocatable :: skew(:, :)
-         !! component of its direction along the other axis of the plane, over that along this one (components, n_nodes)
-         !! [-]
+      real(dp), allocatable :: skew(:, :, :)
+         !! components of the direction of that support along the other axes, over that along this one, which is the
+         !! second index (components, components, n_nodes) [-]
    contains
-      procedure :: frame => constraints_frame
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
-      procedure :: guides => constraints_guides
+      procedure :: fixed_tangents => constraints_fixed_tangents
+      procedure :: is_turned => constraints_is_turned
       procedure :: leaves_free => constraints_leaves_free
       procedure :: supported_part => constraints_supported_part
       procedure :: rigid_moves => constraints_rigid_moves
@@ -144,7 +147,7 @@ module amontons_constraints
       integer :: n_lockable = 0
          !! number of the last ones, which belong to no contact point and which a history may lock
       integer, allocatable :: dof(:, :)
-         !! unknown of the component along e1, e2, around the axis of a node, 0 if held (components, n_nodes)
+         !! unknown of the component along each axis of a node's frame, 0 if held (components, n_nodes)
       type(substitution_t) :: substitution !! displacements of the nodes in terms of the unknowns
    end type dof_map_t
 
@@ -314,16 +317,19 @@ contains
       real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, 0 (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in), optional :: materials !! as in `new_constraints`
-      integer :: n_components
+      integer :: n_components, axis
 
       n_components = 2
       if (present(materials)) n_components = materials%n_components()
       allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
-      allocate (constraints%axis(n_components, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), source=0.0_dp)
-      constraints%axis(1, :) = 1.0_dp
+      allocate (constraints%frame(n_components, n_components, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), &
+         source=0.0_dp)
+      do axis = 1, n_components
+         constraints%frame(axis, axis, :) = 1.0_dp
+      end do
       if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
       allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
-      allocate (constraints%skew(n_components, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%skew(n_components, n_components, mesh%n_nodes), source=0.0_dp)
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       constraints%place = mesh%coordinates
       allocate (constraints%rigid(0))
@@ -438,8 +444,9 @@ contains
       integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! no node, or the supports contradict each other at one
       real(dp), intent(in), optional :: normal(:, :)
-         !! outward normal at each; without it normal and tangential components do not exist (2, nodes) [-]
+         !! outward normal at each; without it normal and tangential components do not exist (n_dim, nodes) [-]
       real(dp) :: direction(size(prescribed, 1), size(supported_components)), displacement
+      real(dp) :: frame(size(prescribed, 1), size(prescribed, 1))
       logical :: is_consistent
       integer :: component, i
 
@@ -455,7 +462,8 @@ contains
       direction(2, 2) = 1.0_dp
       direction(3:, 5:) = 1.0_dp
       do i = 1, size(nodes)
-         if (present(normal)) direction(:2, 3:4) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
+         if (present(normal)) frame = new_frame(normal(:, i), size(frame, 1))
+         if (present(normal)) direction(:, 3:4) = frame(:, :2)
          do component = 1, size(support%is_held)
             if (.not. support%is_held(component)) cycle
             displacement = support%displacement(component)
@@ -492,25 +500,29 @@ contains
       real(dp), intent(in) :: displacement !! the prescribed displacement along the direction [L]
       integer, intent(in) :: support !! number of the support
       logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
-      real(dp) :: frame(size(direction), size(direction)), missing, along(size(direction)), share(size(direction))
-      integer :: free
+      real(dp) :: missing, share(size(direction))
+      real(dp), allocatable :: toward(:)
+      integer, allocatable :: aslant(:)
+      integer :: axis
 
       missing = displacement - dot_product(direction, prescribed)
-      if (all(self%is_free(:2, node)) .and. all(abs(direction(:2)) > negligible)) self%axis(:, node) = direction
-      frame = self%frame(node)
-      ! The free axis that the direction has most of: the other one is held already, or normal to it.
-      share = matmul(direction, frame)
-      along = abs(share)
-      free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
-      if (free == 0) then
-         is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
-         return
-      end if
-      is_consistent = .true.
-      self%is_free(free, node) = .false.
-      self%holder(free, node) = support
-      if (free < 3) self%skew(free, node) = share(3 - free)/share(free)
-      prescribed = prescribed + frame(:, free)*missing/share(free)
+      associate (frame => self%frame(:, :, node))
+         ! The free axes that are not normal to the direction; the first of several is turned along it.
+         share = matmul(direction, frame)
+         aslant = pack([(axis, axis=1, size(share))], self%is_free(:, node) .and. abs(share) > negligible)
+         is_consistent = size(aslant) > 0 .or. abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
+         if (size(aslant) == 0) return
+         toward = share(aslant)
+         if (size(aslant) < size(share)) toward = toward/norm2(toward)
+         if (size(aslant) > 1) frame(:, aslant) = matmul(frame(:, aslant), new_frame(toward, size(aslant)))
+         axis = aslant(1)
+         share = matmul(direction, frame)
+         self%is_free(axis, node) = .false.
+         self%holder(axis, node) = support
+         self%skew(:, axis, node) = share/share(axis)
+         self%skew(axis, axis, node) = 0.0_dp
+         prescribed = prescribed + frame(:, axis)*missing/share(axis)
+      end associate
    end subroutine constraints_hold
 
    !> The part of a motion on which the forces of some supports do work: the work of the reactions on this part is that
@@ -521,47 +533,53 @@ contains
       integer, intent(in) :: supports(:) !! numbers of the supports
       real(dp), intent(in) :: motion(:, :) !! the motion (components, n_nodes) [L]
       real(dp), allocatable :: part(:, :)
-      integer, parameter :: across(3) = [2, 1, 3]
-      real(dp) :: frame(size(motion, 1), size(motion, 1)), along(size(motion, 1)), work(size(motion, 1))
+      real(dp), dimension(size(motion, 1)) :: along, work, share
+      logical :: acts(size(motion, 1))
       integer :: axis, node
 
       allocate (part(size(motion, 1), size(motion, 2)), source=0.0_dp)
       do node = 1, size(motion, 2)
-         if (.not. any([(any(supports == self%holder(axis, node)), axis=1, size(work))])) cycle
-         frame = self%frame(node)
-         along = matmul(motion(:, node), frame)
-         do axis = 1, size(work)
-            work(axis) = 0.0_dp
-            if (any(supports == self%holder(axis, node))) work(axis) = along(axis) &
-               + self%skew(axis, node)*along(across(axis))
+         acts = [(any(supports == self%holder(axis, node)), axis=1, size(acts))]
+         if (.not. any(acts)) cycle
+         along = matmul(motion(:, node), self%frame(:, :, node))
+         work = merge(along + matmul(along, self%skew(:, :, node)), 0.0_dp, acts)
+         ! Directions have parts along axes held before: each round settles one more of these.
+         share = work
+         do axis = 2, size(share)
+            share = work - matmul(share, self%skew(:, :, node))
          end do
-         part(:, node) = matmul(frame, work - self%skew(:, node)*work(across(:size(work))))
+         part(:, node) = matmul(self%frame(:, :, node), share)
       end do
    end function constraints_supported_part
 
-   !> Whether supports leave a node, or its rigid set, one direction at the most, so that they bear the shear on a
-   !> surface with a given normal.
-   pure logical function constraints_guides(self, node, normal) result(guides)
+   !> Along which tangents of a surface supports bear the shear at a node, alone or with its rigid set: along all but as
+   !> many of the first as they leave directions free besides one, which is for the normal; and around the axis if they
+   !> hold it (n_components - 1).
+   pure function constraints_fixed_tangents(self, node, frame) result(is_fixed)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: normal(2) !! unit normal of the surface [-]
+      real(dp), intent(in) :: frame(:, :) !! normal and tangents as columns (n_components, n_components) [-]
+      logical :: is_fixed(size(frame, 2) - 1)
+      integer :: k
 
-      guides = .not. (all(self%is_free(:2, node)) .or. self%rigid_moves(node, [-normal(2), normal(1)]))
-   end function constraints_guides
+      associate (n_dim => size(self%place, 1))
+         do k = 1, size(is_fixed)
+            is_fixed(k) = merge(count(self%is_free(:n_dim, node)) <= k, .not. self%is_free(k + 1, node), k < n_dim) &
+               .and. .not. self%rigid_moves(node, frame(:, k + 1))
+         end do
+      end associate
+   end function constraints_fixed_tangents
 
    !> Whether the supports leave a node free in some direction that is not perpendicular to a given one, alone or with
    !> its rigid set.
    pure logical function constraints_leaves_free(self, node, direction) result(is_free)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: direction(2) !! unit vector [-]
+      real(dp), intent(in) :: direction(:) !! unit vector (n_dim) [-]
 
-      is_free = all(self%is_free(:2, node))
-      if (.not. is_free .and. any(self%is_free(:2, node))) then
-         associate (frame => self%frame(node))
-            is_free = any(self%is_free(:2, node) .and. abs(matmul(direction, frame(:2, :2))) > negligible)
-         end associate
-      end if
+      associate (n => size(direction))
+         is_free = any(self%is_free(:n, node) .and. abs(matmul(direction, self%frame(:n, :n, node))) > negligible)
+      end associate
       if (self%rigid_of(node) > 0) is_free = self%rigid_moves(node, direction)
    end function constraints_leaves_free
 
@@ -569,14 +587,15 @@ contains
    pure function constraints_free_projector(self, node) result(projector)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp), dimension(size(self%is_free, 1), size(self%is_free, 1)) :: projector, frame
+      real(dp), dimension(size(self%is_free, 1), size(self%is_free, 1)) :: projector
       integer :: axis
 
-      frame = self%frame(node)
       projector = 0.0_dp
-      do axis = 1, size(frame, 1)
-         if (self%is_free(axis, node)) projector = projector &
-            + spread(frame(:, axis), 2, size(frame, 1))*spread(frame(:, axis), 1, size(frame, 1))
+      do axis = 1, size(projector, 1)
+         associate (along => self%frame(:, axis, node))
+            if (self%is_free(axis, node)) projector = projector &
+               + spread(along, 2, size(along))*spread(along, 1, size(along))
+         end associate
       end do
    end function constraints_free_projector
 
@@ -586,23 +605,16 @@ contains
       integer, intent(in) :: node !! the node
       real(dp) :: direction(2)
 
-      associate (frame => self%frame(node))
-         direction = frame(:2, merge(1, 2, self%is_free(2, node)))
-      end associate
+      direction = self%frame(:2, merge(1, 2, self%is_free(2, node)), node)
    end function constraints_held_direction
 
-   !> The frame of a node: its axes e1, e2 and, in a twisted body, that around the axis as columns (components,
-   !> components) [-].
-   pure function constraints_frame(self, node) result(frame)
+   !> Whether the frame of a node has other axes than those of the coordinates.
+   pure logical function constraints_is_turned(self, node) result(is_turned)
       class(constraints_t), intent(in) :: self !! the constraints
       integer, intent(in) :: node !! the node
-      real(dp) :: frame(size(self%axis, 1), size(self%axis, 1))
 
-      frame = 0.0_dp
-      frame(3:, 3:) = 1.0_dp
-      frame(:, 1) = self%axis(:, node)
-      frame(:2, 2) = [-self%axis(2, node), self%axis(1, node)]
-   end function constraints_frame
+      is_turned = any(abs(self%frame(2:, 1, node)) > 0.0_dp) .or. any(abs(self%frame(3:, 2, node)) > 0.0_dp)
+   end function constraints_is_turned
 
    !> Makes the springs of elastic foundations, the integral of N_i N_j (k_n n n^T + k_t (1 - n n^T)) over each face.
    pure subroutine new_foundation(springs, mesh, materials, supports, error)

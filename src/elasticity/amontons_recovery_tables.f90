@@ -8,6 +8,7 @@ module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
    use amontons_element, only: n_corners, n_sampling_points, side_shapes
+   use amontons_frame, only: turned
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
@@ -187,7 +188,7 @@ contains
       logical :: held(2)
 
       associate (normal => side%normal(:, 2), node => side%corner(corner))
-         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, [-normal(2), normal(1)])] &
+         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, turned(normal))] &
             .or. constraints%rigid_of(node) > 0
       end associate
    end function held

@@ -111,18 +111,17 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       real(dp), allocatable :: row(:), motion(:, :), unit(:, :)
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), largest
+      real(dp) :: largest
       integer :: axis, i, k, n
 
       n = size(gram, 1)
       do i = 1, size(motions%node)
          associate (node => motions%node(i))
             if (constraints%rigid_of(node) > 0 .or. all(constraints%is_free(:, node))) cycle
-            frame = constraints%frame(node)
             do axis = 1, motions%n_components
                if (constraints%is_free(axis, node)) cycle
                unit = motions%unit_motions(coordinates(:, node), node)
-               row = matmul(frame(:, axis), unit)
+               row = matmul(constraints%frame(:, axis, node), unit)
                do k = 1, n
                   gram(:, k) = gram(:, k) + row*row(k)
                end do

@@ -142,9 +142,7 @@ contains
          end associate
       end do
       rows%node = pack(zone%rows%node, is_wanted)
-      rows%part = reshape(pack(zone%rows%part, spread(is_wanted, 1, 2)), [2, size(rows%node)])
-      rows%tangent = reshape(pack(zone%rows%tangent, spread(is_wanted, 1, 2)), [2, size(rows%node)])
-      rows%around = pack(zone%rows%around, is_wanted)
+      rows%block = zone%rows%block(:, :, pack([(i, i=1, size(is_wanted))], is_wanted))
    end function side_rows
 
    !=contact.csv `point` | | number of the point, from 1
@@ -181,7 +179,7 @@ contains
       associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
          m => body%zone%n_points)
          at_points = zone%rows%displacement(result%displacement)
-         where (.not. zone%is_slip_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
+         where (.not. [transpose(zone%is_fixed)]) at_points(m + 1:) = result%solution%displacement(m + 1:)
          motion = at_points(m + 1:) - load_case%obstacle_motion
          ! A gap is the difference of a gap, itself one of coordinates, and a displacement, a slip that of
          ! displacements.
@@ -189,8 +187,8 @@ contains
             1.0e-6_dp*maxval(abs(zone%position)))
          call add('x', 'x', 'L', zone%position(1, :), maxval(abs(zone%position)))
          call add('y', 'y', 'L', zone%position(2, :), maxval(abs(zone%position)))
-         call add('normal_x', '', '', zone%normal(1, :), 1.0_dp)
-         call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
+         call add('normal_x', '', '', zone%frame(1, 1, :), 1.0_dp)
+         call add('normal_y', '', '', zone%frame(2, 1, :), 1.0_dp)
          call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
          call add('slip', 'slip', 'L', motion(:m), max(length, maxval(abs(load_case%obstacle_motion))), .true.)
@@ -255,7 +253,7 @@ contains
       associate (rows => body%zone%rows)
          do p = 1, body%zone%n_points
             do k = rows%start(p), rows%start(p + 1) - 1
-               share = norm2(rows%part(:, k))*body%zone%area(p)
+               share = norm2(rows%block(:, 1, k))*body%zone%area(p)
                if (.not. share > 0.0_dp) cycle
                associate (node => rows%node(k))
                   total(node) = total(node) + share

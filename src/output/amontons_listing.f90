@@ -8,7 +8,6 @@ module amontons_listing
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
    use amontons_constraints, only: support_t, supported_components
-   use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
@@ -365,11 +364,11 @@ contains
             text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
          end do
          ! Notes on contact points whose tangential motion supports prevent or guide.
-         is_guided = zone%is_shear_fixed
+         is_guided = all(zone%is_fixed, dim=1)
          is_aslant = .false.
          do p = 1, zone%n_points
             if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(zone%rows%node(k), &
-               turned(zone%normal(:, p))), k=zone%rows%start(p), zone%rows%start(p + 1) - 1)])
+               zone%frame(:2, 2, p)), k=zone%rows%start(p), zone%rows%start(p + 1) - 1)])
          end do
          is_guided = is_guided .and. .not. is_aslant
          noun = merge('cell', 'node', any(zone%is_cell))
@@ -516,8 +515,8 @@ contains
          if (result%method_error >= 0.0_dp) text = labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          call add_outcome(listing, solution, result%method%tolerance, text)
-         text = uniqueness_text(result%uniqueness, merge(0.0_dp, result%load_case%friction, body%zone%is_shear_fixed), &
-            free_motion(body, solution%status))
+         text = uniqueness_text(result%uniqueness, merge(0.0_dp, result%load_case%friction, &
+            all(body%zone%is_fixed, dim=1)), free_motion(body, solution%status))
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))

@@ -7,7 +7,7 @@
 module amontons_vtu
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
-   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_table, only: at_nodes, column_t, contact_columns, master_line_t, new_master_line, side_rows
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -403,7 +403,7 @@ contains
       associate (rows => body%zone%rows)
          do p = 1, body%zone%n_points
             do k = rows%start(p), rows%start(p + 1) - 1
-               share = norm2(rows%part(:, k))*body%zone%area(p)
+               share = norm2(rows%block(:, 1, k))*body%zone%area(p)
                if (exceeds(share, largest(rows%node(k)))) status(rows%node(k)) = result%solution%status(p)
                largest(rows%node(k)) = max(largest(rows%node(k)), share)
             end do
@@ -461,7 +461,7 @@ contains
          slave = side_rows(zone, .false.)
          call vtk%put_spread('PointData', 'displacement', 'L', &
             joined(vectors(zone, slave%displacement(u)), u(:, line%node)), in_space)
-         call vtk%put_spread('PointData', 'normal', '', joined(zone%normal, line%normal), in_space)
+         call vtk%put_spread('PointData', 'normal', '', joined(zone%frame(:2, 1, :), line%normal), in_space)
          if (line%n_nodes > 0) then
             vtk%scale = maxval(abs(u))
             call vtk%put_spread('PointData', 'jump', 'L', &
@@ -508,8 +508,7 @@ contains
       integer :: p
 
       do p = 1, zone%n_points
-         vectors(:2, p) = components(p)*zone%normal(:, p) + components(p + zone%n_points)*turned(zone%normal(:, p))
-         vectors(3:, p) = components(p + 2*zone%n_points::zone%n_points)
+         vectors(:, p) = matmul(zone%frame(:, :, p), components(p::zone%n_points))
       end do
    end function vectors
 

@@ -11,7 +11,6 @@
 !> quadratic sides: the position is a polynomial of their power 2/3, and its value at 0 is the end.
 module amontons_key_results
    use amontons_body, only: body_t, of_contact
-   use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
@@ -88,7 +87,7 @@ contains
       slip = solution%displacement(size(gap) + 1:)
       if (present(anchor)) slip = slip - anchor
       ! What supports prescribe counts as no slip: displacements of a solution lack it, those of a grid do not.
-      where (body%zone%is_slip_fixed) slip = 0.0_dp
+      slip = body%zone%free_slips(slip)
       call find_zones(results%closed, results%stuck, body, solution%force, solution%status, bound, &
          [gap - solution%displacement(:size(gap)), slip], solution%displacement)
       results%peaks = contact_peaks(body, solution, motion)
@@ -384,8 +383,8 @@ contains
             scale = max(scale, maxval(abs(force(i*m + 1:i*m + m))/area)*extent)
          end do
          ! What supports prescribe counts as no slip.
-         list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(merge(0.0_dp, slip, zone%is_slip_fixed), m), &
-            0.0_dp, status /= open_point .and. .not. zone%is_shear_fixed), zone%position, scale, 'L')
+         list(3) = peak('max_slip', 'Max. slip', merge(tangential_norm(zone%free_slips(slip), m), &
+            0.0_dp, status /= open_point .and. .not. all(zone%is_fixed, dim=1)), zone%position, scale, 'L')
       end associate
    end function contact_peaks
 
@@ -456,7 +455,7 @@ contains
       character(12) :: number
       character(13) :: suffix
       ! The sums are those of the forces in x and y, of moments or torques, and of normal forces.
-      real(dp) :: sums(4), at(2), turning, center(2), acting(2), length, scale
+      real(dp) :: sums(4), at(2), turning, center(2), acting(1 + body%zone%n_tangents), length, scale
       integer :: i, p, n_sets
 
       n_sets = maxval(body%zone%set)
@@ -472,11 +471,11 @@ contains
          associate (zone => body%zone)
             do p = 1, zone%n_points
                if (zone%set(p) /= i) cycle
-               acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
+               acting = -matmul(zone%frame(:, :, p), force(p::zone%n_points))
                at = zone%acting(:, p)
                turning = at(1)*acting(2) - at(2)*acting(1)
-               if (zone%n_tangents == 2) turning = -at(1)*force(2*zone%n_points + p)
-               sums = sums + [acting, turning, force(p)]
+               if (zone%n_tangents == 2) turning = at(1)*acting(3)
+               sums = sums + [acting(:2), turning, force(p)]
                center = center + force(p)*at
             end do
             if (abs(sums(4)) > 0.0_dp) center = center/sums(4)

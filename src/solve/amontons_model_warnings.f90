@@ -183,7 +183,7 @@ contains
                warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")
          end associate
          call add_large_friction(warnings, name, maxval(load_case%friction, mask=is_of_set))
-         if (all(zone%is_shear_fixed .or. .not. is_of_set) .and. &
+         if (all(all(zone%is_fixed, dim=1) .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
          if (allocated(load_case%contacts(set)%obstacle%line)) then

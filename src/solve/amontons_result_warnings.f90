@@ -3,7 +3,6 @@
 module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
@@ -258,7 +257,7 @@ contains
             - load_case%obstacle_motion
          lost = 0.0_dp
          do p = 1, zone%n_points
-            if (.not. any(zone%is_slip_fixed(p::zone%n_points)) .or. zone%is_cell(p) .or. &
+            if (.not. any(zone%is_fixed(:, p)) .or. zone%is_cell(p) .or. &
                .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
             ! By how much a corner of a slave slides along the nearest corner of its master [L].
             if (zone%pairs(zone%set(p))%is_set()) then
@@ -269,11 +268,11 @@ contains
                   end associate
                   associate (u => result%displacement(:, pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1)) &
                      - result%displacement(:, nearest))
-                     slip(zone%n_points + p::zone%n_points) = [dot_product(turned(zone%normal(:, p)), u(:2)), u(3:)]
+                     slip(zone%n_points + p::zone%n_points) = matmul(u, zone%frame(:, 2:, p))
                   end associate
                end associate
             end if
-            if (any(zone%is_slip_fixed(p::zone%n_points) .and. abs(slip(zone%n_points + p::zone%n_points)) &
+            if (any(zone%is_fixed(:, p) .and. abs(slip(zone%n_points + p::zone%n_points)) &
                > least_slip*largest)) lost(p) = normal(p)
          end do
          do set = 1, size(zone%pairs)
@@ -473,9 +472,9 @@ contains
          at_points = zone%rows%displacement(displacement)
          do p = 1, zone%n_points
             if (load_case%is_in_reach(p) .or. load_case%depth(p) > 0.0_dp) cycle
-            associate (contact => load_case%contacts(zone%set(p)), normal => zone%normal(:, p), &
-               slip => at_points(zone%n_points + p))
-               depth = contact%obstacle%depth(zone%position(:, p) + at_points(p)*normal + slip*turned(normal))
+            associate (contact => load_case%contacts(zone%set(p)))
+               depth = contact%obstacle%depth(zone%position(:, p) + matmul(zone%frame(:2, :, p), &
+                  at_points(p::zone%n_points)))
                if (depth - load_case%extra_gap(p) > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
             end associate
          end do

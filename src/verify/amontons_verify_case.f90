@@ -119,9 +119,10 @@ contains
          associate (load_case => result%load_case, solution => result%solution, certificate => result%certificate, &
             limit => certificate_limit(case%config%method%tolerance))
             call check_statuses(case%faults, case%stem//'.contact.csv', .true., state_of(load_case%free_gap &
-               - solution%displacement(:m), merge(0.0_dp, solution%displacement(m + 1:) - load_case%anchor, &
-               body%zone%is_slip_fixed), solution%force, solution%status), load_case%friction, load_case%slip_bound, &
-               body%zone%is_shear_fixed, law_scales_t(limit*certificate%length_scale, limit*certificate%force_scale))
+               - solution%displacement(:m), body%zone%free_slips(solution%displacement(m + 1:) - load_case%anchor), &
+               solution%force, solution%status), load_case%friction, load_case%slip_bound, &
+               all(body%zone%is_fixed, dim=1), &
+               law_scales_t(limit*certificate%length_scale, limit*certificate%force_scale))
          end associate
       end if
       call check_texts(case, body, result)
@@ -359,8 +360,8 @@ contains
       if (all(stated == solution%status)) return
       m = size(stated)
       call check_statuses(faults, path, .false., state_of(loads%gap_of(acting) - solution%displacement(:m), &
-         merge(0.0_dp, solution%displacement(m + 1:) - acting%anchor, body%zone%is_slip_fixed), solution%force, &
-         stated), loads%friction_of(acting), loads%base%slip_bound, body%zone%is_shear_fixed, scales)
+         body%zone%free_slips(solution%displacement(m + 1:) - acting%anchor), solution%force, stated), &
+         loads%friction_of(acting), loads%base%slip_bound, all(body%zone%is_fixed, dim=1), scales)
       solution%status = stated
    end subroutine follow_statuses
 

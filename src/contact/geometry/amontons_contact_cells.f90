@@ -9,6 +9,7 @@ module amontons_contact_cells
    use amontons_contact_set, only: cell_partition_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, new_face
+   use amontons_frame, only: new_frame, new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t
@@ -39,12 +40,12 @@ module amontons_contact_cells
       real(dp), allocatable :: length(:) !! length of each cell (n_cells) [L]
       real(dp), allocatable :: area(:) !! length times depth of the body (n_cells) [L^2]
       real(dp), allocatable :: center(:, :) !! centroid (2, n_cells) [L]
-      real(dp), allocatable :: normal(:, :) !! mean unit normal (2, n_cells) [-]
+      real(dp), allocatable :: normal(:, :) !! mean unit normal (n_dim, n_cells) [-]
       type(contact_rows_t) :: rows !! the nodes' shares in the mean displacements
       type(contact_quadrature_t) :: quadrature !! the quadrature points
       type(segment_t), allocatable :: segments(:) !! the parts of the sides, cell by cell
       logical, allocatable :: is_held(:) !! whether supports hold all its nodes along its normal (n_cells)
-      logical, allocatable :: is_tangent_fixed(:) !! whether supports leave none of its nodes free altogether (n_cells)
+      logical, allocatable :: is_fixed(:, :) !! whether supports bear the shear of all its nodes (n_tangents, n_cells)
    end type contact_cells_t
 
 contains
@@ -64,7 +65,8 @@ contains
       call cut_into_cells(cells, patch%sides(), body%mesh, partition, error)
       if (allocated(error)) return
       call integrate(cells, patch, body, direction)
-      allocate (cells%is_held(cells%n_cells), cells%is_tangent_fixed(cells%n_cells))
+      allocate (cells%is_held(cells%n_cells), cells%is_fixed(body%materials%n_components() - 1, cells%n_cells), &
+         source=.true.)
       do cell = 1, cells%n_cells
          associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
             if (norm2(normal) < smallest) then
@@ -74,8 +76,11 @@ contains
             end if
             normal = normal/norm2(normal)
             associate (node => cells%rows%node(cells%rows%start(cell):cells%rows%start(cell + 1) - 1))
-               cells%is_held(cell) = .not. any([(body%constraints%leaves_free(node(k), normal), k=1, size(node))])
-               cells%is_tangent_fixed(cell) = all([(body%constraints%guides(node(k), normal), k=1, size(node))])
+               do k = 1, size(node)
+                  cells%is_held(cell) = cells%is_held(cell) .and. .not. body%constraints%leaves_free(node(k), normal)
+                  cells%is_fixed(:, cell) = cells%is_fixed(:, cell) .and. body%constraints%fixed_tangents(node(k), &
+                     new_frame(normal, body%materials%n_components()))
+               end do
             end associate
          end associate
       end do
@@ -181,8 +186,8 @@ contains
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
       n_segments = [(count(cells%segments%cell == cell), cell=1, cells%n_cells)]
-      call cells%rows%begin(n_segment_nodes*n_segments)
-      call cells%quadrature%begin(n_segment_points*n_segments)
+      call cells%rows%begin(n_segment_nodes*n_segments, body%materials%n_components())
+      call cells%quadrature%begin(n_segment_points*n_segments, size(normal))
       do i = 1, size(cells%segments)
          segment = cells%segments(i)
          side = sides(:, segment%side)
@@ -207,9 +212,8 @@ contains
                cells%center(:, own) = cells%center(:, own) + area*position
                cells%normal(:, own) = cells%normal(:, own) + area*normal
                do k = 1, n_segment_nodes
-                  cells%rows%part(:, before + k) = cells%rows%part(:, before + k) &
-                     + face%values(k, point)*area*normal
-                  cells%rows%around(before + k) = cells%rows%around(before + k) + face%values(k, point)*area
+                  cells%rows%block(:, :, before + k) = cells%rows%block(:, :, before + k) &
+                     + face%values(k, point)*area*new_frame(normal, size(cells%rows%block, 1))
                end do
             end associate
          end do
@@ -218,14 +222,12 @@ contains
          cells%center(:, cell) = cells%center(:, cell)/cells%area(cell)
          cells%normal(:, cell) = cells%normal(:, cell)/cells%area(cell)
          associate (first => cells%rows%start(cell), last => cells%rows%start(cell + 1) - 1)
-            cells%rows%part(:, first:last) = cells%rows%part(:, first:last)/cells%area(cell)
-            cells%rows%around(first:last) = cells%rows%around(first:last)/cells%area(cell)
+            cells%rows%block(:, :, first:last) = cells%rows%block(:, :, first:last)/cells%area(cell)
          end associate
          associate (first => cells%quadrature%start(cell), last => cells%quadrature%start(cell + 1) - 1)
             cells%quadrature%share(first:last) = cells%quadrature%share(first:last)/cells%area(cell)
          end associate
       end do
-      call cells%rows%set_tangents()
    end subroutine integrate
 
    !> Replaces the corners of a pair by cells as its points; cells that face no master are left out.
@@ -257,9 +259,9 @@ contains
       allocate (point(0:cells%n_cells), source=0)
       point(kept) = [(k, k=1, size(kept))]
       point(1:) = point(neighbor)
-      pair%is_tangent_fixed = cells%is_tangent_fixed(kept)
+      pair%is_fixed = cells%is_fixed(:, kept)
       pair%cells%master = point(pair%cells%master)
-      pair%normal = cells%normal(:, kept)
+      pair%frame = new_frames(cells%normal(:, kept), body%materials%n_components())
       pair%line%next = point(cells%line%next(kept))
       where (pair%line%next == point(kept)) pair%line%next = 0
       pair%node = pair%node(:0)

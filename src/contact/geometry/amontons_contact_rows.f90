@@ -1,10 +1,10 @@
 !> The rows of the contact matrix C = (N; T), section 2 of the paper: the displacement of a contact point as a sum over
 !> nodal displacements.
 !>
-!> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times the
-!> share of the node. The tangential one is the same sum with the parts turned by a right angle, unless `tangent` has
-!> shares of its own. A node that is a contact point itself has one part, its normal, and further ones if it also
-!> represents a corner beside it; a cell of constant multipliers has one part for each node of its sides.
+!> The displacement of a point along each direction of its frame, normal and tangents, is a sum of scalar products of
+!> nodal displacements with that direction times the share of the node. A node that is a contact point itself has one
+!> part, its own frame, and further ones if it also represents a corner beside it; a cell of constant multipliers has
+!> one part for each node of its sides.
 !>
 !> The quadrature points are the positions where gap, friction and slip bound of the points are evaluated: the node
 !> itself, or the quadrature points of a cell. In both lists the entries of point p are those from `start(p)` to
@@ -14,33 +14,30 @@ module amontons_contact_rows
    implicit none (type, external)
    private
 
-   public :: contact_quadrature_t, contact_rows_t, picked_places, share_parts, turned
+   public :: contact_quadrature_t, contact_rows_t, picked_places, share_parts
 
    !> The rows of all points; the parts of point p are those from `start(p)` to `start(p + 1) - 1`, and a node may occur
    !> several times.
    type :: contact_rows_t
       integer, allocatable :: start(:) !! first part of each point, and one beyond the last (m + 1)
       integer, allocatable :: node(:) !! node of each part (parts)
-      real(dp), allocatable :: part(:, :) !! normal times share of the node (2, parts) [-]
-      real(dp), allocatable :: tangent(:, :) !! tangent times its share in the tangential displacement (2, parts) [-]
-      real(dp), allocatable :: around(:)
-         !! its share in the displacement around the axis, the second tangential one of a twisted body (parts) [-]
+      real(dp), allocatable :: block(:, :, :)
+         !! normal and tangents as columns, each times the share of the node in the displacement along it (components,
+         !! 1 + n_tangents, parts) [-]
    contains
       procedure :: add => contact_rows_add
-      procedure :: axes => contact_rows_axes
       procedure :: begin => contact_rows_begin
       procedure :: picked => contact_rows_picked
       procedure :: merge_nodes => contact_rows_merge_nodes
       procedure :: displacement => contact_rows_displacement
       procedure :: forces => contact_rows_forces
-      procedure :: set_tangents => contact_rows_set_tangents
    end type contact_rows_t
 
    !> The quadrature points of all points; those of point p are the ones from `start(p)` to `start(p + 1) - 1`.
    type :: contact_quadrature_t
       integer, allocatable :: start(:) !! first quadrature point of each point, and one beyond the last (m + 1)
-      real(dp), allocatable :: position(:, :) !! coordinates (2, quadrature points) [L]
-      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle (2, quadrature points) [-]
+      real(dp), allocatable :: position(:, :) !! coordinates (n_dim, quadrature points) [L]
+      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle (n_dim, quadrature points) [-]
       real(dp), allocatable :: outward(:)
          !! cosine of the angle between n and the body's outward normal: 1 unless n is given (quadrature points) [-]
       real(dp), allocatable :: arc_length(:) !! length along the line from its first node (quadrature points) [L]
@@ -55,38 +52,6 @@ module amontons_contact_rows
 
 contains
 
-   !> A vector turned counterclockwise by a right angle: the tangent of a normal.
-   pure function turned(vector)
-      real(dp), intent(in) :: vector(2) !! the vector
-      real(dp) :: turned(2)
-
-      turned = [-vector(2), vector(1)]
-   end function turned
-
-   !> Sets the tangential parts to the normal ones turned by a right angle.
-   pure subroutine contact_rows_set_tangents(self)
-      class(contact_rows_t), intent(inout) :: self !! the rows
-      integer :: i
-
-      do i = 1, size(self%node)
-         self%tangent(:, i) = turned(self%part(:, i))
-      end do
-   end subroutine contact_rows_set_tangents
-
-   !> Normal, tangent and, in a twisted body, the direction around the axis, each times the share of a part, as columns
-   !> (components, components) [-].
-   pure function contact_rows_axes(self, part, n_components) result(axes)
-      class(contact_rows_t), intent(in) :: self !! the rows
-      integer, intent(in) :: part !! number of the part
-      integer, intent(in) :: n_components !! number of components of a displacement
-      real(dp) :: axes(n_components, n_components)
-
-      axes = 0.0_dp
-      axes(:2, 1) = self%part(:, part)
-      axes(:2, 2) = self%tangent(:, part)
-      axes(3:, 3:) = self%around(part)
-   end function contact_rows_axes
-
    !> Appends the rows C of further contact points to these.
    pure subroutine contact_rows_add(self, others)
       class(contact_rows_t), intent(inout) :: self !! the rows
@@ -94,9 +59,8 @@ contains
 
       self%start = [self%start, size(self%node) + others%start(2:)]
       self%node = [self%node, others%node]
-      self%part = reshape([self%part, others%part], [2, size(self%node)])
-      self%tangent = reshape([self%tangent, others%tangent], [2, size(self%node)])
-      self%around = [self%around, others%around]
+      self%block = reshape([self%block, others%block], [size(self%block, 1), size(self%block, 2), &
+         size(self%node)])
    end subroutine contact_rows_add
 
    !> The rows C of some of the contact points.
@@ -108,7 +72,7 @@ contains
 
       places = picked_places(self%start, points)
       picked = contact_rows_t(starts(self%start(points + 1) - self%start(points)), self%node(places), &
-         self%part(:, places), self%tangent(:, places), self%around(places))
+         self%block(:, :, places))
    end function contact_rows_picked
 
    !> Shares the parts of nodes with other nodes at the same place that move like them, by their areas.
@@ -130,40 +94,40 @@ contains
          share = [share, max(area(own), tiny(1.0_dp))/sum(max(area(own), tiny(1.0_dp)))]
       end do
       rows = contact_rows_t([(1 + count(place < rows%start(i)), i=1, size(rows%start))], node, &
-         rows%part(:, place)*spread(share, 1, 2), rows%tangent(:, place)*spread(share, 1, 2), rows%around(place)*share)
+         rows%block(:, :, place))
+      do i = 1, size(share)
+         rows%block(:, :, i) = rows%block(:, :, i)*share(i)
+      end do
    end subroutine share_parts
 
    !> Merges the parts of a point that have the same node, and removes parts that are 0.
    pure subroutine contact_rows_merge_nodes(self)
-      class(contact_rows_t), intent(inout) :: self !! the rows, their tangents not set yet
+      class(contact_rows_t), intent(inout) :: self !! the rows
       integer :: p, i, k, n, first
 
       n = 0
       do p = 1, size(self%start) - 1
          first = n + 1
          do i = self%start(p), self%start(p + 1) - 1
-            if (.not. any(abs(self%part(:, i)) > 0.0_dp)) cycle
+            if (.not. any(abs(self%block(:, :, i)) > 0.0_dp)) cycle
             k = findloc(self%node(first:n), self%node(i), dim=1)
             if (k > 0) then
-               self%part(:, first + k - 1) = self%part(:, first + k - 1) + self%part(:, i)
-               self%around(first + k - 1) = self%around(first + k - 1) + self%around(i)
+               self%block(:, :, first + k - 1) = self%block(:, :, first + k - 1) + self%block(:, :, i)
             else
                n = n + 1
                self%node(n) = self%node(i)
-               self%part(:, n) = self%part(:, i)
-               self%around(n) = self%around(i)
+               self%block(:, :, n) = self%block(:, :, i)
             end if
          end do
          self%start(p) = first
       end do
       self%start(size(self%start)) = n + 1
       self%node = self%node(:n)
-      self%part = self%part(:, :n)
-      self%around = self%around(:n)
+      self%block = self%block(:, :, :n)
    end subroutine contact_rows_merge_nodes
 
-   !> C u: normal displacements of all points, then the tangential ones, at last those around the axis (components m)
-   !> [L].
+   !> C u: normal displacements of all points, then those along the first tangents, at last those along the second
+   !> (components m) [L].
    pure function contact_rows_displacement(self, field) result(displacement)
       class(contact_rows_t), intent(in) :: self !! the rows
       real(dp), intent(in) :: field(:, :) !! displacement of all nodes (components, n_nodes) [L]
@@ -174,11 +138,7 @@ contains
       displacement = 0.0_dp
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
-            associate (u => field(:, self%node(i)))
-               displacement(p) = displacement(p) + dot_product(self%part(:, i), u(:2))
-               displacement(p + m) = displacement(p + m) + dot_product(self%tangent(:, i), u(:2))
-               if (size(u) > 2) displacement(p + 2*m) = displacement(p + 2*m) + self%around(i)*u(3)
-            end associate
+            displacement(p::m) = displacement(p::m) + matmul(field(:, self%node(i)), self%block(:, :, i))
          end do
       end do
    end function contact_rows_displacement
@@ -190,15 +150,16 @@ contains
       integer, intent(in) :: n_nodes !! number of nodes
       integer, intent(in) :: n_components !! number of components of a force
       real(dp), allocatable :: forces(:, :)
-      integer :: p, i, m
+      integer :: p, i, k, m
 
       m = size(self%start) - 1
       allocate (forces(n_components, n_nodes), source=0.0_dp)
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))
-               on_node(:2) = on_node(:2) - force(p)*self%part(:, i) - force(p + m)*self%tangent(:, i)
-               if (size(on_node) > 2) on_node(3) = on_node(3) - force(p + 2*m)*self%around(i)
+               do k = 1, n_components
+                  on_node = on_node - force(p + (k - 1)*m)*self%block(:, k, i)
+               end do
             end associate
          end do
       end do
@@ -212,8 +173,8 @@ contains
 
       self%start = [self%start, size(self%share) + others%start(2:)]
       n = size(self%share) + size(others%share)
-      self%position = reshape([self%position, others%position], [2, n])
-      self%normal = reshape([self%normal, others%normal], [2, n])
+      self%position = reshape([self%position, others%position], [size(self%position, 1), n])
+      self%normal = reshape([self%normal, others%normal], [size(self%normal, 1), n])
       self%outward = [self%outward, others%outward]
       self%arc_length = [self%arc_length, others%arc_length]
       self%gap = [self%gap, others%gap]
@@ -245,25 +206,27 @@ contains
    end function starts
 
    !> Allocates the quadrature points, all numbers 0.
-   pure subroutine contact_quadrature_begin(self, sizes)
+   pure subroutine contact_quadrature_begin(self, sizes, n_dim)
       class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
       integer, intent(in) :: sizes(:) !! number of entries of each point (m)
+      integer, intent(in) :: n_dim !! number of coordinates of a place
 
       self%start = starts(sizes)
       associate (n => sum(sizes))
-         allocate (self%position(2, n), self%normal(2, n), self%outward(n), self%arc_length(n), self%gap(n), &
+         allocate (self%position(n_dim, n), self%normal(n_dim, n), self%outward(n), self%arc_length(n), self%gap(n), &
             self%share(n), source=0.0_dp)
       end associate
    end subroutine contact_quadrature_begin
 
    !> Allocates the parts of all points, all numbers 0.
-   pure subroutine contact_rows_begin(self, sizes)
+   pure subroutine contact_rows_begin(self, sizes, n_components)
       class(contact_rows_t), intent(inout) :: self !! the rows
       integer, intent(in) :: sizes(:) !! number of entries of each point (m)
+      integer, intent(in) :: n_components !! number of components of a displacement
 
       self%start = starts(sizes)
       allocate (self%node(sum(sizes)), source=0)
-      allocate (self%part(2, sum(sizes)), self%tangent(2, sum(sizes)), self%around(sum(sizes)), source=0.0_dp)
+      allocate (self%block(n_components, n_components, sum(sizes)), source=0.0_dp)
    end subroutine contact_rows_begin
 
    !> The places in the list of all entries that belong to some of the points.

@@ -25,10 +25,11 @@
 module amontons_mortar_pair
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, turned
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: pairing_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_frame, only: new_frame, new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t, outer_sides, side_element, side_place
@@ -106,7 +107,7 @@ module amontons_mortar_pair
       real(dp), allocatable :: reach(:, :)
          !! how far the functions of each side go on beyond both of its corners, in lengths of the side, negative where
          !! they end before (2, sides) [-]
-      logical, allocatable :: is_tangent_fixed(:) !! whether a support guides a point along a line (n)
+      logical, allocatable :: is_fixed(:, :) !! whether supports bear the shear of a point (n_tangents, n)
       logical, allocatable :: gives_shear(:)
          !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
@@ -119,7 +120,8 @@ module amontons_mortar_pair
       type(mortar_segment_t), allocatable :: cells(:)
          !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
          !! the cell is, 0 for none; not allocated where the points are corners
-      real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
+      real(dp), allocatable :: frame(:, :, :)
+         !! unit normal and tangents of each point, as columns (n_components, n_components, n) [-]
       character(:), allocatable :: shear_fault
          !! error for a contact set with friction; not allocated if shear can act on every side
       real(dp) :: jump(2) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0, 0 without one [-]
@@ -295,18 +297,19 @@ contains
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t), allocatable :: pieces(:)
       type(gauss_rule_t) :: rule
-      real(dp), dimension(size(pair%normal, 2)) :: hat_area, shear_area
-      integer, dimension(size(pair%normal, 2)) :: n_pieces, n_partners, filled
-      integer :: i, k, p, first_node, l, n, q
+      real(dp), dimension(size(pair%frame, 3)) :: hat_area, shear_area
+      integer, dimension(size(pair%frame, 3)) :: n_pieces, n_partners, filled
+      integer :: i, k, p, first_node, l, n, q, axis
       type(surface_place_t) :: place, foot
-      real(dp) :: at, area, psi(2), hat, normal(2), begin(maxval(pair%patch%node))
+      real(dp) :: at, area, psi(2), hat, normal(2), begin(maxval(pair%patch%node)), &
+         shares(n_piece_nodes, size(pair%frame, 1))
 
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
       else
          call corner_pieces(pieces, pair, segments, n_points)
       end if
-      n = size(pair%normal, 2)
+      n = size(pair%frame, 3)
       n_pieces = 0
       do k = 1, 2*size(pieces)
          p = pieces((k + 1)/2)%point(2 - modulo(k, 2))
@@ -315,8 +318,8 @@ contains
       n_partners = 0
       if (.not. allocated(pair%cells)) n_partners = merge(2, 0, pair%partner > 0)
       allocate (points%area(n), points%length(n), points%center(2, n), points%foot(2, n), source=0.0_dp)
-      call points%rows%begin(n_piece_nodes*n_pieces + n_partners)
-      call points%quadrature%begin(n_points*n_pieces)
+      call points%rows%begin(n_piece_nodes*n_pieces + n_partners, size(pair%frame, 1))
+      call points%quadrature%begin(n_points*n_pieces, size(normal))
       rule = gauss_rule(n_points)
       begin(pair%patch%node) = pair%patch%line%arc_length
       hat_area = 0.0_dp
@@ -328,10 +331,9 @@ contains
             if (p == 0) cycle
             first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
             associate (segment => pieces(i)%segment, node => points%rows%node, &
-               part => points%rows%part(:, first_node + 1:first_node + 6), &
-               around => points%rows%around(first_node + 1:first_node + 6), quadrature => points%quadrature, &
+               block => points%rows%block(:, :, first_node + 1:first_node + 6), quadrature => points%quadrature, &
                slave => pair%slave, master => pair%master)
-               ! Parts are shares in the normal and in the tangential displacement first.
+               ! Blocks are diagonal first, the shares in the displacements along normal and tangents.
                ! A straight side has no middle node: its part there is 0, and no entry remains of it.
                node(first_node + 1:first_node + 6) = [slave%side(:3, segment%slave), master%side(:3, segment%master)]
                do l = 1, size(rule%xi)
@@ -343,9 +345,13 @@ contains
                   area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
                   psi = [dot_product(pieces(i)%psi(k, :), hats(at)), dot_product(pieces(i)%shear(k, :), hats(at))]*area
                   hat = dot_product(pieces(i)%hat(k, :), hats(at))*area
-                  part = part + spread(psi, 2, 6)*spread([place%values, -foot%values], 1, 2)
+                  shares(:, 1) = psi(1)*[place%values, -foot%values]
+                  shares(:, 2) = psi(2)*[place%values, -foot%values]
                   ! Around the axis angles are compared: depths are circumferences.
-                  around = around + psi(1)*[place%values, -foot%values*place%depth/foot%depth]
+                  if (size(shares, 2) > 2) shares(:, 3) = psi(1)*[place%values, -foot%values*place%depth/foot%depth]
+                  do axis = 1, size(shares, 2)
+                     block(axis, axis, :) = block(axis, axis, :) + shares(:, axis)
+                  end do
                   points%area(p) = points%area(p) + psi(1)
                   shear_area(p) = shear_area(p) + psi(2)
                   points%length(p) = points%length(p) + hat/place%depth
@@ -370,8 +376,9 @@ contains
             associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
                points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
                points%rows%node(first:first + 1) = [pair%node(p), pair%partner(p)]
-               points%rows%part(:, first:first + 1) = reshape([1.0_dp, 1.0_dp, -1.0_dp, -1.0_dp], [2, 2])
-               points%rows%around(first:first + 1) = [1.0_dp, -1.0_dp]
+               do axis = 1, size(shares, 2)
+                  points%rows%block(axis, axis, first:first + 1) = [1.0_dp, -1.0_dp]
+               end do
             end associate
             cycle
          end if
@@ -381,17 +388,16 @@ contains
             points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)
          end associate
          associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
-            points%rows%part(1, first:last) = points%rows%part(1, first:last)/points%area(p)
-            points%rows%part(2, first:last) = points%rows%part(2, first:last)/shear_area(p)
-            points%rows%around(first:last) = points%rows%around(first:last)/points%area(p)
+            do axis = 1, size(shares, 2)
+               points%rows%block(axis, axis, first:last) = points%rows%block(axis, axis, first:last) &
+                  /merge(shear_area(p), points%area(p), axis == 2)
+            end do
          end associate
       end do
       call points%rows%merge_nodes()
-      points%rows%tangent = points%rows%part
       do p = 1, n
          do i = points%rows%start(p), points%rows%start(p + 1) - 1
-            points%rows%tangent(:, i) = points%rows%part(2, i)*turned(pair%normal(:, p))
-            points%rows%part(:, i) = points%rows%part(1, i)*pair%normal(:, p)
+            points%rows%block(:, :, i) = matmul(pair%frame(:, :, p), points%rows%block(:, :, i))
          end do
       end do
    end subroutine integrate_pair
@@ -558,7 +564,7 @@ contains
       do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) == 1 .and. all(follower >= 0))
          if (share(i) > 0.0_dp) faces(pair%slave%side(:2, i)) = .true.
       end do
-      allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
+      allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0))
       facing = pack(pair%patch%node, faces(pair%patch%node))
       do i = 1, size(facing)
          associate (node => facing(i))
@@ -571,17 +577,20 @@ contains
                pair%held_node = [pair%held_node, node]
             else
                pair%node = [pair%node, node]
-               pair%is_tangent_fixed = [pair%is_tangent_fixed, constraints%guides(node, normal(:, node))]
             end if
          end associate
       end do
-      pair%normal = normal(:, pair%node)
+      pair%frame = new_frames(normal(:, pair%node), size(constraints%is_free, 1))
+      allocate (pair%is_fixed(size(pair%frame, 2) - 1, size(pair%node)))
+      do i = 1, size(pair%node)
+         pair%is_fixed(:, i) = constraints%fixed_tangents(pair%node(i), pair%frame(:, :, i))
+      end do
       point = 0
       point(pair%node) = [(i, i=1, size(pair%node))]
       allocate (pair%point_of(2, pair%slave%n_sides))
       allocate (pair%line%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
-      pair%gives_shear = pair%is_tangent_fixed .and. is_tied
+      pair%gives_shear = pair%is_fixed(1, :) .and. is_tied
       do i = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
             pair%point_of(:, i) = point(nodes(:2))
@@ -699,7 +708,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! there is such a side
       ! Between the normal and the tangent of the surface.
       real(dp), parameter :: aslant = 0.707_dp
-      real(dp) :: axes(2, 2)
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       logical :: is_held(2, 2), lacks(2, 2)
       integer :: i, k, p
 
@@ -707,24 +716,23 @@ contains
          associate (points => pair%point_of(:, pair%segments(i)%slave), &
             nodes => pair%slave%side(:2, pair%segments(i)%slave), &
             facing => pair%master%side(:2, pair%segments(i)%master))
-            axes(:, 1) = pair%slave%normal(:, 3, pair%segments(i)%slave)
+            frame = new_frame(pair%slave%normal(:, 3, pair%segments(i)%slave), size(frame, 1))
             do k = 1, 2
                p = points(k)
                is_held(k, :) = any(pair%held_node == nodes(k))
                lacks(k, :) = p == 0
                if (p == 0) cycle
-               is_held(k, 2) = pair%is_tangent_fixed(p)
-               lacks(k, 2) = pair%is_tangent_fixed(p)
-               axes(:, 1) = pair%normal(:, p)
+               is_held(k, 2) = pair%is_fixed(1, p)
+               lacks(k, 2) = pair%is_fixed(1, p)
+               frame = pair%frame(:, :, p)
             end do
-            axes(:, 2) = turned(axes(:, 1))
             do k = 1, merge(2, 1, needs_shear)
                if (.not. (all(lacks(:, k)) .and. any(is_held(:, k)))) cycle
-               if (.not. (constraints%leaves_free(facing(1), axes(:, k)) .or. &
-                  constraints%leaves_free(facing(2), axes(:, k)))) cycle
+               if (.not. (constraints%leaves_free(facing(1), frame(:2, k)) .or. &
+                  constraints%leaves_free(facing(2), frame(:2, k)))) cycle
                call new_error(error, input_refused, held_slave_text(pair, &
                   pair%slave%corner(:, 3, pair%segments(i)%slave), merge('force', 'shear', &
-                  abs(dot_product(axes(:, k), pair%slave%normal(:, 3, pair%segments(i)%slave))) > aslant), remedy))
+                  abs(dot_product(frame(:2, k), pair%slave%normal(:, 3, pair%segments(i)%slave))) > aslant), remedy))
                return
             end do
          end associate

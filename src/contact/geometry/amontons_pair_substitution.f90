@@ -8,9 +8,10 @@
 module amontons_pair_substitution
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t, substitution_t
-   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, &
       mortar_points_t, n_quadrature_points, new_mortar_pair
@@ -37,18 +38,17 @@ module amontons_pair_substitution
 contains
 
    !> Makes the substitution of all ties and pairs whose points are corners, ties first, and of rigid sets.
-   subroutine new_pair_substitution(substitution, ties, pairs, rows, normal, constraints, coordinates, error)
+   subroutine new_pair_substitution(substitution, ties, pairs, rows, frame, constraints, coordinates, error)
       type(substitution_t), intent(out) :: substitution !! the substitution
       type(mortar_pair_t), intent(in) :: ties(:) !! the pairs that are bonded, so that w = 0
       type(mortar_pair_t), intent(in) :: pairs(:) !! the others
       type(contact_rows_t), intent(in) :: rows !! rows of the points on rigid obstacles that are means over nodes
-      real(dp), intent(in) :: normal(:, :) !! their unit normals (2, any) [-]
+      real(dp), intent(in) :: frame(:, :, :) !! their normals and tangents (n_components, n_components, any) [-]
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (2, n_nodes) [L]
       type(error_t), allocatable, intent(out) :: error
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       type(mortar_pair_t) :: means
       integer :: i, fault, node, n
 
@@ -59,8 +59,9 @@ contains
       do i = 1, size(ties)
          substitution%is_bonded(:, ties(i)%node) = .true.
          if (ties(i)%is_jump_free) then
-            frame = constraints%frame(ties(i)%lead)
-            substitution%is_bonded(:2, ties(i)%lead) = abs(matmul(ties(i)%jump, frame(:2, :2))) < 0.5_dp
+            associate (own => constraints%frame(:, :, ties(i)%lead))
+               substitution%is_bonded(:2, ties(i)%lead) = abs(matmul(ties(i)%jump, own(:2, :2))) < 0.5_dp
+            end associate
          end if
          call add_pair(sums, ties(i), .true., constraints, fault)
       end do
@@ -68,8 +69,8 @@ contains
          if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
          call add_pair(sums, pairs(i), .false., constraints, fault)
       end do
-      means%node = rows%node(rows%start(:size(normal, 2)))
-      means%normal = normal
+      means%node = rows%node(rows%start(:size(frame, 3)))
+      means%frame = frame
       do i = 1, size(means%node)
          call solve_row(sums(means%node(i)), rows, i, means, spread([0, 0], 2, size(sums)), .false., constraints)
       end do
@@ -164,18 +165,15 @@ contains
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
       type(sum_t) :: row
-      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, frame, share, push
+      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, share, push
       real(dp) :: own(size(constraints%is_free, 1))
       integer :: i, k, n
 
       n = size(own)
       do i = rows%start(p), rows%start(p + 1) - 1
          associate (node => rows%node(i))
-            ! Along the normal and the tangent.
-            own(:2) = [dot_product(rows%part(:, i), pair%normal(:, p)), &
-               dot_product(rows%tangent(:, i), turned(pair%normal(:, p)))]
-            own(3:) = rows%around(i)
-            share = diagonal(own)
+            ! Along the normal and the tangents.
+            share = diagonal([(dot_product(rows%block(:, k, i), pair%frame(:, k, p)), k=1, n)])
             call row%add(node, share, ends(1, node) > 0)
             do k = 1, 2
                if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
@@ -192,17 +190,17 @@ contains
       free = constraints%free_projector(pair%node(p))
       along = free
       if (.not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
-         frame = constraints%frame(pair%node(p))
-         associate (axis => frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p)))))
-            along(:2, :2) = spread(axis, 2, 2)*spread(pair%normal(:, p), 1, 2)/dot_product(axis, pair%normal(:, p))
+         associate (axis => constraints%frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))), pair%node(p)), &
+            normal => pair%frame(:2, 1, p))
+            along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
          end associate
       end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= sum_rounding) cycle
-         call corner%add(row%node(i), times_axes(along, pair%normal(:, p), -[(row%block(k, k, i), k=1, n)]/own), &
+         call corner%add(row%node(i), times_axes(along, pair%frame(:, :, p), -[(row%block(k, k, i), k=1, n)]/own), &
             row%is_own(i))
       end do
-      push = times_axes(free, pair%normal(:, p), 1.0_dp/own)
+      push = times_axes(free, pair%frame(:, :, p), 1.0_dp/own)
       call corner%add(pair%node(p), diagonal(spread(1.0_dp, 1, n)) - free + push, .true.)
       ! The jump is the own unknown of one corner and moves all others as well.
       if (pair%lead == 0 .or. pair%lead == pair%node(p)) return
@@ -223,20 +221,22 @@ contains
       end do
    end function diagonal
 
-   !> The product of a matrix with the symmetric one that has a normal, its tangent and the direction around the axis as
-   !> eigenvectors and given eigenvalues (components, components) [-].
-   pure function times_axes(matrix, normal, factor) result(product)
+   !> The product of a matrix with the symmetric one that has a normal and its tangents as eigenvectors and given
+   !> eigenvalues (components, components) [-].
+   pure function times_axes(matrix, frame, factor) result(product)
       real(dp), intent(in) :: matrix(:, :) !! the matrix (components, components)
-      real(dp), intent(in) :: normal(2) !! the normal [-]
+      real(dp), intent(in) :: frame(:, :) !! normal and tangents as columns (components, components) [-]
       real(dp), intent(in) :: factor(:) !! the eigenvalues (components) [-]
       real(dp) :: product(size(factor), size(factor))
+      integer :: k, n
 
+      n = size(factor)
       product = factor(1)*matrix
-      product(:, 3:) = spread(factor(3:), 1, size(factor))*matrix(:, 3:)
-      ! Nothing else is added if the tangential function equals the normal one.
-      if (.not. abs(factor(2) - factor(1)) > 0.0_dp) return
-      product(:, :2) = product(:, :2) + (factor(2) - factor(1))*matmul(matrix(:, :2), &
-         spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
+      do k = 2, n
+         ! Nothing is added if the tangential function equals the normal one.
+         if (abs(factor(k) - factor(1)) > 0.0_dp) product = product + (factor(k) - factor(1))*matmul(matrix, &
+            spread(frame(:, k), 2, n)*spread(frame(:, k), 1, n))
+      end do
    end function times_axes
 
    !> Adds a term to the sum that a displacement of a slave is; terms of the same node are merged.
@@ -422,18 +422,20 @@ contains
    pure subroutine follow_guides(pair, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       integer :: p, i, k
 
       do p = 1, size(pair%node)
-         if (.not. pair%is_tangent_fixed(p)) cycle
-         frame = constraints%frame(pair%node(p))
-         pair%normal(:, p) = frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))))
+         if (.not. pair%is_fixed(1, p)) cycle
+         associate (node => pair%node(p))
+            pair%frame(:, :, p) = new_frame(constraints%frame(:2, merge(1, 2, constraints%is_free(1, node)), node), &
+               size(pair%frame, 1))
+         end associate
          do i = 1, size(pair%point_of, 2)
             do k = 1, 2
                if (pair%point_of(k, i) /= p .or. pair%point_of(3 - k, i) == 0) cycle
-               if (.not. pair%is_tangent_fixed(pair%point_of(3 - k, i))) pair%normal(:, pair%point_of(3 - k, i)) = &
-                  pair%normal(:, p)
+               associate (other => pair%point_of(3 - k, i))
+                  if (.not. pair%is_fixed(1, other)) pair%frame(:, :, other) = pair%frame(:, :, p)
+               end associate
             end do
          end do
       end do

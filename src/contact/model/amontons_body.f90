@@ -9,12 +9,13 @@ module amontons_body
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
       new_foundation, rigid_components, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
-   use amontons_contact_rows, only: contact_rows_t, share_parts, turned
+   use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, n_quadrature_again, &
       new_contact_zone, recompute_pairs, segments_again
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
+   use amontons_frame, only: new_frame
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
@@ -175,8 +176,8 @@ contains
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       where (abs(body%gap_change) <= rounding*maxval(abs(mesh%coordinates))) body%gap_change = 0.0_dp
-      call body%tie_rows%begin(nothing)
-      call body%checked_tie_rows%begin(nothing)
+      call body%tie_rows%begin(nothing, 1 + body%zone%n_tangents)
+      call body%checked_tie_rows%begin(nothing, 1 + body%zone%n_tangents)
       do i = 1, size(body%ties)
          call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
          call body%tie_rows%add(points%rows)
@@ -186,7 +187,7 @@ contains
       end do
       associate (zone => body%zone)
          call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
-            zone%normal(:, zone%mean_point), body%constraints, mesh%coordinates, error)
+            zone%frame(:, :, zone%mean_point), body%constraints, mesh%coordinates, error)
       end associate
       if (allocated(error)) return
       call share_parts(body%zone%rows, body%partner, joined_area)
@@ -234,8 +235,8 @@ contains
       do k = 1, size(is_strained)
          only = [(merge(1.0_dp, 0.0_dp, i == k), i=1, size(only))]
          moved = displacement_of_nodes(body%motions, body%mesh%coordinates, only)
-         is_strained(k) = any([(any(abs(matmul(moved(:, held(i)), body%constraints%frame(held(i)))) > negligible .and. &
-            .not. body%constraints%is_free(:, held(i))), i=1, size(held))])
+         is_strained(k) = any([(any(abs(matmul(moved(:, held(i)), body%constraints%frame(:, :, held(i)))) &
+            > negligible .and. .not. body%constraints%is_free(:, held(i))), i=1, size(held))])
          if (size(body%ties) == 0 .or. body%is_axisymmetric) cycle
          moved = displacement_of_nodes(without_jumps, body%mesh%coordinates, only)
          is_strained(k) = is_strained(k) .or. any(abs(body%tie_rows%displacement(moved)) > negligible)
@@ -330,7 +331,9 @@ contains
          if (.not. ties(i)%has_jump) cycle
          associate (pair => body%ties(i))
             pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
-            if (all(body%constraints%is_free(:2, pair%lead))) body%constraints%axis(:2, pair%lead) = pair%jump
+            associate (frame => body%constraints%frame(:, :, pair%lead))
+               if (all(body%constraints%is_free(:2, pair%lead))) frame = new_frame(pair%jump, size(frame, 1))
+            end associate
          end associate
       end do
    end subroutine set_preload_jumps
@@ -403,8 +406,7 @@ contains
       share = 0.0_dp
       associate (pair => body%ties(tie))
          do p = 1, size(points%area)
-            share([p, p + size(points%area)]) = -points%area(p)/sum(points%area) &
-               *[dot_product(pair%jump, pair%normal(:, p)), dot_product(pair%jump, turned(pair%normal(:, p)))]
+            share(p::size(points%area)) = -points%area(p)/sum(points%area)*matmul(pair%jump, pair%frame(:2, :, p))
          end do
          driven%lead = pair%lead
          driven%own(:2) = pair%jump
@@ -659,7 +661,7 @@ contains
             end associate
          end do
          do i = 1, size(own, 2)
-            own(:, i) = matmul(transpose(body%constraints%frame(i)), own(:, i))
+            own(:, i) = matmul(own(:, i), body%constraints%frame(:, :, i))
             do axis = 1, size(own, 1)
                row = body%dof_map%dof(axis, i) - body%dof_map%n_dofs + body%dof_map%n_schur
                if (row > 0 .and. row <= size(motions, 1)) motions(row, k) = own(axis, i)
@@ -824,7 +826,7 @@ contains
       integer :: axis, i, j, k, p
 
       ! The slip that a support prevents is no unknown of the contact problem.
-      is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
+      is_fixed = [spread(.false., 1, zone%n_points), transpose(zone%is_fixed)]
       allocate (modes(zone%n_rows, sum(motions%n_free)), source=0.0_dp)
       allocate (is_inside(maxval([0, zone%rows%node])))
       k = 0
@@ -837,10 +839,10 @@ contains
                position = coordinates(:, zone%rows%node(i))
                if (is_mated .and. zone%pairs(zone%set(p))%is_set()) position = zone%position(:, p)
                motion = motions(j)%displacement(position, zone%rows%node(i))
-               associate (axes => zone%rows%axes(i, 1 + zone%n_tangents))
-                  do axis = 1, size(axes, 2)
+               associate (block => zone%rows%block(:, :, i))
+                  do axis = 1, size(block, 2)
                      associate (row => modes(p + (axis - 1)*zone%n_points, k + 1:k + motions(j)%n_free))
-                        if (.not. is_fixed(p + (axis - 1)*zone%n_points)) row = row + matmul(axes(:, axis), motion)
+                        if (.not. is_fixed(p + (axis - 1)*zone%n_points)) row = row + matmul(block(:, axis), motion)
                      end associate
                   end do
                end associate

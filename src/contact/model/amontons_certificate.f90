@@ -5,8 +5,9 @@ module amontons_certificate
    use amontons_assembly, only: inner_work, spring_forces, sum_uncanceled_terms
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_equilibrium, only: travel_of_nodes
+   use amontons_frame, only: turned
    use amontons_free_boundary, only: corner_overlap, overlap_t
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
@@ -301,7 +302,7 @@ contains
             reaction(:, node) = 0.0_dp
             cycle
          end if
-         associate (frame => constraints%frame(node), is_free => constraints%is_free(:, node))
+         associate (frame => constraints%frame(:, :, node), is_free => constraints%is_free(:, node))
             along = matmul(reaction(:, node), frame)
             imbalance = imbalance + sum((along*unit)**2, mask=is_free)
             reaction(:, node) = matmul(frame, merge(0.0_dp, along, is_free))
@@ -329,7 +330,7 @@ contains
       at_points = body%checked_rows%displacement(displacement)
       distance = load_case%gap - at_points(:m)
       where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
-      slip = merge(0.0_dp, at_points(m + 1:) - load_case%anchor, body%zone%is_slip_fixed)
+      slip = body%zone%free_slips(at_points(m + 1:) - load_case%anchor)
       ! Loads on the contact points themselves strain nothing: what is left then is rounding. They would press other
       ! points about so far into the stiffest part of the body.
       associate (list => body%materials%list)
@@ -351,7 +352,7 @@ contains
          certificate%dissipation = sum(tangential*slip)
          ! The difference of the energies of displacements and forces in equilibrium is the sum of these terms of the
          ! points.
-         certificate%has_duality_gap = all(body%zone%is_shear_fixed .or. .not. load_case%friction > 0.0_dp)
+         certificate%has_duality_gap = all(all(body%zone%is_fixed, dim=1) .or. .not. load_case%friction > 0.0_dp)
          if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
             + sum(bound*tangential_norm(slip, m)) - certificate%dissipation)
       end associate
@@ -382,7 +383,7 @@ contains
          end associate
          do p = 1, size(body%ties(i)%node)
             k = k + 1
-            associate (node => body%ties(i)%node(p), normal => body%ties(i)%normal(:, p))
+            associate (node => body%ties(i)%node(p))
                exerted = matmul(body%constraints%free_projector(node), reaction(:, node))
                reaction(:, node) = reaction(:, node) - exerted
                if (node == body%ties(i)%lead) then
@@ -391,7 +392,7 @@ contains
                      + dot_product(exerted(:2), body%ties(i)%jump)*body%ties(i)%jump
                   exerted = exerted - pushed
                end if
-               force(k::n) = -[dot_product(normal, exerted(:2)), dot_product(turned(normal), exerted(:2)), exerted(3:)]
+               force(k::n) = -matmul(exerted, body%ties(i)%frame(:, :, p))
             end associate
          end do
       end do
@@ -474,8 +475,8 @@ contains
       associate (x => body%mesh%coordinates)
          lever = rows
          do i = 1, size(rows%node)
-            lever%part(:, i) = -turned(rows%tangent(:, i))
-            lever%tangent(:, i) = turned(rows%part(:, i))
+            lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
+            lever%block(:, 2, i) = turned(rows%block(:, 1, i))
          end do
          jump = lever%displacement(x)
          jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)

@@ -30,7 +30,6 @@ module amontons_condensation
    use amontons_constraints, only: constraints_t, dof_map_t
    use amontons_contact_operator, only: band_stiffness_t, contact_operator_t, new_band_operator, new_band_stiffness, &
       new_stiffness_operator
-   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, squares, &
       triangular_solve
@@ -189,7 +188,7 @@ contains
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! K is not finite
       real(dp), allocatable :: transform(:, :)
-      real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: axes, frame, of_own
+      real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: of_own
       logical :: is_fixed(zone%n_rows)
       integer, allocatable :: own(:)
       integer :: p, i, k, n_own, axis, l, column, first
@@ -210,7 +209,7 @@ contains
       end associate
       if (.not. all(zone%is_own)) then
          ! The rows of C on the contact unknowns. A slip that a support prevents has no row.
-         is_fixed = [spread(.false., 1, zone%n_points), zone%is_slip_fixed]
+         is_fixed = [spread(.false., 1, zone%n_points), transpose(zone%is_fixed)]
          n_own = size(dof_map%dof, 1)
          do p = 1, zone%n_points
             do k = 1, n_own
@@ -225,10 +224,9 @@ contains
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
                transform = dof_map%substitution%transform(zone%rows%node(i:i), own, 1, n_own)
-               axes = zone%rows%axes(i, n_own)
                do k = 1, size(own)
-                  of_own = matmul(transpose(transform(:, n_own*(k - 1) + 1:n_own*k)), axes)
-                  frame = constraints%frame(own(k))
+                  of_own = matmul(transpose(transform(:, n_own*(k - 1) + 1:n_own*k)), &
+                     zone%rows%block(:, :, i))
                   do axis = 1, n_own
                      if (dof_map%dof(axis, own(k)) == 0) cycle
                      column = dof_map%dof(axis, own(k)) - dof_map%n_dofs + dof_map%n_schur
@@ -237,7 +235,7 @@ contains
                      if (column < 1 .or. column > condensation%n_unknowns) cycle
                      do l = 1, n_own
                         call condensation%rows%add(condensation%unknown(l, p), column, &
-                           dot_product(of_own(:, l), frame(:, axis)))
+                           dot_product(of_own(:, l), constraints%frame(:, axis, own(k))))
                      end do
                   end do
                end do
@@ -249,14 +247,11 @@ contains
          ! in the problem.
          first = dof_map%n_dofs - dof_map%n_schur
          do p = 1, zone%n_points
-            frame = constraints%frame(zone%node(p))
-            associate (normal => zone%normal(:, p), map => condensation%map(:, :, p), &
-               unknown => condensation%unknown(:, p))
+            associate (frame => constraints%frame(:, :, zone%node(p)), normal => zone%normal(p), &
+               map => condensation%map(:, :, p), unknown => condensation%unknown(:, p))
                unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
-               map(3:, 3:) = 1.0_dp
-               map(:2, 1) = matmul(normal, frame(:2, :2))
-               map(:2, 2) = matmul(turned(normal), frame(:2, :2))
-               if (.not. zone%is_tangent_fixed(p)) cycle
+               map = matmul(transpose(frame), zone%frame(:, :, p))
+               if (.not. zone%is_fixed(1, p)) cycle
                axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
                unknown(:2) = [unknown(axis), 0]
                map(:2, :2) = reshape([1.0_dp/dot_product(normal, frame(:2, axis)), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])

@@ -15,6 +15,7 @@ module amontons_contact_zone
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
+   use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_patch, &
@@ -51,13 +52,11 @@ module amontons_contact_zone
       type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       type(line_t), allocatable :: line !! how the points follow each other; not allocated in space
-      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
+      real(dp), allocatable :: frame(:, :, :)
+         !! unit normal towards the obstacle and tangents, as columns (1 + n_tangents, 1 + n_tangents, m) [-]
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
-      logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
-      logical, allocatable :: is_slip_fixed(:)
-         !! the same of each tangential row of C: in a twisted body of those around the axis, too (n_rows - m)
-      logical, allocatable :: is_shear_fixed(:) !! whether supports bear its shear along all tangents (m)
+      logical, allocatable :: is_fixed(:, :) !! whether supports bear its shear along each tangent (n_tangents, m)
       integer, allocatable :: held_node(:)
          !! contact nodes on rigid obstacles that are no points since supports hold them, or hold them along the normal
       integer, allocatable :: held_set(:) !! the contact set of each
@@ -70,6 +69,8 @@ module amontons_contact_zone
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    contains
+      procedure :: free_slips => contact_zone_free_slips
+      procedure :: normal => contact_zone_normal
       procedure :: own_nodes => contact_zone_own_nodes
    end type contact_zone_t
 
@@ -85,14 +86,17 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
       integer, intent(in), optional :: bonded(:)
          !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
-      integer :: follower(body%mesh%n_nodes), nothing(0), i, k
+      integer :: follower(body%mesh%n_nodes), nothing(0), i, k, n_dim
 
-      allocate (zone%node(0), zone%set(0), zone%held_node(0), zone%held_set(0), zone%held_normal(2, 0), &
+      zone%n_tangents = body%materials%n_components() - 1
+      n_dim = size(body%mesh%coordinates, 1)
+      allocate (zone%node(0), zone%set(0), zone%held_node(0), zone%held_set(0), zone%held_normal(n_dim, 0), &
          zone%held_arc_length(0), zone%shared_node(0), zone%zero_area_node(0), zone%passed_point(2, 0), &
-         zone%mean_point(0), zone%is_own(0), zone%is_cell(0), zone%position(2, 0), zone%acting(2, 0), zone%foot(2, 0), &
-         zone%normal(2, 0), zone%weight(0), zone%area(0), zone%is_tangent_fixed(0))
-      call zone%rows%begin(nothing)
-      call zone%quadrature%begin(nothing)
+         zone%mean_point(0), zone%is_own(0), zone%is_cell(0), zone%position(n_dim, 0), zone%acting(n_dim, 0), &
+         zone%foot(n_dim, 0), zone%weight(0), zone%area(0), zone%is_fixed(zone%n_tangents, 0), &
+         zone%frame(1 + zone%n_tangents, 1 + zone%n_tangents, 0))
+      call zone%rows%begin(nothing, 1 + zone%n_tangents)
+      call zone%quadrature%begin(nothing, n_dim)
       allocate (zone%pairs(size(contacts)))
       if (size(body%mesh%coordinates, 1) == 2) then
          allocate (zone%line)
@@ -112,11 +116,7 @@ contains
          error%message = contacts(i)%origin//error%message
          return
       end do
-      zone%n_tangents = size(body%constraints%is_free, 1) - 1
       zone%n_rows = (1 + zone%n_tangents)*zone%n_points
-      zone%is_slip_fixed = zone%is_tangent_fixed
-      if (zone%n_tangents == 2) zone%is_slip_fixed = [zone%is_slip_fixed, (holds_twist(zone, i, body%constraints), &
-         i=1, zone%n_points)]
       if (size(contacts) == 0 .or. zone%n_points > 0) return
       if (size(zone%zero_area_node) > 0) then
          call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
@@ -126,24 +126,6 @@ contains
             'supports hold every contact node; nothing is left that could come into contact')
       end if
    end subroutine new_contact_zone
-
-   !> Whether supports hold a point of a twisted body around the axis: the node, or all nodes of a cell.
-   pure logical function holds_twist(zone, point, constraints) result(holds)
-      type(contact_zone_t), intent(in) :: zone !! the points
-      integer, intent(in) :: point !! the point
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, allocatable :: nodes(:)
-      integer :: i
-
-      nodes = zone%rows%node(zone%rows%start(point):zone%rows%start(point + 1) - 1)
-      associate (pair => zone%pairs(zone%set(point)))
-         if (pair%is_set() .and. .not. zone%is_cell(point)) then
-            nodes = [pair%node(point - findloc(zone%set, zone%set(point), dim=1) + 1)]
-         end if
-      end associate
-      holds = .not. any([(constraints%is_free(3, nodes(i)) .or. constraints%rigid_moves(nodes(i), &
-         [0.0_dp, 0.0_dp, 1.0_dp]), i=1, size(nodes))])
-   end function holds_twist
 
    !> Adds the points of a set that faces a rigid obstacle.
    subroutine add_set(zone, set, contact, body, follower, error)
@@ -183,22 +165,21 @@ contains
       real(dp), parameter :: least_share = 1.0e-2_dp
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
       integer, allocatable :: points(:), own(:), parts(:)
-      real(dp) :: whole, axes(1 + zone%n_tangents, 1 + zone%n_tangents)
+      real(dp) :: whole
       integer :: i, j, k, n, p, place, tangent
 
-      n = size(axes, 1)
+      n = 1 + zone%n_tangents
       do tangent = 1, zone%n_tangents
          points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints, tangent))
          own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
-         row = spread(0.0_dp*axes(:, 1), 2, size(own))
+         row = spread(spread(0.0_dp, 1, n), 2, size(own))
          basis = reshape(row(:, :0), [size(row), 0])
          do k = 1, size(points)
             p = points(k)
             row = 0.0_dp
             whole = 0.0_dp
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-               axes = zone%rows%axes(i, n)
-               whole = hypot(whole, norm2(axes(:, 1 + tangent)))
+               whole = hypot(whole, norm2(zone%rows%block(:, 1 + tangent, i)))
                parts = substitution%element_nodes(zone%rows%node(i:i))
                transform = substitution%transform(zone%rows%node(i:i), parts, 1, n)
                do j = 1, size(parts)
@@ -206,7 +187,7 @@ contains
                   if (any(zone%node == parts(j))) cycle
                   if (any(substitution%is_bonded(2*tangent - 1:1 + tangent, parts(j)))) cycle
                   place = findloc(own, parts(j), dim=1)
-                  row(:, place) = row(:, place) + matmul(matmul(axes(:, 1 + tangent), &
+                  row(:, place) = row(:, place) + matmul(matmul(zone%rows%block(:, 1 + tangent, i), &
                      transform(:, n*(j - 1) + 1:n*j)), constraints%free_projector(parts(j)))
                end do
             end do
@@ -214,12 +195,10 @@ contains
             rest = rest - matmul(basis, matmul(rest, basis))
             if (norm2(rest) < least_share*whole) cycle
             basis = reshape([basis, rest/norm2(rest)], [size(row), size(basis, 2) + 1])
-            zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) = .false.
+            zone%is_fixed(tangent, p) = .false.
             zone%is_own(p) = .false.
          end do
       end do
-      zone%is_tangent_fixed = zone%is_slip_fixed(:zone%n_points)
-      zone%is_shear_fixed = [(all(zone%is_slip_fixed(p::zone%n_points)), p=1, zone%n_points)]
    end subroutine let_guided_slaves_slip
 
    !> Whether each point is a corner of a slave that supports guide, except where its master ends on the same plane of
@@ -236,7 +215,7 @@ contains
 
       do p = 1, zone%n_points
          associate (pair => zone%pairs(zone%set(p)))
-            is_alone(p) = zone%is_slip_fixed(p + (tangent - 1)*zone%n_points) .and. &
+            is_alone(p) = zone%is_fixed(tangent, p) .and. &
                .not. zone%is_cell(p) .and. pair%is_set() .and. .not. allocated(pair%shear_fault)
             if (tangent == 2) is_alone(p) = is_alone(p) .and. zone%position(1, p) > rounding*pair%master%longest
             if (.not. is_alone(p) .or. tangent == 2) cycle
@@ -257,6 +236,24 @@ contains
          end associate
       end do
    end function is_guided_alone
+
+   !> The slips of the points along their tangents; 0 where a support bears the shear (n_rows - m) [L].
+   pure function contact_zone_free_slips(self, slip) result(free)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      real(dp), intent(in) :: slip(:) !! the slips, those that supports prescribe among them (n_rows - m) [L]
+      real(dp) :: free(size(slip))
+
+      free = merge(0.0_dp, slip, [transpose(self%is_fixed)])
+   end function contact_zone_free_slips
+
+   !> The unit normal of a point, towards the obstacle (n_dim) [-].
+   pure function contact_zone_normal(self, point) result(normal)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      integer, intent(in) :: point !! the point
+      real(dp) :: normal(size(self%position, 1))
+
+      normal = self%frame(:size(normal), 1, point)
+   end function contact_zone_normal
 
    !> The nodes whose unknowns contribute to the displacements of the points.
    pure function contact_zone_own_nodes(self, substitution) result(own)
@@ -286,12 +283,12 @@ contains
       zone%n_points = zone%n_points + n
       zone%is_cell = [zone%is_cell, spread(is_cell, 1, n)]
       zone%is_own = [zone%is_own, points%is_own]
-      zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
-      zone%position = reshape([zone%position, points%position], [2, zone%n_points])
-      zone%acting = reshape([zone%acting, points%acting], [2, zone%n_points])
-      zone%foot = reshape([zone%foot, points%acting], [2, zone%n_points])
+      zone%is_fixed = reshape([zone%is_fixed, points%is_fixed], [zone%n_tangents, zone%n_points])
+      zone%position = reshape([zone%position, points%position], [size(zone%position, 1), zone%n_points])
+      zone%acting = reshape([zone%acting, points%acting], shape(zone%position))
+      zone%foot = reshape([zone%foot, points%acting], shape(zone%position))
       if (allocated(points%foot)) zone%foot(:, zone%n_points - n + 1:) = points%foot
-      zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
+      zone%frame = reshape([zone%frame, points%frame], [shape(zone%frame(:, :, 1)), zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
       call zone%rows%add(points%rows)
@@ -386,17 +383,20 @@ contains
       allocate (points%line)
       points%line%next = point_of(patch%line%next(kept(:n)))
       points%is_own = points_are_own(:n)
-      points%is_tangent_fixed = [(body%constraints%guides(patch%node(kept(i)), normal(:, kept(i))), i=1, n)]
+      points%frame = new_frames(normal(:, kept(:n)), 1 + zone%n_tangents)
+      allocate (points%is_fixed(zone%n_tangents, n))
+      do i = 1, n
+         points%is_fixed(:, i) = body%constraints%fixed_tangents(patch%node(kept(i)), points%frame(:, :, i))
+      end do
       points%position = body%mesh%coordinates(:, patch%node(kept(:n)))
-      points%normal = normal(:, kept(:n))
       associate (share => area(place)/points%area(own), node => patch%node(place))
          points%rows%node = node
-         points%rows%part = points%normal(:, own)*spread(share, 1, size(direction))
-         points%rows%tangent = points%rows%part
-         points%rows%around = share
-         call points%rows%set_tangents()
+         points%rows%block = points%frame(:, :, own)
+         do i = 1, size(own)
+            points%rows%block(:, :, i) = points%rows%block(:, :, i)*share(i)
+         end do
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
-            normal=points%normal(:, own), outward=sum(points%normal(:, own)*patch%normal(:, place), dim=1), &
+            normal=normal(:, kept(own)), outward=sum(normal(:, kept(own))*patch%normal(:, place), dim=1), &
             arc_length=patch%line%arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
          points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [size(direction), n])
@@ -425,14 +425,14 @@ contains
    pure integer function point_before(zone, node, normal) result(point)
       type(contact_zone_t), intent(in) :: zone !! the zone
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: normal(2) !! the other set's normal there
+      real(dp), intent(in) :: normal(:) !! the other set's normal there (n_dim) [-]
       ! Smallest cosine between the normals at which a line continues; the angle, 46 degrees, is unlikely in a model.
       real(dp), parameter :: least_cosine = 0.7_dp
 
       do point = 1, zone%n_points
          if (zone%is_cell(point) .or. zone%pairs(zone%set(point))%is_set() .or. &
             zone%rows%node(zone%rows%start(point)) /= node) cycle
-         if (dot_product(zone%normal(:, point), normal) > least_cosine) return
+         if (dot_product(zone%normal(point), normal) > least_cosine) return
       end do
       point = 0
    end function point_before
@@ -459,13 +459,13 @@ contains
       allocate (points%line)
       points%line%next = point_of(cells%line%next(kept))
       points%position = cells%center(:, kept)
-      points%normal = cells%normal(:, kept)
+      points%frame = new_frames(cells%normal(:, kept), 1 + zone%n_tangents)
       points%weight = cells%length(kept)
       points%area = cells%area(kept)
       points%acting = points%position
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
-      points%is_tangent_fixed = cells%is_tangent_fixed(kept)
+      points%is_fixed = cells%is_fixed(:, kept)
       points%is_own = spread(.false., 1, size(kept))
       call add_points(zone, set, .true., points)
    end subroutine add_cells
@@ -483,6 +483,8 @@ contains
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
       type(error_t), allocatable :: shear_fault
+      logical :: is_fixed(zone%n_tangents)
+      integer :: p, i
 
       associate (pair => zone%pairs(set))
          call new_mortar_pair(pair, contact%set, contact%pairing, body, follower, error)
@@ -499,11 +501,18 @@ contains
          if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, body%mesh, error)
          if (allocated(error)) return
          points%line = pair%line
-         points%is_tangent_fixed = pair%is_tangent_fixed
-         points%normal = pair%normal
+         points%is_fixed = pair%is_fixed
+         points%frame = pair%frame
          if (contact%partition%is_constant) then
             points%is_own = spread(.false., 1, size(pair%line%next))
             points%position = integrals%center
+            ! Around the axis the master may move, too.
+            do p = 1, size(pair%frame, 3)
+               do i = integrals%rows%start(p), integrals%rows%start(p + 1) - 1
+                  is_fixed = body%constraints%fixed_tangents(integrals%rows%node(i), pair%frame(:, :, p))
+                  points%is_fixed(2:, p) = points%is_fixed(2:, p) .and. is_fixed(2:)
+               end do
+            end do
          else
             points%is_own = body%constraints%rigid_of(pair%node) == 0
             zone%node = [zone%node, pack(pair%node, points%is_own)]
@@ -702,13 +711,13 @@ contains
       do k = 1, size(faces)
          do j = 1, faces(k)%n_nodes
             do i = 1, faces(k)%n_nodes
-               associate (face => faces(k), of_row => body%constraints%frame(faces(k)%node(i)), &
-                  of_column => body%constraints%frame(faces(k)%node(j)))
+               associate (face => faces(k), of_row => body%constraints%frame(:2, :2, faces(k)%node(i)), &
+                  of_column => body%constraints%frame(:2, :2, faces(k)%node(j)))
                   mass = 0.0_dp
                   do point = 1, size(face%area)
                      mass = mass + face%area(point)*face%values(i, point)*face%values(j, point)
                   end do
-                  block = mass*matmul(transpose(of_row(:2, :2)), of_column(:2, :2))
+                  block = mass*matmul(transpose(of_row), of_column)
                   do b = 1, 2
                      do c = 1, 2
                         call entries%add(place(c, face%node(i)), place(b, face%node(j)), block(c, b))
@@ -735,13 +744,13 @@ contains
       r = 0
       do k = 1, 2
          do p = 1, zone%n_points
-            if (zone%set(p) /= number .or. (k == 2 .and. zone%is_tangent_fixed(p))) cycle
+            if (zone%set(p) /= number .or. (k == 2 .and. zone%is_fixed(1, p))) cycle
             r = r + 1
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-               associate (frame => constraints%frame(zone%rows%node(i)), axes => zone%rows%axes(i, 1 + zone%n_tangents))
+               associate (frame => constraints%frame(:, :, zone%rows%node(i)), block => zone%rows%block(:, :, i))
                   do a = 1, 2
                      associate (column => place(a, zone%rows%node(i)), &
-                        share => sqrt(zone%area(p))*dot_product(axes(:, k), frame(:, a)))
+                        share => sqrt(zone%area(p))*dot_product(block(:, k), frame(:, a)))
                         call entries%add(n + r, column, share)
                         call entries%add(column, n + r, share)
                      end associate

@@ -13,10 +13,10 @@ module amontons_load_family
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, negligible, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_rows, only: turned
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
+   use amontons_frame, only: new_frame, turned
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector, spread_total_force, sum_element_loads
    use amontons_material, only: on_axis
@@ -304,8 +304,8 @@ contains
          ! An overlap by the rounding of coordinates would cause forces between unloaded bodies.
          if (abs(load_case%gap(p)) <= sum_rounding*maxval(abs(corners))) load_case%gap(p) = 0.0_dp
          ! Extent of the bounding box of the body behind the point.
-         extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(:, p), &
-            (zone%position(:, p) - corners(:, 2))*zone%normal(:, p)))
+         extent = sum(max((zone%position(:, p) - corners(:, 1))*zone%normal(p), &
+            (zone%position(:, p) - corners(:, 2))*zone%normal(p)))
          if (exceeds(-load_case%gap(p), extent)) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
                to_text(-load_case%gap(p))//' at '//place_text(zone%position(:, p))// &
@@ -334,7 +334,7 @@ contains
       real(dp) :: slip(body%zone%n_rows - body%zone%n_points), prescribed(body%zone%n_rows)
 
       prescribed = body%zone%rows%displacement(load_case%prescribed)
-      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_slip_fixed)
+      slip = body%zone%free_slips(prescribed(body%zone%n_points + 1:))
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.
@@ -555,6 +555,7 @@ contains
       class(acting_t), intent(inout) :: acting !! the member, its obstacles at their places
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       type(load_case_t) :: moved
+      real(dp) :: frame(1 + body%zone%n_tangents, 1 + body%zone%n_tangents)
       integer :: i, p
 
       if (all(motions%is_at_rest())) return
@@ -563,13 +564,14 @@ contains
       if (allocated(error)) return
       acting%gap = moved%gap
       acting%is_in_reach = moved%is_in_reach
-      ! Along the tangent of each point, at its foot; for a cell the mean.
+      ! Along the tangents of each point, at its foot; for a cell the mean.
       associate (zone => body%zone, quadrature => body%zone%quadrature)
-         acting%motion(:zone%n_points) = 0.0_dp
+         acting%motion = 0.0_dp
          do p = 1, zone%n_points
             do i = quadrature%start(p), quadrature%start(p + 1) - 1
-               acting%motion(p) = acting%motion(p) + quadrature%share(i)*dot_product( &
-                  turned(quadrature%normal(:, i)), motions(zone%set(p))%displacement(self%base%foot(:, i)))
+               frame = new_frame(quadrature%normal(:, i), size(frame, 1))
+               acting%motion(p::zone%n_points) = acting%motion(p::zone%n_points) + quadrature%share(i) &
+                  *matmul(motions(zone%set(p))%displacement(self%base%foot(:, i)), frame(:2, 2:))
             end do
          end do
       end associate
@@ -603,8 +605,8 @@ contains
       problem%prescribed = dot_product(self%largest, abs(acting%factor))
       problem%uncanceled = matmul(self%uncanceled, abs(acting%factor))
       problem%gap = self%gap_of(acting)
-      problem%anchor = merge(0.0_dp, acting%anchor, body%zone%is_slip_fixed)
-      associate (is_fixed => body%zone%is_shear_fixed)
+      problem%anchor = body%zone%free_slips(acting%anchor)
+      associate (is_fixed => all(body%zone%is_fixed, dim=1))
          problem%friction = merge(0.0_dp, self%friction_of(acting), is_fixed)
          problem%slip_bound = merge(0.0_dp, self%base%slip_bound, is_fixed)
       end associate

@@ -17,9 +17,9 @@ module amontons_loose_bodies
    use amontons_body, only: body_t
    use amontons_cone, only: cone_t, least_squares, new_cone
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, no_equilibrium
+   use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_rigid_motion, only: largest_motion
@@ -155,8 +155,8 @@ contains
       normals = round_normals(zone)
       on_round = modes
       do p = 1, m
-         along = dot_product(normals(:, p), zone%normal(:, p))
-         across = dot_product(normals(:, p), turned(zone%normal(:, p)))
+         along = dot_product(normals(:, p), zone%normal(p))
+         across = dot_product(normals(:, p), zone%frame(:2, 2, p))
          on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
          on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
       end do
@@ -171,7 +171,7 @@ contains
       real(dp) :: before(2), after(2), tangent(2), lengths
       integer :: p, q, r
 
-      normals = zone%normal
+      normals = zone%frame(:2, 1, :)
       if (.not. allocated(zone%line)) return
       do q = 1, zone%n_points
          p = zone%line%next(q)
@@ -179,14 +179,14 @@ contains
          if (zone%is_cell(p)) cycle
          r = zone%line%next(p)
          ! A direction that the deck gives is the same at all points.
-         if (r == 0 .or. norm2(zone%normal(:, p) - zone%normal(:, q)) < computed_rounding) cycle
+         if (r == 0 .or. norm2(zone%normal(p) - zone%normal(q)) < computed_rounding) cycle
          before = zone%position(:, p) - zone%position(:, q)
          after = zone%position(:, r) - zone%position(:, p)
          lengths = norm2(before)*norm2(after)
          if (.not. dot_product(before, after) > least_cosine*lengths) cycle
          ! On a circle a chord and the tangent make an angle whose sine goes with the chord's length.
          tangent = before/norm2(before)**2 + after/norm2(after)**2
-         normals(:, p) = sign(1.0_dp, dot_product(turned(tangent), zone%normal(:, p)))*turned(tangent)/norm2(tangent)
+         normals(:, p) = sign(1.0_dp, dot_product(turned(tangent), zone%normal(p)))*turned(tangent)/norm2(tangent)
       end do
    end function round_normals
 
@@ -194,7 +194,7 @@ contains
    pure logical function is_round(zone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
 
-      is_round = any(abs(round_normals(zone) - zone%normal) > computed_rounding)
+      is_round = any(abs(round_normals(zone) - zone%frame(:2, 1, :)) > computed_rounding)
    end function is_round
 
    !> Finds the place of a body that displacements are counted from: the free rigid motion that comes closest to the
@@ -310,7 +310,7 @@ contains
       integer :: k
 
       counts(:body%zone%n_points) = load_case%is_in_reach
-      counts(body%zone%n_points + 1:) = .not. body%zone%is_slip_fixed .and. [load_case%is_in_reach, &
+      counts(body%zone%n_points + 1:) = .not. [transpose(body%zone%is_fixed)] .and. [load_case%is_in_reach, &
          (load_case%is_in_reach, k=2, body%zone%n_tangents)]
    end function counted
 

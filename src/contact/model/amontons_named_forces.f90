@@ -8,8 +8,8 @@
 module amontons_named_forces
    use amontons_assembly, only: spring_forces
    use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
-   use amontons_contact_rows, only: turned
    use amontons_equilibrium, only: recover_with_travel
+   use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
@@ -246,15 +246,12 @@ contains
       factors = -body%zone%rows%displacement(motion)
       at_points = rigid_motion(component, body%zone%acting, size(motion, 1))
       do p = 1, m
-         associate (direction => body%zone%normal(:, p))
-            if (component <= tangential) then
-               factors(p::m) = 0.0_dp
-               factors(p + merge(0, m, component == normal)) = 1.0_dp
-            else if (body%zone%pairs(body%zone%set(p))%is_set()) then
-               factors(p::m) = -[dot_product(direction, at_points(:2, p)), &
-                  dot_product(turned(direction), at_points(:2, p)), at_points(3:, p)]
-            end if
-         end associate
+         if (component <= tangential) then
+            factors(p::m) = 0.0_dp
+            factors(p + merge(0, m, component == normal)) = 1.0_dp
+         else if (body%zone%pairs(body%zone%set(p))%is_set()) then
+            factors(p::m) = -matmul(at_points(:, p), body%zone%frame(:, :, p))
+         end if
          if (all(sets /= body%zone%set(p))) factors(p::m) = 0.0_dp
       end do
    end function contact_factors

@@ -203,7 +203,7 @@ contains
          end associate
       end do
       material = body%materials%list(body%materials%of_element(sides(4, places(1)%side)))
-      associate (normal => body%zone%normal(:, p))
+      associate (normal => body%zone%normal(p))
          surface%outward(:, p) = [dot_product(normal, outward), normal(1)*outward(2) - normal(2)*outward(1)] &
             /norm2(outward)
          surface%compliance(:, :, p) = surface_compliance(material, [-outward(2), outward(1)]/norm2(outward))

@@ -199,7 +199,7 @@ contains
 
       model%history = config%history
       model%wear = prepared%contacts(body%zone%set)%wear/body%zone%area
-      model%is_slip_fixed = body%zone%is_slip_fixed
+      model%is_slip_fixed = [transpose(body%zone%is_fixed)]
       ! Gives every change of a load, support or friction a part.
       parting = one_part(prepared)
       parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
@@ -418,7 +418,7 @@ contains
       allocate (state%lock(size(body%lockable)), source=huge(1.0_dp))
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, state%instant%gap)
-      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, body%zone%is_shear_fixed)
+      state%bound = merge(0.0_dp, model%solver%loads%base%slip_bound, all(body%zone%is_fixed, dim=1))
    end subroutine new_step_state
 
    !> Takes a step to the loads and obstacles at its end. The outcome is part of the state.
@@ -438,8 +438,8 @@ contains
       associate (first => size(instant%factor) - size(after%lock) + 1)
          after%instant%factor(first:) = before%instant%factor(first:)
       end associate
-      after%instant%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + (instant%motion &
-         - before%instant%motion), body%zone%is_slip_fixed)
+      after%instant%anchor = body%zone%free_slips(before%solution%displacement(m + 1:) &
+         + (instant%motion - before%instant%motion))
       after%instant%added_gap = instant%added_gap + before%wear_depth
       after%instant%gap = instant%gap + after%instant%added_gap
       call model%solver%loads%pose(body, after%instant, problem)
