@@ -15,7 +15,7 @@ module amontons_config_groups
       load_t, new_load
    use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
-   use amontons_obstacle, only: obstacle_names
+   use amontons_obstacle, only: obstacle_dimensions, obstacle_names
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -712,12 +712,13 @@ contains
       has_point = has_kind
       has_normal = has_kind
       call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
-         obstacle_names, has_kind)
+         pack(obstacle_names, obstacle_dimensions(obstacle_names) /= 3), has_kind)
       has_radius = contact%obstacle%has_radius()
       call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-         'L', also='origin center centre apex'), contact%obstacle%point, has_point)
+         'L', also='origin center centre apex'), contact%obstacle%point(:2), has_point)
+      if (.not. any(abs(contact%obstacle%normal) > 0.0_dp)) contact%obstacle%normal(2) = 1.0_dp
       call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
-         ' the body', is_nonzero=.true.), contact%obstacle%normal, has_normal)
+         ' the body', is_nonzero=.true.), contact%obstacle%normal(:2), has_normal)
       call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
          ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), &
             contact%obstacle%radius, has_radius)

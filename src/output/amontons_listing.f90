@@ -282,8 +282,8 @@ contains
             if (contact%pairing%search > 0.0_dp) text = text//', search '// &
                with_unit(short_text(contact%pairing%search), units, 'L')
          else
-            text = text//', '//trim(obstacle%kind)//' at '//with_unit(pair_text(obstacle%point), units, 'L')// &
-               ' with normal '//pair_text(obstacle%normal)
+            text = text//', '//trim(obstacle%kind)//' at '//with_unit(pair_text(obstacle%point(:2)), units, 'L')// &
+               ' with normal '//pair_text(obstacle%normal(:2))
             if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
             if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
             if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair_text(contact%direction)

@@ -43,8 +43,8 @@ contains
       contact%set = set
       contact%friction%value = friction
       contact%obstacle%kind = 'plane'
-      contact%obstacle%point = point
-      contact%obstacle%normal = normal
+      contact%obstacle%point(:2) = point
+      contact%obstacle%normal(:2) = normal
       contact%origin = 'deck.nml:12: '
    end function contact_on_set
 

@@ -1,7 +1,9 @@
-!> Rigid obstacles: plane, circle, parabola, polyline, each given by a point and a normal.
+!> Rigid obstacles, each given by a point and a normal: plane, circle, parabola and polyline in the plane; plane,
+!> sphere, cylinder and paraboloid in space.
 !>
-!> In the frame of an obstacle h is the coordinate along its normal, towards the body, and s that along (n_y, -n_x). An
-!> obstacle with a positive radius is convex (a punch), one with a negative radius concave (a seat).
+!> In the frame of an obstacle h is the last coordinate, along its normal, towards the body, and s are those across it:
+!> in the plane along (n_y, -n_x), in space any two, of a cylinder the second along its axis. An obstacle with a
+!> positive radius is convex (a punch), one with a negative radius concave (a seat).
 !>
 !> An obstacle is solid behind its surface and free in front of it. Gaps follow, by the same rule for every kind, from
 !> the positions where a line along the normal of the body enters and leaves the obstacle. A polyline must not cross
@@ -12,26 +14,34 @@ module amontons_obstacle
    implicit none (type, external)
    private
 
-   public :: cross_product, find_self_crossing, obstacle_names, obstacle_t, steepest_cosine, unit_vector
+   public :: cross_product, find_self_crossing, obstacle_dimensions, obstacle_names, obstacle_t, &
+      steepest_cosine, unit_vector
 
    !> Kinds of obstacles, as a deck writes them.
-   character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
+   character(10), parameter :: obstacle_names(*) = [character(10) :: 'plane', 'circle', 'parabola', 'polyline', &
+      'sphere', 'cylinder', 'paraboloid']
 
-   !> A rigid obstacle.
+   !> A rigid obstacle. In the plane the third numbers of its vectors have no meaning.
    type :: obstacle_t
-      character(8) :: kind = 'plane' !! one of `obstacle_names`
-      real(dp) :: point(2) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
-      real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! direction of its outward normal there; any length but zero [-]
-      real(dp) :: radius = 1.0_dp !! radius of curvature at the point: circle and parabola; negative if hollow [L]
+      character(10) :: kind = 'plane' !! one of `obstacle_names`
+      real(dp) :: point(3) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
+      real(dp) :: normal(3) = 0.0_dp
+         !! direction of its outward normal there, of any length; all 0 for the last axis, y in the plane and z in space
+         !! [-]
+      real(dp) :: axis(3) = 0.0_dp !! direction of the axis of a cylinder, across the normal; any length but zero [-]
+      real(dp) :: radius = 1.0_dp
+         !! radius of curvature at the point, if the kind has one, of a cylinder across its axis; negative if hollow [L]
       real(dp), allocatable :: line(:, :) !! points (s, h) of a polyline, the free side on the left (2, points) [L]
       character(:), allocatable :: file !! the file of the polyline; empty or not allocated without one
    contains
       procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
+      procedure, private :: frame => obstacle_frame
       procedure, private :: has_ends => obstacle_has_ends
       procedure :: has_radius => obstacle_has_radius
       procedure, private :: is_passed => obstacle_is_passed
       procedure :: measure => obstacle_measure
+      procedure :: outward => obstacle_outward
    end type obstacle_t
 
    !> Smallest cosine between a line and the normal of a surface at which a gap is measured. At a smaller one the length
@@ -55,24 +65,29 @@ contains
    !> All positions where a line crosses the surface of the obstacle.
    pure function obstacle_crossings(self, position, direction) result(crossings)
       class(obstacle_t), intent(in) :: self !! the obstacle
-      real(dp), intent(in) :: position(2) !! a point of the line [L]
-      real(dp), intent(in) :: direction(2) !! its direction, a unit vector [-]
+      real(dp), intent(in) :: position(:) !! a point of the line (n_dim) [L]
+      real(dp), intent(in) :: direction(:) !! its direction, a unit vector (n_dim) [-]
       type(crossing_t), allocatable :: crossings(:)
-      real(dp) :: axis(2), x(2), e(2)
+      real(dp) :: frame(size(position), size(position))
+      real(dp), dimension(size(position)) :: x, e
 
-      axis = unit_vector(self%normal)
-      x = in_frame(axis, position - self%point)
-      e = in_frame(axis, direction)
+      frame = self%frame(size(position))
+      x = matmul(transpose(frame), position - self%point(:size(position)))
+      e = matmul(transpose(frame), direction)
       allocate (crossings(0))
       select case (self%kind)
-      case ('circle')
-         crossings = conic_crossings(self%radius, 1.0_dp, x, e)
-      case ('parabola')
-         crossings = conic_crossings(self%radius, 0.0_dp, x, e)
+      case ('circle', 'sphere')
+         crossings = conic_crossings(self%radius, spread(1.0_dp, 1, size(x)), x, e)
+      case ('parabola', 'paraboloid')
+         crossings = conic_crossings(self%radius, [spread(1.0_dp, 1, size(x) - 1), 0.0_dp], x, e)
+      case ('cylinder')
+         crossings = conic_crossings(self%radius, [1.0_dp, 0.0_dp, 1.0_dp], x, e)
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
       case default
-         if (abs(e(2)) > sum_rounding) crossings = [crossing_t(-x(2)/e(2), -e(2), abs(e(1)))]
+         associate (n => size(x))
+            if (abs(e(n)) > sum_rounding) crossings = [crossing_t(-x(n)/e(n), -e(n), norm2(e(:n - 1)))]
+         end associate
       end select
    end function obstacle_crossings
 
@@ -108,13 +123,13 @@ contains
    !> concave surface, forward to where it leaves; behind a steep flank the distance to it; 0 in free space [L].
    pure real(dp) function obstacle_depth(self, position) result(depth)
       class(obstacle_t), intent(in) :: self !! the obstacle
-      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
       type(crossing_t), allocatable :: crossings(:)
-      real(dp) :: direction(2), gap, cosine
+      real(dp) :: direction(size(position)), gap, cosine
       logical :: is_met
       integer :: first
 
-      direction = -unit_vector(self%normal)
+      direction = -self%outward(size(position))
       call self%measure(position, direction, gap, is_met, cosine)
       depth = max(0.0_dp, -gap)
       ! Behind a steep flank the distance from the flank counts, not the length up to its upper end.
@@ -126,6 +141,52 @@ contains
       first = minloc(crossings%way, dim=1)
       if (crossings(first)%cosine < 0.0_dp) depth = max(0.0_dp, crossings(first)%way)
    end function obstacle_depth
+
+   !> The number of dimensions of the bodies that a kind of obstacle is for, 0 for any.
+   elemental integer function obstacle_dimensions(kind) result(n_dim)
+      character(*), intent(in) :: kind !! one of `obstacle_names`
+
+      select case (kind)
+      case ('circle', 'parabola', 'polyline')
+         n_dim = 2
+      case ('sphere', 'cylinder', 'paraboloid')
+         n_dim = 3
+      case default
+         n_dim = 0
+      end select
+   end function obstacle_dimensions
+
+   !> The outward unit normal at the obstacle's point [-].
+   pure function obstacle_outward(self, n_dim) result(normal)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: normal(n_dim)
+
+      normal = self%normal(:n_dim)
+      if (.not. any(abs(normal) > 0.0_dp)) normal(n_dim) = 1.0_dp
+      normal = unit_vector(normal)
+   end function obstacle_outward
+
+   !> The axes of the obstacle's frame as columns, the last one its normal (n_dim, n_dim) [-].
+   pure function obstacle_frame(self, n_dim) result(frame)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: frame(n_dim, n_dim), axis(3)
+
+      associate (normal => self%outward(n_dim))
+         frame(:, n_dim) = normal
+         if (n_dim == 2) then
+            frame(:, 1) = [normal(2), -normal(1)]
+         else
+            ! What is a body of revolution about its normal has any axis across it, the one nearest to it here.
+            axis = 0.0_dp
+            axis(minloc(abs(normal), dim=1)) = 1.0_dp
+            if (self%kind == 'cylinder') axis = self%axis
+            frame(:, 1) = unit_vector(vector_product(axis, normal))
+            frame(:, 2) = vector_product(normal, frame(:, 1))
+         end if
+      end associate
+   end function obstacle_frame
 
    !> Whether the surface of the obstacle has ends, beyond which inside and outside are not defined.
    pure logical function obstacle_has_ends(self) result(has_ends)
@@ -141,13 +202,13 @@ contains
    !> Whether a point lies beyond an end of the surface: the nearest position of the surface is an end.
    pure logical function obstacle_is_passed(self, position) result(is_passed)
       class(obstacle_t), intent(in) :: self !! the obstacle
-      real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp) :: x(2), share, nearest, distance
+      real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
+      real(dp) :: x(size(position)), share, nearest, distance
       integer :: i, n
 
       is_passed = .false.
       if (.not. self%has_ends()) return
-      x = in_frame(unit_vector(self%normal), position - self%point)
+      x = matmul(transpose(self%frame(size(x))), position - self%point(:size(x)))
       n = size(self%line, 2) - 1
       nearest = huge(nearest)
       do i = 1, n
@@ -166,48 +227,42 @@ contains
    pure logical function obstacle_has_radius(self) result(has_radius)
       class(obstacle_t), intent(in) :: self !! the obstacle
 
-      has_radius = self%kind == 'circle' .or. self%kind == 'parabola'
+      has_radius = self%kind /= 'plane' .and. self%kind /= 'polyline'
    end function obstacle_has_radius
 
    !> The unit vector along a nonzero vector, whose square may overflow or underflow [-].
    pure function unit_vector(vector)
-      real(dp), intent(in) :: vector(2) !! the vector
-      real(dp) :: unit_vector(2)
+      real(dp), intent(in) :: vector(:) !! the vector (n_dim)
+      real(dp) :: unit_vector(size(vector))
 
       unit_vector = vector/maxval(abs(vector))
       unit_vector = unit_vector/norm2(unit_vector)
    end function unit_vector
 
-   !> The coordinates (s, h) of a vector in the frame of an axis.
-   pure function in_frame(axis, vector) result(local)
-      real(dp), intent(in) :: axis(2) !! the axis h, a unit vector [-]
-      real(dp), intent(in) :: vector(2) !! the vector
-      real(dp) :: local(2)
-
-      local = [axis(2)*vector(1) - axis(1)*vector(2), dot_product(axis, vector)]
-   end function in_frame
-
-   !> The positions where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is
-   !> positive on the free side.
-   pure function conic_crossings(radius, c, x, e) result(crossings)
+   !> The positions where a line crosses F = h + (sum of w x^2)/(2 R) = 0, x the coordinates (s, h) and w the weights of
+   !> their squares: all 1 for a circle or sphere, 0 for h of a parabola or paraboloid, 0 for s along the axis of a
+   !> cylinder; F is positive on the free side.
+   pure function conic_crossings(radius, w, x, e) result(crossings)
       real(dp), intent(in) :: radius !! the radius of curvature R; negative if hollow [L]
-      real(dp), intent(in) :: c !! 1 of a circle, 0 of a parabola [-]
-      real(dp), intent(in) :: x(2) !! starting point of the line, in the frame [L]
-      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      real(dp), intent(in) :: w(:) !! the weights (n_dim) [-]
+      real(dp), intent(in) :: x(:) !! starting point of the line, in the frame (n_dim) [L]
+      real(dp), intent(in) :: e(:) !! its direction, in the frame, a unit vector (n_dim) [-]
       type(crossing_t), allocatable :: crossings(:)
       ! A root farther away than this many lengths does not count.
       real(dp), parameter :: far = 1.0e100_dp
-      real(dp) :: length, start(2), height, square, linear, constant, root, q
+      real(dp) :: length, start(size(x)), height, square, linear, constant, root, q
+      integer :: n
 
+      n = size(x)
       allocate (crossings(0))
       ! Lengths are divided by the largest one, so that no square overflows or underflows.
       length = max(maxval(abs(x)), 2.0_dp*abs(radius))
       start = x/length
       height = 2.0_dp*radius/length
       ! 2 R F along the line is square t^2 + linear t + constant.
-      square = e(1)**2 + c*e(2)**2
-      linear = height*e(2) + 2.0_dp*(start(1)*e(1) + c*start(2)*e(2))
-      constant = height*start(2) + start(1)**2 + c*start(2)**2
+      square = sum(w*e**2)
+      linear = height*e(n) + 2.0_dp*sum(w*start*e)
+      constant = sum([height*start(n), w*start**2])
       root = linear**2 - 4.0_dp*square*constant
       if (.not. root > 0.0_dp) return
       ! Its slopes at the zeros are root and -root; of the two formulas for each zero the one without cancellation is
@@ -223,23 +278,34 @@ contains
       pure type(crossing_t) function zero_crossing(way, slope) result(crossing)
          real(dp), intent(in) :: way !! the way to it, in `length` [-]
          real(dp), intent(in) :: slope !! slope there [-]
-         real(dp) :: place(2), gradient(2)
+         real(dp) :: gradient(size(x))
 
-         place = start + way*e
-         gradient = [2.0_dp*place(1), height + 2.0_dp*c*place(2)]
-         crossing = crossing_t(length*way, -slope*sign(1.0_dp, radius)/norm2(gradient), &
-            abs(cross_product(e, gradient))/norm2(gradient))
+         gradient = 2.0_dp*w*(start + way*e)
+         gradient(n) = gradient(n) + height
+         crossing = crossing_t(length*way, -slope*sign(1.0_dp, radius)/norm2(gradient), sine(e, gradient))
       end function zero_crossing
 
    end function conic_crossings
+
+   !> The sine of the angle between a unit vector and another vector, from 0 to 1 [-].
+   pure real(dp) function sine(e, vector)
+      real(dp), intent(in) :: e(:) !! the unit vector (n_dim) [-]
+      real(dp), intent(in) :: vector(:) !! the other vector (n_dim)
+
+      if (size(e) == 2) then
+         sine = abs(cross_product(e, vector))/norm2(vector)
+      else
+         sine = norm2(vector_product(e, vector))/norm2(vector)
+      end if
+   end function sine
 
    !> The gap from a point along a direction. In free space it is the distance to the first position ahead where the
    !> line enters; inside it is minus the distance back to the position where the line entered last. A line that does
    !> not enter, or enters at too small a cosine, has no gap. Beyond the end of a polyline no point is inside.
    pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine, angle)
       class(obstacle_t), intent(in) :: self !! the obstacle
-      real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
+      real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
+      real(dp), intent(in) :: direction(:) !! the direction, a unit vector (n_dim) [-]
       real(dp), intent(out) :: gap !! the gap [L]
       logical, intent(out) :: is_met !! whether there is one
       real(dp), intent(out) :: cosine !! of the angle between the direction and the way into the surface there [-]
@@ -349,5 +415,14 @@ contains
 
       cross_product = a(1)*b(2) - a(2)*b(1)
    end function cross_product
+
+   !> The cross product of two vectors in space.
+   pure function vector_product(a, b)
+      real(dp), intent(in) :: a(3) !! the first
+      real(dp), intent(in) :: b(3) !! the second
+      real(dp) :: vector_product(3)
+
+      vector_product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function vector_product
 
 end module amontons_obstacle

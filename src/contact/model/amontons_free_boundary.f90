@@ -675,7 +675,7 @@ contains
       integer :: i
 
       associate (obstacle => contact%obstacle)
-         axis = unit_vector(obstacle%normal)
+         axis = obstacle%outward(2)
          if (obstacle%kind == 'polyline') then
             associate (line => obstacle%line, n => size(obstacle%line, 2))
                allocate (bulges(n), source=.true.)
@@ -687,7 +687,7 @@ contains
                corners(2, :) = obstacle%point(2) + pack(axis(2)*line(2, :) - axis(1)*line(1, :), bulges)
             end associate
          else if (obstacle%has_radius() .and. obstacle%radius > 0.0_dp) then
-            corners = reshape(obstacle%point, [2, 1])
+            corners = reshape(obstacle%point(:2), [2, 1])
          else
             allocate (corners(2, 0))
          end if

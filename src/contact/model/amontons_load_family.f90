@@ -588,8 +588,8 @@ contains
       if (.not. allocated(acting%motions)) return
       do i = 1, size(contacts)
          associate (obstacle => contacts(i)%obstacle, motion => acting%motions(i))
-            obstacle%point = obstacle%point + motion%displacement(obstacle%point)
-            obstacle%normal = cos(motion%turn)*obstacle%normal + sin(motion%turn)*turned(obstacle%normal)
+            obstacle%point(:2) = obstacle%point(:2) + motion%displacement(obstacle%point(:2))
+            obstacle%normal(:2) = cos(motion%turn)*obstacle%outward(2) + sin(motion%turn)*turned(obstacle%outward(2))
          end associate
       end do
    end function load_family_contacts_of
