@@ -5,16 +5,16 @@
 !> solid is one of its faces.
 module amontons_element
    use amontons_kinds, only: dp
-   use amontons_solid_element, only: face_nodes, hex20, hex8, max_face_nodes, solid_bubble, solid_node, &
-      solid_quadrature, solid_shapes, tet10, tet4
+   use amontons_solid_element, only: edge_ends, face_nodes, hex20, hex8, max_face_nodes, solid_bubble, &
+      solid_node, solid_quadrature, solid_shapes, tet10, tet4
    implicit none (type, external)
    private
 
    public :: bubble_function, corner_kind, element_names, has_bubble, hex20, hex8, is_solid, is_triangle, &
-      jacobian_degree, mapped_square, max_corners, max_face_nodes, max_nodes, max_points, n_corners, n_element_nodes, &
-      n_element_points, n_fine_points, n_plane_kinds, n_sampling_points, n_side_points, n_sides, node_coordinates, &
-      quad4, quad8, quad9, quadrature_point, shape_functions, side_abscissa, side_nodes, side_shapes, side_weight, &
-      tet10, tet4, tri3, tri6
+      jacobian_degree, line_ends, mapped_square, max_corners, max_face_nodes, max_nodes, max_points, n_corners, &
+      n_element_nodes, n_element_points, n_fine_points, n_lines, n_plane_kinds, n_sampling_points, n_side_corners, &
+      n_side_points, n_sides, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, side_abscissa, &
+      side_nodes, side_shapes, side_weight, tet10, tet4, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -39,6 +39,10 @@ module amontons_element
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4, 4, 4, 8, 8]
    !> Number of sides of each kind.
    integer, parameter :: n_sides(*) = [3, 4, 3, 4, 4, 4, 4, 6, 6]
+   !> Number of lines between corners of each kind: of its sides in the plane, of its edges in space.
+   integer, parameter :: n_lines(*) = [3, 4, 3, 4, 4, 6, 6, 12, 12]
+   !> Number of corners of a side of each kind.
+   integer, parameter :: n_side_corners(*) = [2, 2, 2, 2, 2, 3, 3, 4, 4]
    !> The kind of the same shape that has corners alone.
    integer, parameter :: corner_kind(*) = [tri3, quad4, tri3, quad4, quad4, tet4, tet4, hex8, hex8]
    !> Degree of the Jacobian of each kind in each coordinate of `mapped_square`; that of `tri6` is 2 only.
@@ -171,6 +175,20 @@ contains
       nodes = [side, mod(side, n_corners(kind)) + 1, 0]
       if (n_element_nodes(kind) > n_corners(kind)) nodes(3) = n_corners(kind) + side
    end function side_nodes
+
+   !> The corners (local numbers) at the ends of a line between corners: a side in the plane, an edge in space. The node
+   !> in its middle has the line's number plus `n_corners`.
+   pure function line_ends(kind, line) result(ends)
+      integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: line !! number of the line
+      integer :: ends(2)
+
+      if (is_solid(kind)) then
+         ends = edge_ends(kind, line)
+      else
+         ends = [line, mod(line, n_corners(kind)) + 1]
+      end if
+   end function line_ends
 
    !> Reference coordinates and weight of a quadrature point.
    pure subroutine quadrature_point(kind, n_points, point, xi, weight)

@@ -1,18 +1,20 @@
-!> Meshes that the program makes: a rectangle of quadrilaterals, or of triangles that halve each cell; quadratic meshes
-!> from linear ones; and uniform refinement of any mesh. Refinement divides every element into four; the middles of
-!> sides lie where the shape functions put them, so that curved sides keep their shape.
+!> Meshes that the program makes: a rectangle of quadrilaterals, or of triangles that halve each cell; a box of
+!> hexahedra, or of tetrahedra, six in each cell; quadratic meshes from linear ones; and uniform refinement of plane
+!> meshes. Refinement divides every element into four; the middles of sides lie where the shape functions put them, so
+!> that curved sides keep their shape.
 module amontons_generated_mesh
-   use amontons_element, only: corner_kind, element_names, is_triangle, max_nodes, n_corners, n_element_nodes, &
-      n_plane_kinds, n_sides, node_coordinates, quad4, quad8, quad9, shape_functions, tri3, tri6
+   use amontons_element, only: corner_kind, element_names, hex20, hex8, is_triangle, line_ends, max_corners, &
+      max_nodes, n_corners, n_element_nodes, n_lines, n_plane_kinds, n_side_corners, n_sides, node_coordinates, quad4, &
+      quad8, quad9, shape_functions, tet4, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_mesh, only: mesh_t, new_side_table, parents_t, side_number, side_table_t
+   use amontons_mesh, only: mesh_t, parents_t
    use amontons_system, only: available_memory_mb
    use amontons_text, only: short_text, to_text
    implicit none (type, external)
    private
 
-   public :: diagonal_names, new_rectangle_mesh, raise_order, rectangle_t, refine_mesh
+   public :: box_t, diagonal_names, new_box_mesh, new_rectangle_mesh, raise_order, rectangle_t, refine_mesh
 
    !> Number of parts of an element.
    integer, parameter :: n_parts = 4
@@ -34,6 +36,13 @@ module amontons_generated_mesh
       real(dp) :: grading = 1.0_dp !! height of the last (top) row of cells over that of the first [-]
    end type rectangle_t
 
+   !> A box with the corner of its least coordinates at the origin, and its division into cells.
+   type :: box_t
+      real(dp) :: size(3) = 1.0_dp !! lengths along x, y and z [L]
+      integer :: cells(3) = 1 !! number of cells along x, y and z
+      character(8) :: element = 'hex8' !! one of `element_names`; six tetrahedra make a cell
+   end type box_t
+
 contains
 
    !> Refines a mesh several times, dividing every element into four. The nodes keep their numbers, new ones follow
@@ -50,20 +59,17 @@ contains
       real(dp), parameter :: node_bytes = 1000.0_dp
       type(mesh_t) :: parent, quadratic
       integer, allocatable :: kinds(:)
-      real(dp) :: n_nodes, megabytes
+      real(dp) :: n_nodes
       integer :: i, n_most
 
       n_most = n_times
       if (present(n_finest)) n_most = max(n_times, n_finest)
       n_nodes = mesh%n_nodes*real(n_parts, dp)**n_most
-      megabytes = 1.0e-6_dp*node_bytes*n_nodes
       if (n_nodes > most_nodes) then
          call new_error(error, input_refused, 'refined '//to_text(n_most)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
-      else if (megabytes > available_memory_mb() .and. n_most > 0) then
-         call new_error(error, system_failure, 'not enough memory: '//to_text(nint(n_nodes, int64))// &
-            ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-            to_text(nint(available_memory_mb(), int64))//' MB are available')
+      else if (n_most > 0) then
+         call check_memory('', n_nodes, node_bytes, error)
       end if
       if (allocated(error)) return
       do i = 1, n_times
@@ -79,6 +85,20 @@ contains
          call refine_sets(mesh)
       end do
    end subroutine refine_mesh
+
+   !> Refuses a mesh that cannot be solved in the memory of the machine.
+   subroutine check_memory(what, n_nodes, node_bytes, error)
+      character(*), intent(in) :: what !! what the mesh is made of, for the message: 'rectangle: '
+      real(dp), intent(in) :: n_nodes !! number of nodes
+      real(dp), intent(in) :: node_bytes !! what each needs at the least [bytes]
+      type(error_t), allocatable, intent(out) :: error !! memory is short
+      real(dp) :: megabytes
+
+      megabytes = 1.0e-6_dp*node_bytes*n_nodes
+      if (megabytes > available_memory_mb()) call new_error(error, system_failure, what//'not enough memory: '// &
+         to_text(nint(n_nodes, int64))//' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
+         to_text(nint(available_memory_mb(), int64))//' MB are available')
+   end subroutine check_memory
 
    !> Replaces quadratic elements by the four linear ones into which each is divided. The centers of eight-node elements
    !> become nodes, whose coordinates are not set yet.
@@ -239,17 +259,20 @@ contains
       integer, intent(in) :: kinds(:)
          !! kind of each element after: a quadratic one in the place of the linear one of the same shape, or its own;
          !! elements that share a side are all raised or all kept (n_elements)
-      type(side_table_t) :: table
-      integer, allocatable :: middle(:), node(:), node_start(:)
+      integer, allocatable :: valence(:), last(:), before(:), other(:), node(:), node_start(:)
       real(dp), allocatable :: more(:, :)
-      integer :: element, i, n, n_more, first, left, right, overlapping(2), ends(2)
+      integer :: element, i, n, n_more, first, ends(2), line
 
       if (all(kinds == mesh%element_kind)) return
-      call new_side_table(table, mesh, overlapping)
-      ! The node in the middle of each side by the side's number, and the nodes that are new.
-      allocate (middle(0:side_number(mesh%n_elements + 1, 0)), source=0)
-      allocate (more(2, size(mesh%node) + mesh%n_elements), node(sum(n_element_nodes(kinds))), &
-         node_start(mesh%n_elements + 1))
+      allocate (valence(mesh%n_nodes), last(mesh%n_nodes), source=0)
+      do i = 1, size(mesh%node)
+         valence(mesh%node(i)) = valence(mesh%node(i)) + 1
+      end do
+      ! Each line between two corners, which gets a node in its middle, is filed under that corner where fewer elements
+      ! meet, which keeps every search short.
+      n = sum(n_lines(mesh%element_kind))
+      allocate (before(n), other(n), more(size(mesh%coordinates, 1), n + mesh%n_elements), &
+         node(sum(n_element_nodes(kinds))), node_start(mesh%n_elements + 1))
       n_more = 0
       node_start(1) = 1
       do element = 1, mesh%n_elements
@@ -258,15 +281,24 @@ contains
          n = mesh%node_start(element + 1) - mesh%node_start(element)
          node(first:first + n - 1) = mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1)
          if (kinds(element) == mesh%element_kind(element)) cycle
-         do i = 1, n
-            if (middle(side_number(element, i)) == 0) then
+         do i = 1, n_lines(kinds(element))
+            ends = node(first - 1 + line_ends(kinds(element), i))
+            if (valence(ends(2)) < valence(ends(1)) .or. (valence(ends(2)) == valence(ends(1)) &
+               .and. ends(2) < ends(1))) ends = ends([2, 1])
+            line = last(ends(1))
+            do while (line > 0)
+               if (other(line) == ends(2)) exit
+               line = before(line)
+            end do
+            if (line == 0) then
                n_more = n_more + 1
-               ends = node(first - 1 + [i, mod(i, n) + 1])
-               more(:, n_more) = 0.5_dp*(mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
-               call table%find(ends(1), ends(2), left, right)
-               middle([left, right]) = mesh%n_nodes + n_more
+               line = n_more
+               more(:, line) = 0.5_dp*(mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
+               other(line) = ends(2)
+               before(line) = last(ends(1))
+               last(ends(1)) = line
             end if
-            node(first + n + i - 1) = middle(side_number(element, i))
+            node(first + n + i - 1) = mesh%n_nodes + line
          end do
       end do
       ! The centers of nine-node elements come last.
@@ -277,7 +309,8 @@ contains
          more(:, n_more) = 0.25_dp*sum(mesh%coordinates(:, node(first:first + 3)), dim=2)
          node(first + 8) = mesh%n_nodes + n_more
       end do
-      mesh%coordinates = reshape([mesh%coordinates, more(:, :n_more)], [2, mesh%n_nodes + n_more])
+      mesh%coordinates = reshape([mesh%coordinates, more(:, :n_more)], &
+         [size(more, 1), mesh%n_nodes + n_more])
       mesh%n_nodes = mesh%n_nodes + n_more
       mesh%element_kind = kinds
       call move_alloc(node, mesh%node)
@@ -297,7 +330,7 @@ contains
       ! which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more cells the
       ! shorter side has. Half of that leaves room for doubt.
       real(dp), parameter :: node_bytes = 1000.0_dp, factor_bytes = 96.0_dp
-      real(dp) :: n_nodes, megabytes
+      real(dp) :: n_nodes
       integer :: kind, shape
 
       kind = findloc(element_names(:n_plane_kinds) == rectangle%element, .true., dim=1)
@@ -314,13 +347,9 @@ contains
          return
       end if
       n_nodes = product(rectangle%cells + 1.0_dp)*merge(1.0_dp, 3.0_dp, kind == shape)
-      megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells))/log(2.0_dp))
-      if (megabytes > available_memory_mb()) then
-         call new_error(error, system_failure, 'rectangle: not enough memory: '//to_text(nint(n_nodes, int64))// &
-            ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-            to_text(nint(available_memory_mb(), int64))//' MB are available')
-         return
-      end if
+      call check_memory('rectangle: ', n_nodes, node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells)) &
+         /log(2.0_dp), error)
+      if (allocated(error)) return
       mesh%source = 'rectangle '//short_text(rectangle%size(1))//' x '//short_text(rectangle%size(2))//', '// &
          to_text(rectangle%cells(1))//' x '//to_text(rectangle%cells(2))//' cells of '//trim(rectangle%element)
       call place_nodes(mesh, rectangle)
@@ -328,6 +357,62 @@ contains
       call name_sides(mesh, rectangle%cells)
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
+
+   !> Makes the mesh of a box, with the boundary sets left, right (along x), front, back (y), bottom and top (z).
+   subroutine new_box_mesh(mesh, box, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      type(box_t), intent(in) :: box !! the box and its cells
+      type(error_t), allocatable, intent(out) :: error !! the box makes no sense, or memory is short
+      ! A quadratic hexahedron has nine times the entries of a plane one in lists of default integers.
+      real(dp), parameter :: most_nodes = 2.0_dp**23
+      ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
+      real(dp), parameter :: node_bytes = 2000.0_dp
+      ! The corners of a cell that six tetrahedra have, all around its diagonal.
+      integer, parameter :: parts(*, *) = reshape([1, 2, 3, 7, 1, 3, 4, 7, 1, 4, 8, 7, 1, 8, 5, 7, 1, 5, 6, 7, &
+         1, 6, 2, 7], [4, 6])
+      integer :: corner(max_corners), cell, i, kind, shape, steps(3)
+      real(dp) :: n_nodes
+
+      kind = findloc(element_names == box%element, .true., dim=1)
+      if (any(.not. box%size > 0.0_dp) .or. any(box%cells < 1) .or. kind <= n_plane_kinds) then
+         call new_error(error, input_refused, 'box: size and cells must be positive, element that of a solid')
+         return
+      end if
+      shape = corner_kind(kind)
+      n_nodes = product(box%cells + 1.0_dp)
+      if (kind /= shape) n_nodes = n_nodes*merge(4.0_dp, 8.0_dp, kind == hex20)
+      if (n_nodes > most_nodes) then
+         call new_error(error, input_refused, 'box: more cells than node numbers allow (about 8 million nodes)')
+      else
+         call check_memory('box: ', n_nodes, node_bytes, error)
+      end if
+      if (allocated(error)) return
+      mesh%source = 'box '//short_text(box%size(1))//' x '//short_text(box%size(2))//' x '//short_text(box%size(3))// &
+         ', '//to_text(box%cells(1))//' x '//to_text(box%cells(2))//' x '//to_text(box%cells(3))//' cells of '// &
+         trim(box%element)
+      steps = [1, box%cells(1) + 1, product(box%cells(:2) + 1)]
+      mesh%n_nodes = product(box%cells + 1)
+      allocate (mesh%coordinates(3, mesh%n_nodes))
+      do i = 1, mesh%n_nodes
+         mesh%coordinates(:, i) = box%size*mod((i - 1)/steps, box%cells + 1)/box%cells
+      end do
+      mesh%n_elements = product(box%cells)*merge(1, size(parts, 2), shape == hex8)
+      allocate (mesh%element_kind(mesh%n_elements), source=shape)
+      mesh%node_start = [(1 + n_element_nodes(shape)*i, i=0, mesh%n_elements)]
+      allocate (mesh%node(n_element_nodes(shape)*mesh%n_elements))
+      do cell = 0, product(box%cells) - 1
+         i = 1 + dot_product(steps, mod(cell/[1, box%cells(1), product(box%cells(:2))], box%cells))
+         corner(:4) = i + [0, 1, 1 + steps(2), steps(2)]
+         corner(5:) = corner(:4) + steps(3)
+         if (shape == hex8) then
+            mesh%node(8*cell + 1:8*cell + 8) = corner
+         else
+            mesh%node(24*cell + 1:24*cell + 24) = corner([parts])
+         end if
+      end do
+      call name_sides(mesh, box%cells)
+      if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
+   end subroutine new_box_mesh
 
    !> Sets the coordinates of the nodes row by row, from the lower left corner.
    pure subroutine place_nodes(mesh, rectangle)
@@ -386,39 +471,55 @@ contains
       end do
    end subroutine connect_cells
 
-   !> Makes the boundary sets of the four sides; the sides in a set follow each other counter-clockwise around the
-   !> rectangle.
+   !> Makes the boundary sets of the sides of a rectangle, which follow each other counter-clockwise around it, or of
+   !> the faces of a box.
    pure subroutine name_sides(mesh, cells)
-      type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected
-      integer, intent(in) :: cells(2) !! number of cells along x and y
-      character(6), parameter :: names(4) = [character(6) :: 'left', 'right', 'bottom', 'top']
-      integer :: cell(4), cell_step(4), ends(3), node(4), node_step(4), element, i, k, per_cell, side
+      type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected, nodes numbered along x, then y, then z
+      integer, intent(in) :: cells(:) !! number of cells along each axis
+      character(6), parameter :: names(2, 3) = reshape([character(6) :: 'left', 'right', 'bottom', 'top', 'bottom', &
+         'top'], [2, 3])
+      integer :: axis, cell, element, end, i, k, n, per_cell, per_face, set, step
 
-      ! First corner and cell of each set, and the steps along it.
-      node = [mesh%n_nodes - cells(1), cells(1) + 1, 1, mesh%n_nodes]
-      cell = [product(cells) - cells(1) + 1, cells(1), 1, product(cells)]
-      node_step = [-cells(1) - 1, cells(1) + 1, 1, -1]
-      cell_step = [-cells(1), cells(1), 1, -1]
       per_cell = mesh%n_elements/product(cells)
-      allocate (mesh%sets(4))
-      do k = 1, 4
-         associate (set => mesh%sets(k), n => cells(merge(2, 1, k < 3)))
-            set%name = trim(names(k))
-            allocate (set%element(n), set%side(n))
-            do i = 1, n
-               do element = per_cell*(cell(k) - 1) + 1, per_cell*cell(k)
-                  do side = 1, n_sides(mesh%element_kind(element))
-                     ends = mesh%side(element, side)
-                     if (any(ends(:2) /= [node(k), node(k) + node_step(k)])) cycle
-                     set%element(i) = element
-                     set%side(i) = side
-                  end do
+      per_face = merge(2, 1, mesh%element_kind(1) == tet4)
+      allocate (mesh%sets(2*size(cells)))
+      do set = 1, size(mesh%sets)
+         axis = (set + 1)/2
+         end = 2 - mod(set, 2)
+         mesh%sets(set)%name = trim(names(end, axis))
+         if (size(cells) == 3 .and. axis == 2) mesh%sets(set)%name = trim(merge('front', 'back ', end == 1))
+         n = product(cells)/cells(axis)
+         allocate (mesh%sets(set)%element(per_face*n), mesh%sets(set)%side(per_face*n))
+         step = product(cells(:axis - 1))
+         n = 0
+         do k = 0, product(cells)/cells(axis) - 1
+            cell = mod(k, step) + step*(cells(axis)*(k/step) + (end - 1)*(cells(axis) - 1))
+            do element = per_cell*cell + 1, per_cell*cell + per_cell
+               do i = 1, n_sides(mesh%element_kind(element))
+                  if (.not. is_on_end(mesh%side(element, i), n_side_corners(mesh%element_kind(element)))) cycle
+                  n = n + 1
+                  mesh%sets(set)%element(n) = element
+                  mesh%sets(set)%side(n) = i
                end do
-               node(k) = node(k) + node_step(k)
-               cell(k) = cell(k) + cell_step(k)
             end do
-         end associate
+         end do
+         if (size(cells) == 2 .and. (set == 1 .or. set == 4)) then
+            mesh%sets(set)%element = mesh%sets(set)%element(n:1:-1)
+            mesh%sets(set)%side = mesh%sets(set)%side(n:1:-1)
+         end if
       end do
+
+   contains
+
+      !> Whether all corners of a side lie on the end of the axis.
+      pure logical function is_on_end(nodes, n_corners)
+         integer, intent(in) :: nodes(:) !! its nodes, corners first
+         integer, intent(in) :: n_corners !! number of its corners
+
+         is_on_end = all(mod((nodes(:n_corners) - 1)/product(cells(:axis - 1) + 1), cells(axis) + 1) &
+            == (end - 1)*cells(axis))
+      end function is_on_end
+
    end subroutine name_sides
 
 end module amontons_generated_mesh

@@ -5,8 +5,8 @@
 !> Chunks of one color share no node. A chunk consists of consecutive elements, so that their common data stays in the
 !> cache. If the elements are numbered at random, so that all chunks share nodes, every element is a chunk of its own.
 module amontons_mesh
-   use amontons_element, only: jacobian_degree, mapped_square, max_nodes, n_corners, n_element_nodes, &
-      shape_functions, side_nodes
+   use amontons_element, only: corner_kind, is_solid, jacobian_degree, line_ends, mapped_square, max_face_nodes, &
+      max_nodes, n_corners, n_element_nodes, n_side_corners, n_sides, shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp, int64
@@ -15,9 +15,9 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: coloring_t, find_set, incidence_t, jacobian_determinant, mesh_t, named_set_t, new_coloring, &
-      new_incidence, new_side_table, number_pieces, outer_sides, parents_t, side_element, side_number, side_place, &
-      side_table_t, sides_per_element, worth_threads
+   public :: coloring_t, find_set, incidence_t, is_straight, jacobian_determinant, jacobian_reference_t, mesh_t, &
+      named_set_t, new_coloring, new_incidence, new_jacobian_references, new_side_table, number_pieces, outer_sides, &
+      parents_t, side_element, side_number, side_place, side_table_t, sides_per_element, worth_threads
 
    !> A named set: of sides of elements on the boundary, of nodes, or of elements, which is a region of the body.
    type :: named_set_t
@@ -34,20 +34,20 @@ module amontons_mesh
       real(dp), allocatable :: weight(:) !! the weight of each [-]
    end type parents_t
 
-   !> A plane mesh; elements may be of different kinds.
+   !> A mesh in the plane or in space; elements may be of different kinds. A side of a solid is one of its faces.
    type :: mesh_t
       integer :: n_nodes = 0 !! number of nodes
       integer :: n_elements = 0 !! number of elements
-      real(dp), allocatable :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       integer, allocatable :: node_tag(:) !! number of each node in the mesh's file; not allocated without a file
       type(parents_t), allocatable :: parents !! where nodes of refinement come from; not allocated without any
       integer, allocatable :: element_kind(:) !! kind of each element, see `amontons_element` (n_elements)
       integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
-      integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise
+      integer, allocatable :: node(:) !! nodes of the elements, as `amontons_element` numbers them
       type(named_set_t), allocatable :: sets(:) !! named boundary sets
       type(named_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
       type(named_set_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
-      character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of a rectangle
+      character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of what is generated
       type(warning_list_t) :: files !! names of the files it was read from
       type(warning_list_t) :: warnings !! warnings on the file it was read from
       logical :: has_pieces = .false. !! whether a file that it was read from has pieces that share no nodes
@@ -71,17 +71,19 @@ module amontons_mesh
    end type incidence_t
 
    !> Number of side numbers that every element has, used or not.
-   integer, parameter :: sides_per_element = 4
+   integer, parameter :: sides_per_element = 6
 
    !> A side between two elements or at the boundary.
    type :: side_t
       integer :: before !! side filed before it under the same node, 0 for none
-      integer :: other !! the corner that it is not filed under
-      integer :: left !! number of the element's side that runs to the other corner, 0 for none
+      integer :: other(3)
+         !! the corners that it is not filed under: of a face the lower and the higher one beside that, and the opposite
+         !! one; 0 for none
+      integer :: left !! number of the element's side that runs to the first other corner, 0 for none
       integer :: right !! number of the element's side that runs the other way, 0 for none
    end type side_t
 
-   !> The sides of all elements. Each is stored under that one of its two corners where fewer elements meet, which keeps
+   !> The sides of all elements. Each is stored under that one of its corners where fewest elements meet, which keeps
    !> every search short, even around a node with very many elements.
    type :: side_table_t
       integer :: n_sides = 0 !! number of sides
@@ -92,6 +94,16 @@ module amontons_mesh
       procedure :: boundary => side_table_boundary
       procedure :: find => side_table_find
    end type side_table_t
+
+   !> Most values of a Jacobian along one direction of an element, one more than its degree.
+   integer, parameter :: most_values = maxval(jacobian_degree) + 1
+
+   !> What the Jacobian of a kind of elements is computed from, at points at equal distances of `mapped_square`.
+   type :: jacobian_reference_t
+      real(dp), allocatable :: derivatives(:, :, :)
+         !! derivatives of the shape functions by the reference coordinates (n_dim, node, point) [-]
+      real(dp), allocatable :: to_bernstein(:, :) !! from values along one direction to Bernstein coefficients [-]
+   end type jacobian_reference_t
 
    !> Smallest number of elements for which threads are worth their start, which takes up to some ten milliseconds.
    integer, parameter :: worth_threads = 10000
@@ -113,6 +125,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the first element or node that fails a check
       logical :: is_used(self%n_nodes)
       real(dp) :: extent
+      type(jacobian_reference_t), allocatable :: reference(:)
       integer :: element, node
 
       extent = maxval(maxval(self%coordinates, dim=2) - minval(self%coordinates, dim=2))
@@ -123,12 +136,14 @@ contains
          call new_error(error, input_refused, 'mesh: node '//to_text(node)//' belongs to no element')
          return
       end if
+      call new_jacobian_references(reference, self)
       do element = 1, self%n_elements
-         if (self%is_turned_over(element)) then
-            ! Areas below the range of full precision do not decide whether an element is valid.
-            if (.not. extent**2 > tiny(extent)/epsilon(extent)) then
-               call new_error(error, input_refused, 'mesh: the body measures '//to_text(extent)// &
-                  ', too little for its areas to be numbers; choose a smaller unit of length')
+         if (self%is_turned_over(element, reference)) then
+            ! Areas and volumes below the range of full precision do not decide whether an element is valid.
+            if (.not. extent**size(self%coordinates, 1) > tiny(extent)/epsilon(extent)) then
+               call new_error(error, input_refused, 'mesh: the body measures '//to_text(extent)//', too little for '// &
+                  'its '//trim(merge('volumes', 'areas  ', size(self%coordinates, 1) == 3))// &
+                  ' to be numbers; choose a smaller unit of length')
                return
             end if
             call new_error(error, input_refused, 'mesh: element '//to_text(element)// &
@@ -138,78 +153,185 @@ contains
       end do
    end subroutine mesh_check
 
-   !> Whether the Jacobian of an element is not positive everywhere, beyond its rounding errors. Over the square onto
-   !> which an element is mapped, its Jacobian is a polynomial, and lies between its least and its greatest Bernstein
-   !> coefficient (Johnen, Remacle, Geuzaine, J. Comp. Phys. 233, 2013).
-   pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
+   !> Whether the Jacobian of an element is not positive everywhere, beyond its rounding errors. Over the square or
+   !> cube onto which an element is mapped, its Jacobian is a polynomial, and lies between its least and its greatest
+   !> Bernstein coefficient (Johnen, Remacle, Geuzaine, J. Comp. Phys. 233, 2013).
+   pure logical function mesh_is_turned_over(self, element, reference) result(is_turned_over)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
-      ! From values at equal distances to Bernstein coefficients of cubic polynomials.
-      real(dp), parameter :: to_bernstein(4, 4) = reshape([6.0_dp, -5.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 18.0_dp, -9.0_dp, &
-         0.0_dp, 0.0_dp, -9.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, -5.0_dp, 6.0_dp], [4, 4])/6.0_dp
+      type(jacobian_reference_t), intent(in) :: reference(:) !! from `new_jacobian_references` (kinds)
       ! Halves in which the sign is still in doubt are halved again, up to this many times: by then the bounds are as
       ! close as the square of their size.
       integer, parameter :: most_halvings = 24
-      real(dp) :: coefficients(4, 4), least
-      integer :: i, j, kind, n
+      real(dp) :: coefficients(most_values, most_values**2), least
+      integer :: axis, i, k, kind, n, m
 
       kind = self%element_kind(element)
-      associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)))
-         least = min(difference_rounding*dot_product(maxval(abs(x), dim=2), &
-            abs(cshift(maxval(x, dim=2) - minval(x, dim=2), 1))), huge(least))
-      end associate
+      if (is_solid(kind)) then
+         if (is_straight(self, element)) kind = corner_kind(kind)
+      end if
       n = jacobian_degree(kind) + 1
-      do j = 1, n
-         do i = 1, n
-            coefficients(i, j) = jacobian_determinant(self, element, &
-               mapped_square(kind, [real(dp) :: i - 1, j - 1]/max(1, n - 1)))
+      m = n**(size(self%coordinates, 1) - 1)
+      associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)), &
+         derivatives => reference(kind)%derivatives)
+         least = rounding_of_volume(x)
+         do k = 1, m
+            do i = 1, n
+               coefficients(i, k) = determinant(x, derivatives(:, :, n*(k - 1) + i))
+            end do
          end do
-      end do
-      if (n > 2) coefficients = matmul(to_bernstein, matmul(coefficients, transpose(to_bernstein)))
-      is_turned_over = .not. exceeds(coefficients(:n, :n), least, most_halvings)
+      end associate
+      if (n > 2) then
+         ! Along one direction after the other, each of which becomes the last.
+         do axis = 1, size(self%coordinates, 1)
+            coefficients(:n, :m) = reshape(transpose(matmul(reference(kind)%to_bernstein, coefficients(:n, :m))), &
+               [n, m])
+         end do
+      end if
+      is_turned_over = .not. exceeds(coefficients(:n, :m), least, most_halvings)
    end function mesh_is_turned_over
 
-   !> Whether a polynomial exceeds a value on all of a square.
-   pure recursive logical function exceeds(coefficients, least, n_halvings) result(is_above)
-      real(dp), intent(in) :: coefficients(:, :) !! its Bernstein coefficients; those at the corners are its values
-      real(dp), intent(in) :: least !! the value
-      integer, intent(in) :: n_halvings !! how often the square may be halved; what is in doubt then does not exceed it
-      real(dp) :: first(size(coefficients, 2), size(coefficients, 1)), second(size(coefficients, 2), &
-         size(coefficients, 1))
+   !> Rounding error of the area or volume of an element: that of one coordinate times the extents along the others
+   !> [L^n_dim].
+   pure real(dp) function rounding_of_volume(x) result(rounding)
+      real(dp), intent(in) :: x(:, :) !! coordinates of its nodes (n_dim, nodes) [L]
+      real(dp) :: least(3), most(3), span(3)
+
+      associate (n => size(x, 1))
+         least(:n) = minval(x, dim=2)
+         most(:n) = maxval(x, dim=2)
+         span(:n) = cshift(most(:n) - least(:n), 1)
+         if (n == 3) span = span*cshift(span, 1)
+         rounding = min(difference_rounding*dot_product(max(abs(least(:n)), abs(most(:n))), span(:n)), huge(rounding))
+      end associate
+   end function rounding_of_volume
+
+   !> Makes what the Jacobian of elements is computed from, for all kinds that a mesh has and those of their corners.
+   pure subroutine new_jacobian_references(reference, mesh)
+      type(jacobian_reference_t), allocatable, intent(out) :: reference(:) !! for each kind (kinds)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp) :: place(size(mesh%coordinates, 1)), values(max_nodes), derivatives(size(place), max_nodes)
+      integer :: i, kind, n, point
+
+      allocate (reference(size(corner_kind)))
+      do kind = 1, size(reference)
+         if (.not. any(mesh%element_kind == kind .or. corner_kind(mesh%element_kind) == kind)) cycle
+         n = jacobian_degree(kind) + 1
+         reference(kind)%to_bernstein = bernstein_matrix(n)
+         allocate (reference(kind)%derivatives(size(place), n_element_nodes(kind), n**size(place)))
+         do point = 1, n**size(place)
+            place = real([(mod((point - 1)/n**(i - 1), n), i=1, size(place))], dp)/max(1, n - 1)
+            call shape_functions(kind, mapped_square(kind, place), values, derivatives)
+            reference(kind)%derivatives(:, :, point) = derivatives(:, :n_element_nodes(kind))
+         end do
+      end do
+   end subroutine new_jacobian_references
+
+   !> Whether the nodes between the corners of an element lie in the middle between two of them, but for rounding.
+   pure logical function is_straight(mesh, element)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
       integer :: i, n
 
+      associate (kind => mesh%element_kind(element), nodes => mesh%node(mesh%node_start(element): &
+         mesh%node_start(element + 1) - 1))
+         n = n_corners(kind)
+         is_straight = .true.
+         do i = n + 1, size(nodes)
+            associate (x => mesh%coordinates(:, nodes([line_ends(kind, i - n), i])))
+               is_straight = all(abs(x(:, 1) + x(:, 2) - 2.0_dp*x(:, 3)) &
+                  <= difference_rounding*(abs(x(:, 1)) + abs(x(:, 2))))
+            end associate
+            if (.not. is_straight) return
+         end do
+      end associate
+   end function is_straight
+
+   !> The matrix from values of a polynomial at equal distances from 0 to 1 to its Bernstein coefficients (n, n).
+   pure function bernstein_matrix(n) result(inverse)
+      integer, intent(in) :: n !! number of values, the degree and 1
+      real(dp) :: inverse(n, n)
+      real(dp) :: values(n, n), binomial, t
+      integer :: i, k
+
+      inverse = 0.0_dp
+      do i = 1, n
+         inverse(i, i) = 1.0_dp
+         t = real(i - 1, dp)/(n - 1)
+         binomial = 1.0_dp
+         do k = 1, n
+            values(i, k) = binomial*t**(k - 1)*(1.0_dp - t)**(n - k)
+            binomial = binomial*real(n - k, dp)/k
+         end do
+      end do
+      ! The values of Bernstein polynomials are totally positive: Gauss-Jordan elimination needs no pivots.
+      do k = 1, n
+         inverse(k, :) = inverse(k, :)/values(k, k)
+         values(k, :) = values(k, :)/values(k, k)
+         do i = 1, n
+            if (i == k) cycle
+            inverse(i, :) = inverse(i, :) - values(i, k)*inverse(k, :)
+            values(i, :) = values(i, :) - values(i, k)*values(k, :)
+         end do
+      end do
+   end function bernstein_matrix
+
+   !> Whether a polynomial exceeds a value on all of a square or cube.
+   pure recursive logical function exceeds(coefficients, least, n_halvings) result(is_above)
+      real(dp), intent(in) :: coefficients(:, :)
+         !! its Bernstein coefficients (along the first direction, all others); those at the corners are its values
+      real(dp), intent(in) :: least !! the value
+      integer, intent(in) :: n_halvings !! how often it may be halved; what is in doubt then does not exceed the value
+      real(dp) :: first(size(coefficients, 2), size(coefficients, 1)), second(size(coefficients, 2), &
+         size(coefficients, 1))
+      integer :: i, m, n
+
       n = size(coefficients, 1)
+      m = size(coefficients, 2)
       is_above = all(coefficients > least)
-      if (is_above .or. n_halvings == 0 .or. any(coefficients([1, n], [1, size(coefficients, 2)]) <= least)) return
-      ! De Casteljau's algorithm along the first direction, which then becomes the other one.
+      if (is_above .or. n_halvings == 0 .or. any(coefficients([1, n], [1, n, m - n + 1, m]) <= least)) return
+      ! De Casteljau's algorithm along the first direction, which then becomes the last one.
       second = transpose(coefficients)
       do i = 1, n
          first(:, i) = second(:, 1)
          second(:, :n - i) = 0.5_dp*(second(:, :n - i) + second(:, 2:n - i + 1))
       end do
-      is_above = exceeds(first, least, n_halvings - 1)
-      if (is_above) is_above = exceeds(second, least, n_halvings - 1)
+      is_above = exceeds(reshape(first, [n, m]), least, n_halvings - 1)
+      if (is_above) is_above = exceeds(reshape(second, [n, m]), least, n_halvings - 1)
    end function exceeds
 
-   !> Determinant of the Jacobian dx_i / dxi_j of an element at a reference point [L^2].
-   pure real(dp) function jacobian_determinant(mesh, element, xi) result(determinant)
+   !> Determinant of the Jacobian dx_i / dxi_j of an element at a reference point [L^n_dim].
+   pure real(dp) function jacobian_determinant(mesh, element, xi)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
-      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2)
-      integer :: kind, i
+      real(dp), intent(in) :: xi(:) !! reference coordinates [-]
+      real(dp) :: values(max_nodes), derivatives(size(xi), max_nodes)
 
-      kind = mesh%element_kind(element)
-      call shape_functions(kind, xi, values, derivatives)
+      call shape_functions(mesh%element_kind(element), xi, values, derivatives)
+      associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1)))
+         jacobian_determinant = determinant(x, derivatives(:, :size(x, 2)))
+      end associate
+   end function jacobian_determinant
+
+   !> The same from the derivatives of the shape functions [L^n_dim].
+   pure real(dp) function determinant(x, derivatives)
+      real(dp), intent(in) :: x(:, :) !! coordinates of the nodes (n_dim, nodes) [L]
+      real(dp), intent(in) :: derivatives(:, :)
+         !! derivatives by the reference coordinates, of all or the first nodes (n_dim, nodes) [-]
+      real(dp) :: jacobian(3, 3)
+      integer :: i, k
+
       jacobian = 0.0_dp
-      do i = 1, n_element_nodes(kind)
-         associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(element) + i - 1)))
-            jacobian(:, 1) = jacobian(:, 1) + x*derivatives(1, i)
-            jacobian(:, 2) = jacobian(:, 2) + x*derivatives(2, i)
-         end associate
+      do i = 1, size(derivatives, 2)
+         do k = 1, size(x, 1)
+            jacobian(:size(x, 1), k) = jacobian(:size(x, 1), k) + x(:, i)*derivatives(k, i)
+         end do
       end do
       determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
-   end function jacobian_determinant
+      if (size(x, 1) == 3) determinant = determinant*jacobian(3, 3) &
+         + (jacobian(2, 1)*jacobian(3, 2) - jacobian(3, 1)*jacobian(2, 2))*jacobian(1, 3) &
+         + (jacobian(3, 1)*jacobian(1, 2) - jacobian(1, 1)*jacobian(3, 2))*jacobian(2, 3)
+   end function determinant
 
    !> Index of the set with a given name, 0 if there is none.
    pure integer function find_set(sets, name) result(set)
@@ -238,20 +360,21 @@ contains
       class(mesh_t), intent(in) :: self !! the mesh
       character(*), intent(in) :: name !! name of the set
       integer, allocatable, intent(out) :: sides(:, :)
-         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
+         !! nodes of each side as of `mesh_side`, then its element (4 in the plane, 9 in space; sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
       character(:), allocatable :: text, nearest, names(:)
-      integer :: set, i
+      integer :: set, i, n
 
       set = find_set(self%sets, name)
       if (set > 0) then
-         allocate (sides(4, size(self%sets(set)%element)))
+         n = side_size(self)
+         allocate (sides(n + 1, size(self%sets(set)%element)))
          if (size(sides) == 0) call new_error(error, input_refused, "the set '"//name//"' lies inside the body: "// &
             'the elements on both sides share its nodes, and nothing can act, open or slip there; mesh two bodies '// &
             'without common nodes, each with a set of its own')
          do i = 1, size(sides, 2)
-            sides(:3, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
-            sides(4, i) = self%sets(set)%element(i)
+            sides(:n, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
+            sides(n + 1, i) = self%sets(set)%element(i)
          end do
          return
       end if
@@ -294,7 +417,7 @@ contains
       if (allocated(error)) return
       is_met = .false.
       do i = 1, size(sides, 2)
-         is_met(sides(:3, i)) = .true.
+         is_met(sides(:side_size(self), i)) = .true.
       end do
       nodes = pack([(i, i=1, self%n_nodes)], is_met(1:))
    end subroutine mesh_set_nodes
@@ -326,12 +449,21 @@ contains
       end if
    end subroutine mesh_region_elements
 
-   !> The corners of a side of an element, in the direction that has the element on its left, and its middle or 0.
+   !> Number of nodes that a list of the nodes of a side has room for: 3 in the plane, 8 in space.
+   pure integer function side_size(mesh)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+
+      side_size = merge(max_face_nodes, 3, is_solid(mesh%element_kind(1)))
+   end function side_size
+
+   !> The nodes of a side of an element. In the plane its corners, in the direction that has the element on its left,
+   !> and its middle or 0; in space its corners, counter-clockwise as seen from outside, the middles of its edges,
+   !> then 0.
    pure function mesh_side(self, element, side) result(nodes)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
       integer, intent(in) :: side !! number of the side in the element
-      integer :: nodes(3)
+      integer :: nodes(side_size(self))
 
       nodes = side_nodes(self%element_kind(element), side)
       where (nodes > 0) nodes = self%node(self%node_start(element) - 1 + nodes)
@@ -340,7 +472,7 @@ contains
    !> The node at given coordinates, within a thousandth of the distance to the next node; 0 if there is none.
    pure integer function mesh_nearest_node(self, point) result(nearest)
       class(mesh_t), intent(in) :: self !! the mesh
-      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp), intent(in) :: point(:) !! coordinates (n_dim) [L]
       real(dp) :: distance, least, second
       integer :: node
 
@@ -455,12 +587,13 @@ contains
    !> Makes the table of a mesh's sides; stops at the first side that has two elements on the same side of it.
    pure subroutine new_side_table(table, mesh, overlapping)
       type(side_table_t), intent(out) :: table !! the sides
-      type(mesh_t), intent(in) :: mesh !! the mesh, its elements counter-clockwise
+      type(mesh_t), intent(in) :: mesh !! the mesh, no element turned over
       integer, intent(out) :: overlapping(2) !! two elements that lie one over the other, 0 where none do
-      integer :: a, b, element, home, i, n, first, side
+      integer :: nodes(max_face_nodes), n, element, first, home, i, key(3), side
+      logical :: is_left
 
       allocate (table%last(mesh%n_nodes), table%valence(mesh%n_nodes), source=0)
-      allocate (table%sides(sum(n_corners(mesh%element_kind))))
+      allocate (table%sides(sum(n_sides(mesh%element_kind))))
       do element = 1, mesh%n_elements
          first = mesh%node_start(element)
          do i = first, first + n_corners(mesh%element_kind(element)) - 1
@@ -470,20 +603,19 @@ contains
       overlapping = 0
       do element = 1, mesh%n_elements
          first = mesh%node_start(element)
-         n = n_corners(mesh%element_kind(element))
-         do i = 1, n
-            a = mesh%node(first + i - 1)
-            b = mesh%node(first + mod(i, n))
-            home = home_of(table, a, b)
-            side = place_of(table, home, a + b - home)
+         n = n_side_corners(mesh%element_kind(element))
+         do i = 1, n_sides(mesh%element_kind(element))
+            nodes(:side_size(mesh)) = mesh%side(element, i)
+            call file_side(table, nodes(:n), home, key, is_left)
+            side = place_of(table, home, key)
             if (side == 0) then
                table%n_sides = table%n_sides + 1
                side = table%n_sides
-               table%sides(side) = side_t(table%last(home), a + b - home, 0, 0)
+               table%sides(side) = side_t(table%last(home), key, 0, 0)
                table%last(home) = side
             end if
             associate (filed => table%sides(side), number => side_number(element, i))
-               if (home == a) then
+               if (is_left) then
                   if (filed%left > 0) overlapping = side_element([filed%left, number])
                   filed%left = number
                else
@@ -496,48 +628,66 @@ contains
       end do
    end subroutine new_side_table
 
-   !> The node under which a side is stored: that one of its corners where fewer elements meet.
-   pure integer function home_of(table, a, b) result(home)
+   !> Says where a side is stored: under that one of its corners where fewest elements meet.
+   pure subroutine file_side(table, corners, home, other, is_left)
       type(side_table_t), intent(in) :: table !! the sides
-      integer, intent(in) :: a !! one corner
-      integer, intent(in) :: b !! the other corner
+      integer, intent(in) :: corners(:) !! its corners, 2 in the plane, of a face 3 or 4
+      integer, intent(out) :: home !! that corner
+      integer, intent(out) :: other(3) !! the others, as of `side_t`
+      logical, intent(out) :: is_left !! whether the side runs from the first to the first of these
+      integer :: at, i
 
-      if (table%valence(a) == table%valence(b)) then
-         home = min(a, b)
+      at = 1
+      do i = 2, size(corners)
+         associate (one => corners(at), next => corners(i))
+            if (table%valence(next) < table%valence(one) .or. (table%valence(next) == table%valence(one) &
+               .and. next < one)) at = i
+         end associate
+      end do
+      home = corners(at)
+      other = 0
+      if (size(corners) == 2) then
+         other(1) = corners(3 - at)
+         is_left = at == 1
       else
-         home = merge(a, b, table%valence(a) < table%valence(b))
+         associate (next => corners(mod(at, size(corners)) + 1), last => corners(modulo(at - 2, size(corners)) + 1))
+            other(:2) = [min(next, last), max(next, last)]
+            is_left = next < last
+         end associate
+         if (size(corners) > 3) other(3) = corners(mod(at + 1, size(corners)) + 1)
       end if
-   end function home_of
+   end subroutine file_side
 
    !> Place of a side in the table, 0 if no element has it.
    pure integer function place_of(table, home, other) result(side)
       type(side_table_t), intent(in) :: table !! the sides
       integer, intent(in) :: home !! the corner it would be filed under
-      integer, intent(in) :: other !! its other corner
+      integer, intent(in) :: other(3) !! its other corners, as of `side_t`
 
       side = table%last(home)
       do while (side > 0)
-         if (table%sides(side)%other == other) return
+         if (all(table%sides(side)%other == other)) return
          side = table%sides(side)%before
       end do
    end function place_of
 
-   !> Finds the numbers of the element sides to the left and to the right of the line from one corner to another.
-   pure subroutine side_table_find(self, a, b, left, right)
+   !> Finds the numbers of the element sides to the left and to the right of a line from one corner to another, or of
+   !> the element sides that are a face and that are its back.
+   pure subroutine side_table_find(self, corners, left, right)
       class(side_table_t), intent(in) :: self !! the sides
-      integer, intent(in) :: a !! the corner to come from
-      integer, intent(in) :: b !! the corner to go to
+      integer, intent(in) :: corners(:) !! the two corners of the line, or the 3 or 4 of the face, in their order
       integer, intent(out) :: left !! number of the side of the element on the left, 0 for none
       integer, intent(out) :: right !! number of the side of the element on the right, 0 for none
-      integer :: side, home
+      integer :: side, home, other(3)
+      logical :: is_left
 
       left = 0
       right = 0
-      home = home_of(self, a, b)
-      side = place_of(self, home, a + b - home)
+      call file_side(self, corners, home, other, is_left)
+      side = place_of(self, home, other)
       if (side == 0) return
-      left = merge(self%sides(side)%left, self%sides(side)%right, home == a)
-      right = merge(self%sides(side)%right, self%sides(side)%left, home == a)
+      left = merge(self%sides(side)%left, self%sides(side)%right, is_left)
+      right = merge(self%sides(side)%right, self%sides(side)%left, is_left)
    end subroutine side_table_find
 
    !> Number of the element side of a side on the boundary, 0 for a side between two elements.

@@ -6,7 +6,7 @@ module amontons_solid_element
    implicit none (type, external)
    private
 
-   public :: face_nodes, hex20, hex8, solid_bubble, solid_node, solid_quadrature, solid_shapes, tet10, tet4
+   public :: edge_ends, face_nodes, hex20, hex8, solid_bubble, solid_node, solid_quadrature, solid_shapes, tet10, tet4
 
    !> Kind of the four-node tetrahedron.
    integer, parameter :: tet4 = 6
@@ -61,6 +61,19 @@ contains
          nodes = hex_faces(:, face)
       end select
    end function face_nodes
+
+   !> The corners (local numbers) at the ends of an edge of a tetrahedron or hexahedron.
+   pure function edge_ends(kind, edge) result(ends)
+      integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: edge !! number of the edge, in the order of the nodes in their middles
+      integer :: ends(2)
+
+      if (kind <= tet10) then
+         ends = tet_edges(:, edge)
+      else
+         ends = hex_edges(:, edge)
+      end if
+   end function edge_ends
 
    !> Reference coordinates of a node [-].
    pure function solid_node(kind, node) result(xi)
@@ -149,8 +162,8 @@ contains
    end subroutine solid_shapes
 
    !> Reference coordinates and weight of a quadrature point: in a tetrahedron one of 1, 4 or 15 points, exact to degree
-   !> 1, 2 or 5 (A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971, T3:5-1), in a hexahedron of 1, 2 or 3
-   !> Gauss points in each direction.
+   !> 1, 2 or 5 (A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971, T3:5-1), in a hexahedron of 1, 2 or
+   !> 3 Gauss points in each direction.
    pure subroutine solid_quadrature(kind, n_points, point, xi, weight)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of points
@@ -158,8 +171,8 @@ contains
       real(dp), intent(out) :: xi(3) !! reference coordinates [-]
       real(dp), intent(out) :: weight !! weight; the weights sum to the volume of the reference element [-]
       real(dp), parameter :: root = sqrt(15.0_dp), four_points = (5.0_dp - sqrt(5.0_dp))/20.0_dp
-      ! The lesser barycentric coordinates of points towards the corners and towards the faces, with their weights, and of
-      ! points towards the edges.
+      ! The lesser barycentric coordinates of points towards the corners and towards the faces, with their weights, and
+      ! of points towards the edges.
       real(dp), parameter :: by_corners(2) = (7.0_dp + [-root, root])/34.0_dp
       real(dp), parameter :: by_edges = (10.0_dp - 2.0_dp*root)/40.0_dp
       real(dp), parameter :: corner_weights(2) = (2665.0_dp + 14.0_dp*[root, -root])/226800.0_dp

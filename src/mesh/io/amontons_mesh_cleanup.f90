@@ -13,8 +13,8 @@ module amontons_mesh_cleanup
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: jacobian_determinant, mesh_t, named_set_t, new_side_table, number_pieces, side_element, &
-      side_place, side_table_t, sides_per_element
+   use amontons_mesh, only: jacobian_determinant, jacobian_reference_t, mesh_t, named_set_t, new_jacobian_references, &
+      new_side_table, number_pieces, side_element, side_place, side_table_t, sides_per_element
    use amontons_rounding, only: angle_rounding, input_rounding
    use amontons_text, only: counted, to_text
    implicit none (type, external)
@@ -286,9 +286,11 @@ contains
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       ! The nodes of triangles and quadrilaterals in the other order round the first corner.
       integer, parameter :: triangle(*) = [1, 3, 2, 6, 5, 4], quadrilateral(*) = [1, 4, 3, 2, 8, 7, 6, 5, 9]
+      type(jacobian_reference_t), allocatable :: reference(:)
       integer :: element, kind, n_turned
 
       n_turned = 0
+      call new_jacobian_references(reference, mesh)
       do element = 1, mesh%n_elements
          kind = mesh%element_kind(element)
          if (jacobian_determinant(mesh, element, mapped_square(kind, spread(0.5_dp, 1, 2))) < 0.0_dp) then
@@ -298,7 +300,7 @@ contains
                if (.not. is_triangle(kind)) nodes = nodes(quadrilateral(:size(nodes)))
             end associate
          end if
-         if (.not. mesh%is_turned_over(element)) cycle
+         if (.not. mesh%is_turned_over(element, reference)) cycle
          if (n_corners(kind) == n_element_nodes(kind)) then
             call refuse_cell(input, raw, cell_of(element), 'is degenerate: its corners must go round a convex area')
          else
@@ -521,11 +523,11 @@ contains
 
       left = 0
       right = 0
-      if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+      if (all(nodes(:2) > 0)) call table%find(nodes(:2), left, right)
       if (size(nodes) /= 3 .or. max(left, right) > 0) return
       ! Some programs give the middle second.
       nodes = nodes([1, 3, 2])
-      if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+      if (all(nodes(:2) > 0)) call table%find(nodes(:2), left, right)
    end subroutine find_side
 
    !> Collects the nodes of a group and, if the group names no sides otherwise, the boundary sides between these nodes.
