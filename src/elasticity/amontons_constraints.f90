@@ -100,6 +100,7 @@ module amontons_constraints
       procedure :: held_direction => constraints_held_direction
       procedure :: fixed_tangents => constraints_fixed_tangents
       procedure :: is_turned => constraints_is_turned
+      procedure :: is_twisted => constraints_is_twisted
       procedure :: leaves_free => constraints_leaves_free
       procedure :: supported_part => constraints_supported_part
       procedure :: rigid_moves => constraints_rigid_moves
@@ -319,7 +320,7 @@ contains
       type(materials_t), intent(in), optional :: materials !! as in `new_constraints`
       integer :: n_components, axis
 
-      n_components = 2
+      n_components = size(mesh%coordinates, 1)
       if (present(materials)) n_components = materials%n_components()
       allocate (constraints%is_free(n_components, mesh%n_nodes), source=.true.)
       allocate (constraints%frame(n_components, n_components, mesh%n_nodes), prescribed(n_components, mesh%n_nodes), &
@@ -327,11 +328,11 @@ contains
       do axis = 1, n_components
          constraints%frame(axis, axis, :) = 1.0_dp
       end do
-      if (n_components > 2) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
       allocate (constraints%holder(n_components, mesh%n_nodes), source=0)
       allocate (constraints%skew(n_components, n_components, mesh%n_nodes), source=0.0_dp)
       allocate (constraints%rigid_of(mesh%n_nodes), source=0)
       constraints%place = mesh%coordinates
+      if (constraints%is_twisted()) constraints%is_free(3, :) = .not. on_axis(mesh, materials)
       allocate (constraints%rigid(0))
    end subroutine begin_constraints
 
@@ -453,7 +454,7 @@ contains
       if (any(nodes == 0)) then
          call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
             to_text(support%point(2)))
-      else if (any(support%is_held(5:)) .and. size(prescribed, 1) == 2) then
+      else if (any(support%is_held(5:)) .and. .not. constraints%is_twisted()) then
          call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
       end if
       if (allocated(error)) return
@@ -607,6 +608,13 @@ contains
 
       direction = self%frame(:2, merge(1, 2, self%is_free(2, node)), node)
    end function constraints_held_direction
+
+   !> Whether the body is twisted: displacements have a component around the axis besides those along the coordinates.
+   pure logical function constraints_is_twisted(self) result(is_twisted)
+      class(constraints_t), intent(in) :: self !! the constraints
+
+      is_twisted = size(self%is_free, 1) > size(self%place, 1)
+   end function constraints_is_twisted
 
    !> Whether the frame of a node has other axes than those of the coordinates.
    pure logical function constraints_is_turned(self, node) result(is_turned)

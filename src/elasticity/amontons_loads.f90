@@ -149,8 +149,8 @@ contains
       integer :: i, k, point
 
       load = given
-      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. size(forces, 1) == 2) call new_error(error, &
-         input_refused, 'torque and traction_theta need twist = .true. in &material')
+      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. .not. materials%is_twisted()) call new_error( &
+         error, input_refused, 'torque and traction_theta need twist = .true. in &material')
       if (.not. allocated(error)) call spread_total_force(load, mesh, materials, error)
       if (.not. allocated(error)) call set_faces(faces, mesh, load%set, error, materials)
       if (allocated(error)) return

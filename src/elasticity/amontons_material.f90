@@ -80,6 +80,7 @@ module amontons_material
       type(material_t), allocatable :: list(:) !! the materials
       integer, allocatable :: of_element(:) !! which of them each element has (n_elements)
    contains
+      procedure :: is_twisted => materials_is_twisted
       procedure :: n_components => materials_n_components
    end type materials_t
 
@@ -294,6 +295,13 @@ contains
          input_refused, 'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
+
+   !> Whether the body may twist about its axis of revolution: displacements then have a component around it.
+   pure logical function materials_is_twisted(self) result(is_twisted)
+      class(materials_t), intent(in) :: self !! the materials
+
+      is_twisted = self%list(1)%is_twisted
+   end function materials_is_twisted
 
    !> Number of displacement components: x and y, and in a twisted body the one around the axis.
    pure integer function materials_n_components(self) result(n_components)

@@ -196,7 +196,7 @@ contains
          call add('tangential_force', 'tang. force', 'F', force(m + 1:2*m), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
          call add('contact_shear', 'shear', 'F/L^2', force(m + 1:2*m)/zone%area, 0.0_dp, .true.)
-         if (zone%n_tangents == 2) then
+         if (body%materials%is_twisted()) then
             call add('slip_theta', 'slip theta', 'L', motion(m + 1:), length, .true.)
             call add('tangential_force_theta', 'force theta', 'F', force(2*m + 1:), 0.0_dp)
             call add('contact_shear_theta', 'shear theta', 'F/L^2', force(2*m + 1:)/zone%area, 0.0_dp, .true.)

@@ -474,7 +474,7 @@ contains
                acting = -matmul(zone%frame(:, :, p), force(p::zone%n_points))
                at = zone%acting(:, p)
                turning = at(1)*acting(2) - at(2)*acting(1)
-               if (zone%n_tangents == 2) turning = at(1)*acting(3)
+               if (body%materials%is_twisted()) turning = at(1)*acting(3)
                sums = sums + [acting(:2), turning, force(p)]
                center = center + force(p)*at
             end do
@@ -491,9 +491,11 @@ contains
             quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
             quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
          ! In a body of revolution forces have no moment but that about the axis.
-         if (.not. body%is_axisymmetric .or. body%zone%n_tangents == 2) list = [list, quantity_t('contact_'// &
-            merge('torque', 'moment', body%zone%n_tangents == 2)//suffix, merge('Torque ', 'Moment ', &
-            body%zone%n_tangents == 2)//number, sums(3), length*scale, dimension='F L')]
+         associate (is_twisted => body%materials%is_twisted())
+            if (.not. body%is_axisymmetric .or. is_twisted) list = [list, quantity_t('contact_'//merge('torque', &
+               'moment', is_twisted)//suffix, merge('Torque ', 'Moment ', is_twisted)//number, sums(3), length*scale, &
+               dimension='F L')]
+         end associate
       end do
    end function set_results
 

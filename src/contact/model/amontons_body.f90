@@ -359,7 +359,7 @@ contains
       integer :: i, k, number, n
       logical :: moves(3)
 
-      moves = [(.not. body%is_axisymmetric .or. (k > 1 .and. k <= size(body%constraints%is_free, 1)), k=1, 3)]
+      moves = .not. body%is_axisymmetric .or. [.false., .true., body%materials%is_twisted()]
       allocate (body%driven(count(moves)*size(body%constraints%rigid)))
       number = 0
       n = 0

@@ -420,7 +420,7 @@ contains
       on_nodes = contact
       if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes, size(contact, 1))
       ! Around the axis moments cancel, not forces.
-      if (size(on_nodes, 1) > 2) on_nodes(3, :) = on_nodes(3, :)*body%mesh%coordinates(1, :) &
+      if (body%materials%is_twisted()) on_nodes(3, :) = on_nodes(3, :)*body%mesh%coordinates(1, :) &
          /maxval(body%mesh%coordinates(1, :))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
@@ -514,8 +514,8 @@ contains
       resultant = certificate%load + certificate%reaction + certificate%contact
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
       certificate%resultant = relative(norm2(resultant), norm)
-      if (size(loads, 1) > 2) certificate%moment = relative(abs(dot_product(body%mesh%coordinates(1, :), loads(3, :) &
-         + (reaction(3, :) - springs(3, :)) + contact(3, :))), norm*maxval(body%mesh%coordinates(1, :)))
+      if (body%materials%is_twisted()) certificate%moment = relative(abs(dot_product(body%mesh%coordinates(1, :), &
+         loads(3, :) + (reaction(3, :) - springs(3, :)) + contact(3, :))), norm*maxval(body%mesh%coordinates(1, :)))
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
@@ -603,8 +603,7 @@ contains
       if (.not. largest > 0.0_dp) return
       unit = binary_scale(largest)
       do node = 1, size(forces, 2)
-         norm = norm + ((forces(1, node)*unit)**2 + (forces(2, node)*unit)**2)
-         if (size(forces, 1) > 2) norm = norm + (forces(3, node)*unit)**2
+         norm = norm + sum((forces(:, node)*unit)**2)
       end do
       norm = sqrt(norm)/unit
    end function norm_of

@@ -68,7 +68,7 @@ contains
             if (is_cut .and. all(component /= [tangential, moment, torque])) cycle
             if (body%is_axisymmetric .and. (any(component == [along_x, moment]) .or. is_cut .and. component &
                == tangential)) cycle
-            if (component == torque .and. body%materials%n_components() == 2) cycle
+            if (component == torque .and. .not. body%materials%is_twisted()) cycle
             list = reshape([list, i, component], [2, size(list, 2) + 1])
          end do
       end do

@@ -55,7 +55,7 @@ contains
       integer, allocatable :: sides(:, :)
       integer :: p, set
 
-      if (body%zone%n_tangents == 2) then
+      if (body%materials%is_twisted()) then
          call new_error(error, input_refused, "fretting = 'parameters' does not go with twist = .true.")
          return
       end if
