@@ -4,10 +4,12 @@
 !> Cases that share a body share its factorization, and each starts from the contact state of the one before, or of the
 !> coarser mesh. The same procedures solve bodies made in code, and certify cases of sweeps, steps of histories and the
 !> results that `--verify` reads.
+! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: sum_uncanceled_terms
    use amontons_auto, only: auto_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_boundary, only: new_patch, patch_t
    use amontons_certificate, only: new_certificate
@@ -17,7 +19,6 @@ module amontons_solve_case
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: recover_with_travel
    use amontons_error, only: error_t, new_error, no_equilibrium, numerical_failure
    use amontons_key_results, only: body_peaks, contact_results_t, new_contact_results, wear_results
